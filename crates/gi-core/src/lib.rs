@@ -1,0 +1,5 @@
+//! The world and the walks: everything that the techniques share.
+
+pub mod math;
+pub mod ray;
+pub mod rng;

@@ -1,0 +1,24 @@
+//! Vectors come from `glam`; here stands what a renderer adds to them: radiance, orthonormal frames, boxes.
+
+mod bounds;
+mod frame;
+mod rgb;
+
+pub use bounds::Bounds;
+pub use frame::Frame;
+pub use rgb::Rgb;
+
+/// 1 / pi.
+pub const INV_PI: f32 = std::f32::consts::FRAC_1_PI;
+
+/// The square, written once.
+#[inline]
+pub fn sqr(x: f32) -> f32 {
+    x * x
+}
+
+/// Square root that reads a rounding error below zero as zero.
+#[inline]
+pub fn safe_sqrt(x: f32) -> f32 {
+    x.max(0.0).sqrt()
+}
