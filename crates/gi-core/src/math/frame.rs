@@ -28,10 +28,13 @@ impl Frame {
     /// A frame round a unit normal whose `s` is the part of `tangent` across `n`;
     /// an arbitrary one where the tangent is zero or parallel to the normal.
     pub fn from_normal_tangent(n: Vec3, tangent: Vec3) -> Self {
-        match (tangent - n * n.dot(tangent)).try_normalize() {
-            Some(s) => Frame { s, t: n.cross(s), n },
-            None => Self::from_normal(n),
+        let across = tangent - n * n.dot(tangent);
+        // What is left of a parallel tangent is rounding error: six bits of it are no direction.
+        if across.length_squared() <= 1e-10 * tangent.length_squared() {
+            return Self::from_normal(n);
         }
+        let s = across.normalize();
+        Frame { s, t: n.cross(s), n }
     }
 
     /// World to local.
