@@ -33,7 +33,9 @@ impl Frame {
         if across.length_squared() <= 1e-10 * tangent.length_squared() {
             return Self::from_normal(n);
         }
+        // Once more, since a nearly parallel tangent leaves an error that normalising magnifies.
         let s = across.normalize();
+        let s = (s - n * n.dot(s)).normalize();
         Frame { s, t: n.cross(s), n }
     }
 
