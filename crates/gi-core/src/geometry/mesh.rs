@@ -1,0 +1,83 @@
+use glam::{Affine3A, Vec2, Vec3};
+
+use crate::math::Bounds;
+
+/// A triangle mesh in world space. Per-vertex arrays are empty or as long as `positions`.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// Vertices.
+    pub positions: Vec<Vec3>,
+    /// Unit shading normals; empty for face normals.
+    pub normals: Vec<Vec3>,
+    /// Texture coordinates, v = 0 at the top row of an image; empty for barycentric coordinates.
+    pub uvs: Vec<Vec2>,
+    /// Three indices a triangle; counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Mesh {
+    /// The corners of triangle `k`.
+    #[inline]
+    pub fn corners(&self, k: usize) -> [Vec3; 3] {
+        self.triangles[k].map(|i| self.positions[i as usize])
+    }
+
+    /// The box round all vertices.
+    pub fn bounds(&self) -> Bounds {
+        Bounds::of(self.positions.iter().copied())
+    }
+
+    /// Area-weighted face normal of triangle `k`: the cross product of its edges, twice its area long.
+    #[inline]
+    pub fn area_vector(&self, k: usize) -> Vec3 {
+        let [a, b, c] = self.corners(k);
+        (b - a).cross(c - a)
+    }
+
+    /// Move the mesh by an affine map. Normals follow the inverse transpose; the winding is kept,
+    /// so a mirroring map turns face normals round, as Mitsuba does.
+    pub fn transform(&mut self, m: &Affine3A) {
+        for p in &mut self.positions {
+            *p = m.transform_point3(*p);
+        }
+        let normal_map = m.matrix3.inverse().transpose();
+        for n in &mut self.normals {
+            *n = (normal_map * *n).try_normalize().unwrap_or(Vec3::Z);
+        }
+    }
+
+    /// Replace the shading normals by the angle-weighted mean of the faces round each vertex [Thurmer98].
+    pub fn smooth_normals(&mut self) {
+        let mut sums = vec![Vec3::ZERO; self.positions.len()];
+        for k in 0..self.triangles.len() {
+            let Some(n) = self.area_vector(k).try_normalize() else { continue };
+            let p = self.corners(k);
+            for (j, &index) in self.triangles[k].iter().enumerate() {
+                let (a, b) = (p[(j + 1) % 3] - p[j], p[(j + 2) % 3] - p[j]);
+                sums[index as usize] += n * a.angle_between(b);
+            }
+        }
+        self.normals = sums.into_iter().map(|n| n.try_normalize().unwrap_or(Vec3::Z)).collect();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn normals_follow_the_inverse_transpose() {
+        let mut mesh = Mesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y + Vec3::Z],
+            triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
+        };
+        mesh.smooth_normals();
+        let squash = Affine3A::from_scale(Vec3::new(1.0, 0.2, 3.0));
+        mesh.transform(&squash);
+        let face = mesh.area_vector(0).normalize();
+        for n in &mesh.normals {
+            assert!((*n - face).length() < 1e-6, "{n} is not {face}");
+        }
+    }
+}

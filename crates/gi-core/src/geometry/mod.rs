@@ -1,0 +1,9 @@
+//! Shapes as a scene gives them: meshes and the analytic solids, in world space.
+
+mod mesh;
+mod shape;
+mod surface;
+
+pub use mesh::Mesh;
+pub use shape::{Geometry, Instance, Shape};
+pub use surface::Surface;

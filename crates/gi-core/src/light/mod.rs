@@ -1,0 +1,5 @@
+//! Lights.
+
+mod source;
+
+pub use source::LightSource;

@@ -1,0 +1,59 @@
+use glam::{Affine3A, Vec3};
+
+use crate::math::Rgb;
+use crate::texture::Bitmap;
+
+/// A light that is no surface, as a scene gives it. (Surfaces shine by [`crate::geometry::Shape::emission`].)
+#[derive(Clone, Debug)]
+pub enum LightSource {
+    /// The same intensity in all directions.
+    Point {
+        /// World position.
+        position: Vec3,
+        /// Power per steradian.
+        intensity: Rgb,
+    },
+    /// A cone that fades linearly in the angle between beam width and cutoff.
+    Spot {
+        /// World position.
+        position: Vec3,
+        /// Unit axis.
+        direction: Vec3,
+        /// Power per steradian inside of the beam.
+        intensity: Rgb,
+        /// Half angle of the cone, radians.
+        cutoff: f32,
+        /// Half angle within which the intensity is full, radians.
+        beam: f32,
+    },
+    /// Parallel light from far away.
+    Directional {
+        /// Unit, the way the light travels.
+        direction: Vec3,
+        /// Irradiance on a surface across it.
+        irradiance: Rgb,
+    },
+    /// The same radiance from all directions.
+    Constant {
+        /// Radiance.
+        radiance: Rgb,
+    },
+    /// A latitude-longitude picture at infinity, local +y up.
+    Environment {
+        /// Radiance; `u = atan2(x, -z) / 2 pi`, `v = acos(y) / pi` of the local direction.
+        image: Bitmap,
+        /// Multiplies the picture.
+        scale: f32,
+        /// Rotation from local to world.
+        to_world: Affine3A,
+    },
+    /// A disc of constant radiance at infinity, as the sun.
+    DistantDisc {
+        /// Unit, towards the middle of the disc.
+        direction: Vec3,
+        /// Angular radius, radians.
+        angular_radius: f32,
+        /// Radiance.
+        radiance: Rgb,
+    },
+}

@@ -1,0 +1,134 @@
+//! Materials as a scene gives them: parameters are textures. [`crate::bsdf::Bsdf`] is a material at a point.
+
+use crate::math::Rgb;
+use crate::texture::Texture;
+
+/// Distribution of microfacet normals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Distribution {
+    /// Trowbridge-Reitz.
+    Ggx,
+    /// Gaussian slopes.
+    Beckmann,
+}
+
+/// Roughness of a microfacet surface.
+#[derive(Clone, Debug)]
+pub struct Roughness {
+    /// Which distribution.
+    pub distribution: Distribution,
+    /// Width along the first tangent.
+    pub alpha_u: Texture,
+    /// Width along the second tangent.
+    pub alpha_v: Texture,
+}
+
+/// How a surface scatters light. Children are indices into the same table of materials
+/// and must stand before their parent.
+#[derive(Clone, Debug)]
+pub enum Material {
+    /// Lambert.
+    Diffuse {
+        /// Albedo.
+        reflectance: Texture,
+    },
+    /// Oren-Nayar's qualitative model.
+    RoughDiffuse {
+        /// Albedo.
+        reflectance: Texture,
+        /// Root mean square slope of the facets.
+        alpha: Texture,
+    },
+    /// Metal: smooth without `roughness`.
+    Conductor {
+        /// Real part of the index of refraction.
+        eta: Rgb,
+        /// Imaginary part. `eta = 0, k = 1` is a perfect mirror.
+        k: Rgb,
+        /// Factor on the reflection.
+        reflectance: Texture,
+        /// Facets, if rough.
+        roughness: Option<Roughness>,
+    },
+    /// Glass: smooth without `roughness`.
+    Dielectric {
+        /// Index inside over index outside.
+        eta: f32,
+        /// Factor on reflection.
+        reflectance: Texture,
+        /// Factor on transmission.
+        transmittance: Texture,
+        /// Facets, if rough.
+        roughness: Option<Roughness>,
+    },
+    /// A pane: both interfaces at once, no refraction.
+    ThinDielectric {
+        /// Index of the pane over index round it.
+        eta: f32,
+        /// Factor on reflection.
+        reflectance: Texture,
+        /// Factor on transmission.
+        transmittance: Texture,
+    },
+    /// A diffuse base under a dielectric coat: smooth without `roughness`.
+    Plastic {
+        /// Index of the coat over index outside.
+        eta: f32,
+        /// Albedo of the base.
+        diffuse: Texture,
+        /// Factor on the coat's reflection.
+        specular: Texture,
+        /// Whether light that bounces inside the coat is tinted each time.
+        nonlinear: bool,
+        /// Facets of the coat, if rough (isotropic; `alpha_u` counts and must be constant).
+        roughness: Option<Roughness>,
+    },
+    /// Modified Phong [Lafortune94].
+    Phong {
+        /// Diffuse albedo.
+        diffuse: Texture,
+        /// Albedo of the lobe.
+        specular: Texture,
+        /// Exponent of the lobe.
+        exponent: Texture,
+    },
+    /// Nothing there: light passes straight through.
+    Null,
+    /// Partly there.
+    Mask {
+        /// 1 is opaque, 0 lets all light through.
+        opacity: Texture,
+        /// What is there.
+        inner: usize,
+    },
+    /// A one-sided material on both sides.
+    TwoSided {
+        /// On the side of the normal.
+        front: usize,
+        /// Against the normal.
+        back: usize,
+    },
+    /// A mixture.
+    Blend {
+        /// Share of `second`, in [0, 1].
+        weight: Texture,
+        /// At weight 0.
+        first: usize,
+        /// At weight 1.
+        second: usize,
+    },
+    /// Shading normals bent by a height field.
+    Bump {
+        /// Height in world units per unit of texture coordinate stretch.
+        height: Texture,
+        /// What is bent.
+        inner: usize,
+    },
+    /// Shading normals from a picture: (r, g, b) = (n + 1) / 2 in the frame (dp/du, dp/dv, n).
+    NormalMap {
+        /// Encoded normals, linear.
+        normals: Texture,
+        /// What is bent.
+        inner: usize,
+    },
+}

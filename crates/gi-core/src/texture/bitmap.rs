@@ -1,0 +1,184 @@
+use std::sync::LazyLock;
+
+use glam::Vec2;
+
+use crate::math::Rgb;
+
+/// How texels are stored; row by row from the top.
+#[derive(Clone, Debug)]
+pub enum Texels {
+    /// Bytes in the sRGB curve, decoded at lookup.
+    Srgb8(Vec<[u8; 3]>),
+    /// Bytes that are linear numbers ("raw"): 255 is one.
+    Linear8(Vec<[u8; 3]>),
+    /// Linear floats.
+    Float(Vec<Rgb>),
+}
+
+/// What lies outside of the unit square.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wrap {
+    /// The picture again.
+    #[default]
+    Repeat,
+    /// The picture mirrored.
+    Mirror,
+    /// Its border.
+    Clamp,
+}
+
+/// How a value is read between texels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Lookup {
+    /// Interpolate the four nearest.
+    #[default]
+    Bilinear,
+    /// Take the nearest.
+    Nearest,
+}
+
+/// A picture over the unit square; (0, 0) is its top left corner.
+#[derive(Clone, Debug)]
+pub struct Bitmap {
+    width: usize,
+    height: usize,
+    texels: Texels,
+    wrap: Wrap,
+    lookup: Lookup,
+}
+
+/// The sRGB curve from bytes to linear [IEC 61966-2-1].
+static SRGB_TO_LINEAR: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|i| srgb_to_linear(i as f32 / 255.0)));
+
+/// Decode one sRGB value in [0, 1].
+pub fn srgb_to_linear(v: f32) -> f32 {
+    if v <= 0.040_45 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+}
+
+impl Bitmap {
+    /// A picture of `width` x `height` texels.
+    ///
+    /// # Panics
+    /// If the number of texels is not their product, or is zero.
+    pub fn new(width: usize, height: usize, texels: Texels, wrap: Wrap, lookup: Lookup) -> Self {
+        let count = match &texels {
+            Texels::Srgb8(t) | Texels::Linear8(t) => t.len(),
+            Texels::Float(t) => t.len(),
+        };
+        assert!(width * height == count && count > 0, "{width} x {height} texels, {count} given");
+        Bitmap { width, height, texels, wrap, lookup }
+    }
+
+    /// Texels in a row.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Rows.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// The texel in column `x` of row `y`, linear.
+    #[inline]
+    pub fn texel(&self, x: usize, y: usize) -> Rgb {
+        let i = y * self.width + x;
+        match &self.texels {
+            Texels::Srgb8(t) => {
+                let lut = &*SRGB_TO_LINEAR;
+                Rgb::from(t[i].map(|c| lut[c as usize]))
+            }
+            Texels::Linear8(t) => Rgb::from(t[i].map(|c| f32::from(c) * (1.0 / 255.0))),
+            Texels::Float(t) => t[i],
+        }
+    }
+
+    /// The value at `uv`.
+    pub fn eval(&self, uv: Vec2) -> Rgb {
+        let size = Vec2::new(self.width as f32, self.height as f32);
+        match self.lookup {
+            Lookup::Nearest => {
+                let p = (uv * size).floor();
+                self.texel(self.wrapped(p.x, self.width), self.wrapped(p.y, self.height))
+            }
+            Lookup::Bilinear => {
+                let p = uv * size - 0.5;
+                let (base, f) = (p.floor(), p - p.floor());
+                let [x0, x1] = [base.x, base.x + 1.0].map(|x| self.wrapped(x, self.width));
+                let [y0, y1] = [base.y, base.y + 1.0].map(|y| self.wrapped(y, self.height));
+                let top = self.texel(x0, y0).lerp(self.texel(x1, y0), f.x);
+                let bottom = self.texel(x0, y1).lerp(self.texel(x1, y1), f.x);
+                top.lerp(bottom, f.y)
+            }
+        }
+    }
+
+    /// Mean of all texels.
+    pub fn mean(&self) -> Rgb {
+        let mut sum = [0f64; 3];
+        for y in 0..self.height {
+            for x in 0..self.width {
+                let t = self.texel(x, y).to_array();
+                (0..3).for_each(|k| sum[k] += f64::from(t[k]));
+            }
+        }
+        Rgb::from(sum.map(|s| (s / (self.width * self.height) as f64) as f32))
+    }
+
+    /// Bring a texel coordinate (a whole number, perhaps huge or not finite) into 0..n.
+    #[inline]
+    fn wrapped(&self, i: f32, n: usize) -> usize {
+        let n_f = n as f32;
+        let inside = match self.wrap {
+            Wrap::Repeat => i - n_f * (i / n_f).floor(),
+            Wrap::Clamp => i,
+            Wrap::Mirror => {
+                let period = 2.0 * n_f;
+                let j = i - period * (i / period).floor();
+                if j < n_f { j } else { period - 1.0 - j }
+            }
+        };
+        (inside.max(0.0) as usize).min(n - 1) // `as` reads NaN as 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ramp(wrap: Wrap, lookup: Lookup) -> Bitmap {
+        Bitmap::new(
+            4,
+            1,
+            Texels::Float((0..4).map(|i| Rgb::grey(i as f32)).collect()),
+            wrap,
+            lookup,
+        )
+    }
+
+    #[test]
+    fn bilinear_lookup_reads_texel_centres_exactly_and_means_between() {
+        let b = ramp(Wrap::Repeat, Lookup::Bilinear);
+        for i in 0..4 {
+            assert_eq!(b.eval(Vec2::new((i as f32 + 0.5) / 4.0, 0.3)).r, i as f32);
+        }
+        assert!((b.eval(Vec2::new(0.5, 0.5)).r - 1.5).abs() < 1e-6);
+        assert!(
+            (b.eval(Vec2::new(0.0, 0.5)).r - 1.5).abs() < 1e-6,
+            "the seam joins texels 3 and 0"
+        );
+    }
+
+    #[test]
+    fn wrapping_holds_far_outside_and_for_numbers_that_are_none() {
+        let read = |wrap, u: f32| ramp(wrap, Lookup::Nearest).eval(Vec2::new(u, 0.0)).r;
+        assert_eq!([-0.1, 1.1, 5.3].map(|u| read(Wrap::Repeat, u)), [3.0, 0.0, 1.0]);
+        assert_eq!([-0.1, 1.1, 5.3].map(|u| read(Wrap::Mirror, u)), [0.0, 3.0, 2.0]);
+        assert_eq!([-0.1, 1.1, 5.3].map(|u| read(Wrap::Clamp, u)), [0.0, 3.0, 3.0]);
+        for u in [f32::NAN, f32::INFINITY, -1e30] {
+            read(Wrap::Repeat, u);
+            read(Wrap::Mirror, u);
+        }
+    }
+}

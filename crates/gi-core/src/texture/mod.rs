@@ -1,0 +1,119 @@
+//! Textures: what a material parameter is at a point of a surface.
+
+mod bitmap;
+
+use glam::{Affine2, Vec2};
+
+use crate::math::Rgb;
+pub use bitmap::{Bitmap, Lookup, Texels, Wrap};
+use std::sync::Arc;
+
+/// A colour or number that may vary over a surface.
+#[derive(Clone, Debug)]
+pub enum Texture {
+    /// The same everywhere.
+    Constant(Rgb),
+    /// A picture.
+    Bitmap {
+        /// Texels, shared between the materials that use them.
+        bitmap: Arc<Bitmap>,
+        /// From surface to texture coordinates.
+        to_uv: Affine2,
+        /// Multiplies what is read.
+        scale: Rgb,
+    },
+    /// Alternating squares, four a unit square of texture coordinates (two by two).
+    Checkerboard {
+        /// Squares that touch the origin.
+        color0: Box<Texture>,
+        /// The others.
+        color1: Box<Texture>,
+        /// From surface to texture coordinates.
+        to_uv: Affine2,
+    },
+}
+
+impl Texture {
+    /// A grey constant.
+    pub fn grey(v: f32) -> Self {
+        Texture::Constant(Rgb::grey(v))
+    }
+
+    /// The value at surface coordinates `uv`.
+    #[inline]
+    pub fn eval(&self, uv: Vec2) -> Rgb {
+        match self {
+            Texture::Constant(value) => *value,
+            Texture::Bitmap { bitmap, to_uv, scale } => {
+                bitmap.eval(to_uv.transform_point2(uv)) * *scale
+            }
+            Texture::Checkerboard { color0, color1, to_uv } => {
+                let p = to_uv.transform_point2(uv);
+                let half = |x: f32| (x - x.floor()) >= 0.5;
+                if half(p.x) == half(p.y) { color0.eval(uv) } else { color1.eval(uv) }
+            }
+        }
+    }
+
+    /// The value as one number: the luminance, which for greys is the number itself.
+    #[inline]
+    pub fn scalar(&self, uv: Vec2) -> f32 {
+        match self {
+            Texture::Constant(value) if value.r == value.g && value.g == value.b => value.r,
+            _ => self.eval(uv).luminance(),
+        }
+    }
+
+    /// Derivatives of [`Texture::scalar`] along u and v, for bump mapping.
+    pub fn scalar_gradient(&self, uv: Vec2) -> Vec2 {
+        // A step of half a texel: the bilinear interpolant's slope, not its noise.
+        let step = match self {
+            Texture::Constant(_) => return Vec2::ZERO,
+            Texture::Bitmap { bitmap, to_uv, .. } => {
+                let texel = Vec2::ONE / Vec2::new(bitmap.width() as f32, bitmap.height() as f32);
+                let stretch =
+                    Vec2::new(to_uv.matrix2.x_axis.length(), to_uv.matrix2.y_axis.length());
+                0.5 * texel / stretch.max(Vec2::splat(1e-6))
+            }
+            Texture::Checkerboard { .. } => Vec2::splat(1e-3),
+        };
+        let slope = |axis: Vec2, h: f32| {
+            (self.scalar(uv + axis * h) - self.scalar(uv - axis * h)) / (2.0 * h)
+        };
+        Vec2::new(slope(Vec2::X, step.x), slope(Vec2::Y, step.y))
+    }
+
+    /// Mean over the unit square of texture coordinates; exact for constants, from the texels for pictures.
+    pub fn mean(&self) -> Rgb {
+        match self {
+            Texture::Constant(value) => *value,
+            Texture::Bitmap { bitmap, scale, .. } => bitmap.mean() * *scale,
+            Texture::Checkerboard { color0, color1, .. } => (color0.mean() + color1.mean()) * 0.5,
+        }
+    }
+
+    /// Multiply every value by `factor`.
+    pub fn scaled(self, factor: Rgb) -> Self {
+        match self {
+            Texture::Constant(value) => Texture::Constant(value * factor),
+            Texture::Bitmap { bitmap, to_uv, scale } => {
+                Texture::Bitmap { bitmap, to_uv, scale: scale * factor }
+            }
+            Texture::Checkerboard { color0, color1, to_uv } => Texture::Checkerboard {
+                color0: Box::new(color0.scaled(factor)),
+                color1: Box::new(color1.scaled(factor)),
+                to_uv,
+            },
+        }
+    }
+
+    /// Whether the value is the same everywhere.
+    pub fn is_constant(&self) -> bool {
+        matches!(self, Texture::Constant(_))
+    }
+
+    /// Whether the value is zero everywhere.
+    pub fn is_black(&self) -> bool {
+        matches!(self, Texture::Constant(value) if value.is_black())
+    }
+}
