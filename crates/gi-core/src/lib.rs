@@ -10,5 +10,6 @@ pub mod math;
 pub mod medium;
 pub mod ray;
 pub mod rng;
+pub mod sampler;
 pub mod scene;
 pub mod texture;
