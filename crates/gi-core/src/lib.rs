@@ -13,3 +13,4 @@ pub mod rng;
 pub mod sampler;
 pub mod scene;
 pub mod texture;
+pub mod warp;
