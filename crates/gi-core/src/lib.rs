@@ -6,6 +6,7 @@ pub mod geometry;
 pub mod image_io;
 pub mod light;
 pub mod material;
+pub mod bvh;
 pub mod math;
 pub mod medium;
 pub mod ray;
