@@ -114,10 +114,17 @@ impl Lobe<'_> {
             Lobe::RoughDielectric { eta, facets, .. } => {
                 let m = facets.sample_visible(wo * 1f32.copysign(wo.z), u);
                 let interface = fresnel::dielectric(wo.dot(m), eta);
+                // A facet may throw light to the wrong side of the surface: Smith's model takes that as lost.
                 if u_choice < interface.reflectance {
-                    return self.weighted(wo, reflect(wo, m), transport);
+                    let wi = reflect(wo, m);
+                    return if wi.z * wo.z > 0.0 { self.weighted(wo, wi, transport) } else { None };
                 }
-                let refracted = self.weighted(wo, refract(wo, m, interface), transport)?;
+                let wi = refract(wo, m, interface);
+                let refracted = if wi.z * wo.z < 0.0 {
+                    self.weighted(wo, wi, transport)?
+                } else {
+                    return None;
+                };
                 Some(Scatter { eta: interface.eta, ..refracted })
             }
             Lobe::ThinDielectric { eta, reflect, transmit } => {
