@@ -105,7 +105,7 @@ fn integrate_smooth(c: usize, pdf_w: &impl Fn(Vec3) -> f32) -> f64 {
 
 /// Integral of the density over a cell, from one random point in each of N x N parts.
 fn integrate_jittered(c: usize, pdf_w: &impl Fn(Vec3) -> f32, rng: &mut Pcg) -> f64 {
-    const N: usize = 96;
+    const N: usize = 192;
     let mut at = |i: usize| (i as f64 + f64::from(rng.next_f32())) / N as f64;
     let sum: f64 = (0..N * N).map(|i| f64::from(pdf_w(direction(c, at(i % N), at(i / N))))).sum();
     solid_angle() * sum / (N * N) as f64
