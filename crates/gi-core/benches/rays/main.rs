@@ -68,7 +68,7 @@ fn main() {
 #[cfg(feature = "embree")]
 type Libraries = Vec<embree::Library>;
 #[cfg(not(feature = "embree"))]
-type Libraries = ();
+struct Libraries;
 
 #[cfg(feature = "embree")]
 fn libraries() -> Libraries {
@@ -81,7 +81,9 @@ fn libraries() -> Libraries {
 }
 
 #[cfg(not(feature = "embree"))]
-fn libraries() -> Libraries {}
+fn libraries() -> Libraries {
+    Libraries
+}
 
 /// Seconds that this thread has computed.
 #[cfg(unix)]
