@@ -78,7 +78,11 @@ pub(crate) struct Library {
 
 impl Library {
     /// Open the library at `path`.
-    #[expect(clippy::missing_transmute_annotations, reason = "each field gives the type")]
+    #[expect(
+        clippy::missing_transmute_annotations,
+        clippy::useless_transmute,
+        reason = "each field gives the type"
+    )]
     pub(crate) fn open(path: &str) -> Result<Library, String> {
         let c_path = CString::new(path).map_err(|e| e.to_string())?;
         // SAFETY: the path is a C string; Embree's initialisation has no preconditions.
