@@ -1,7 +1,5 @@
 //! What `obvhs` does for the tree: its compact binary node, splitting of large triangles, and reinsertion.
 
-use std::cmp::Reverse;
-
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
@@ -75,32 +73,36 @@ const ROUNDS: usize = 16;
 /// Move subtrees to better places [Meister18], the largest first. The candidates come from here and not from the
 /// optimiser, which would look for them at the front of the array.
 pub(super) fn reinsert(nodes: Vec<BinaryNode>) -> Vec<BinaryNode> {
-    let mut pool: Vec<u32> =
-        (1..nodes.len() as u32).filter(|&i| !is_hole(&nodes[i as usize])).collect();
-    let first_round = (pool.len() as f32 * REINSERTED) as usize;
+    let all = (1..nodes.len() as u32).filter(|&i| !is_hole(&nodes[i as usize]));
+    let mut ranked: Vec<u64> = all.map(|i| rank(&nodes, i)).collect();
+    let first_round = (ranked.len() as f32 * REINSERTED) as usize;
+    keep_first(&mut ranked, 2 * first_round);
+    let pool: Vec<u32> = ranked.iter().map(|&r| r as u32).collect();
     let mut tree = Bvh2 { nodes, ..Bvh2::default() };
     let mut optimizer = ReinsertionOptimizer::default();
-    keep_largest(&mut pool, &tree.nodes, 2 * first_round);
     for round in 0..ROUNDS {
-        let mut candidates = pool.clone();
-        keep_largest(&mut candidates, &tree.nodes, (first_round / (2 * round + 1)).max(1));
-        candidates.sort_unstable_by_key(|&i| rank(&tree.nodes, i));
+        ranked.clear();
+        ranked.extend(pool.iter().map(|&i| rank(&tree.nodes, i)));
+        keep_first(&mut ranked, (first_round / (2 * round + 1)).max(1));
+        ranked.sort_unstable();
+        let candidates: Vec<u32> = ranked.iter().map(|&r| r as u32).collect();
         optimizer.run_with_candidates(&mut tree, &candidates, 1);
     }
     tree.nodes
 }
 
-/// Drop all indices but those of the `count` nodes with the largest boxes.
-fn keep_largest(indices: &mut Vec<u32>, nodes: &[BinaryNode], count: usize) {
-    if count < indices.len() {
-        indices.select_nth_unstable_by_key(count, |&i| rank(nodes, i));
-        indices.truncate(count);
+/// Drop all but the smallest `count`.
+fn keep_first(ranked: &mut Vec<u64>, count: usize) {
+    if count < ranked.len() {
+        ranked.select_nth_unstable(count);
+        ranked.truncate(count);
     }
 }
 
-/// Orders nodes from large to small, without ties.
-fn rank(nodes: &[BinaryNode], i: u32) -> (Reverse<u32>, u32) {
-    (Reverse(nodes[i as usize].aabb().half_area().to_bits()), i)
+/// A key that orders nodes from large to small, without ties; its low half is the index.
+fn rank(nodes: &[BinaryNode], i: u32) -> u64 {
+    let area = nodes[i as usize].aabb().half_area();
+    u64::from(!area.to_bits()) << 32 | u64::from(i)
 }
 
 /// What fills the places that a leaf of several references leaves unused.

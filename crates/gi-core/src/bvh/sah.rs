@@ -65,12 +65,58 @@ pub(super) enum Method {
 pub(super) fn build(input: &mut Input, method: Method) -> Vec<BinaryNode> {
     let mut refs = std::mem::take(&mut input.refs);
     let mut nodes = zeroed_nodes(refs.len());
-    if let [root, rest @ ..] = &mut nodes[..] {
+    if let [node, rest @ ..] = &mut nodes[..] {
         let extent = Extent::of(&refs);
-        Splitter { input, method }.grow(root, rest, 1, &mut refs, 0, extent, 0);
+        let whole = Range { node, rest, base: 1, refs: &mut refs, first: 0, extent, depth: 0 };
+        Splitter { input, method }.grow(whole, &mut Bins::EMPTY);
     }
     input.refs = refs;
     nodes
+}
+
+/// References to grow a subtree over, and room for it.
+struct Range<'a> {
+    node: &'a mut BinaryNode,
+    /// Room for the descendants.
+    rest: &'a mut [BinaryNode],
+    /// The index of the first node of `rest`.
+    base: usize,
+    refs: &'a mut [PrimRef],
+    /// The index of the first of `refs`.
+    first: usize,
+    extent: Extent,
+    depth: u32,
+}
+
+impl<'a> Range<'a> {
+    /// The two ranges below this one, of which the left has `middle` references.
+    fn halves(self, middle: usize, [left_extent, right_extent]: [Extent; 2]) -> [Range<'a>; 2] {
+        let (left_refs, right_refs) = self.refs.split_at_mut(middle);
+        let (children, rest) = self.rest.split_at_mut(2);
+        let (left, right) = children.split_at_mut(1);
+        let (left_rest, right_rest) = rest.split_at_mut(2 * middle - 2);
+        let (base, first, depth) = (self.base, self.first, self.depth + 1);
+        [
+            Range {
+                node: &mut left[0],
+                rest: left_rest,
+                base: base + 2,
+                refs: left_refs,
+                first,
+                extent: left_extent,
+                depth,
+            },
+            Range {
+                node: &mut right[0],
+                rest: right_rest,
+                base: base + 2 * middle,
+                refs: right_refs,
+                first: first + middle,
+                extent: right_extent,
+                depth,
+            },
+        ]
+    }
 }
 
 struct Splitter<'a> {
@@ -79,54 +125,27 @@ struct Splitter<'a> {
 }
 
 impl Splitter<'_> {
-    /// Grow `node` over `refs`, whose first stands at `first`; `rest` is room for the descendants, from index `base` on.
-    #[allow(clippy::too_many_arguments)]
-    fn grow(
-        &self,
-        node: &mut BinaryNode,
-        rest: &mut [BinaryNode],
-        base: usize,
-        refs: &mut [PrimRef],
-        first: usize,
-        extent: Extent,
-        depth: u32,
-    ) {
-        let bounds = extent.bounds;
-        node.min = bounds.min.truncate();
-        node.max = bounds.max.truncate();
-        if self.is_leaf(refs) {
-            node.prim_count = refs.len() as u32;
-            node.first_index = first as u32;
-            rest.fill(hole());
+    /// Grow a subtree; `bins` is scratch space.
+    fn grow(&self, range: Range, bins: &mut Bins) {
+        let bounds = range.extent.bounds;
+        range.node.min = bounds.min.truncate();
+        range.node.max = bounds.max.truncate();
+        if self.is_leaf(range.refs) {
+            range.node.prim_count = range.refs.len() as u32;
+            range.node.first_index = range.first as u32;
+            range.rest.fill(hole());
             return;
         }
-        node.prim_count = 0;
-        node.first_index = base as u32;
-        let ([left_extent, right_extent], middle) = self.split(refs, &extent, depth);
-        let (left_refs, right_refs) = refs.split_at_mut(middle);
-        let (children, rest) = rest.split_at_mut(2);
-        let [left, right] = children else { unreachable!("two children") };
-        let (left_rest, right_rest) = rest.split_at_mut(2 * middle - 2);
-        let right_base = base + 2 * middle;
-        let (right_first, parallel) = (first + middle, left_refs.len() + right_refs.len() > TASK);
-        let mut grow_left =
-            || self.grow(left, left_rest, base + 2, left_refs, first, left_extent, depth + 1);
-        let mut grow_right = || {
-            self.grow(
-                right,
-                right_rest,
-                right_base,
-                right_refs,
-                right_first,
-                right_extent,
-                depth + 1,
-            )
-        };
+        range.node.prim_count = 0;
+        range.node.first_index = range.base as u32;
+        let parallel = range.refs.len() > TASK;
+        let (extents, middle) = self.split(range.refs, &range.extent, range.depth, bins);
+        let [left, right] = range.halves(middle, extents);
         if parallel {
-            rayon::join(grow_left, grow_right);
+            rayon::join(|| self.grow(left, bins), || self.grow(right, &mut Bins::EMPTY));
         } else {
-            grow_left();
-            grow_right();
+            self.grow(left, bins);
+            self.grow(right, bins);
         }
     }
 
@@ -137,15 +156,20 @@ impl Splitter<'_> {
     }
 
     /// Reorder `refs` into two parts; return their extents and where the second begins.
-    fn split(&self, refs: &mut [PrimRef], extent: &Extent, depth: u32) -> ([Extent; 2], usize) {
+    fn split(
+        &self,
+        refs: &mut [PrimRef],
+        extent: &Extent,
+        depth: u32,
+        bins: &mut Bins,
+    ) -> ([Extent; 2], usize) {
         // Keep the depth in bounds: from here on, halving needs the logarithm of what is left.
         let halve = self.method == Method::Halves || depth + refs.len().ilog2() + 1 >= MAX_DEPTH;
         if !halve {
             let grid = Grid::new(refs.len(), &extent.centers);
-            if let Some((axis, bin)) = cheapest(&bin_all(refs, &grid), grid.count) {
-                let (parts, middle) = partition(refs, |r| grid.bin(r)[axis] <= bin);
-                debug_assert!(middle > 0 && middle < refs.len());
-                return (parts, middle);
+            bins.fill(refs, &grid);
+            if let Some((axis, bin)) = bins.cheapest(grid.count) {
+                return partition(refs, |r| grid.bin(r)[axis] <= bin);
             }
         }
         let (left, right) = refs.split_at(refs.len() / 2);
@@ -184,76 +208,81 @@ impl Grid {
     }
 }
 
-/// The boxes and counts of all bins.
-#[derive(Clone)]
+/// The boxes and counts of all bins, the three axes of a bin side by side.
 struct Bins {
-    bounds: [[Box4; BINS]; 3],
-    count: [[u32; BINS]; 3],
+    bounds: [[Box4; 3]; BINS],
+    count: [[u32; 3]; BINS],
 }
 
 impl Bins {
-    const EMPTY: Bins = Bins { bounds: [[Box4::EMPTY; BINS]; 3], count: [[0; BINS]; 3] };
+    const EMPTY: Bins = Bins { bounds: [[Box4::EMPTY; 3]; BINS], count: [[0; 3]; BINS] };
+
+    /// Forget what was there and sort references into the bins.
+    fn fill(&mut self, refs: &[PrimRef], grid: &Grid) {
+        if refs.len() > BIN_CHUNK {
+            let parts = refs.par_chunks(BIN_CHUNK).map(|chunk| {
+                let mut part = Bins::EMPTY;
+                part.add(chunk, grid);
+                part
+            });
+            *self = parts.reduce(|| Bins::EMPTY, Bins::merged);
+            return;
+        }
+        self.bounds[..grid.count].fill([Box4::EMPTY; 3]);
+        self.count[..grid.count].fill([0; 3]);
+        self.add(refs, grid);
+    }
 
     fn add(&mut self, refs: &[PrimRef], grid: &Grid) {
         for r in refs {
             for (axis, bin) in grid.bin(r).into_iter().enumerate() {
-                self.bounds[axis][bin].grow(r.min, r.max);
-                self.count[axis][bin] += 1;
+                self.bounds[bin][axis].grow(r.min, r.max);
+                self.count[bin][axis] += 1;
             }
         }
     }
 
-    fn merged(mut self, other: &Bins) -> Self {
-        for axis in 0..3 {
-            for bin in 0..BINS {
-                let b = &other.bounds[axis][bin];
-                self.bounds[axis][bin].grow(b.min, b.max);
-                self.count[axis][bin] += other.count[axis][bin];
+    fn merged(mut self, other: Bins) -> Self {
+        for bin in 0..BINS {
+            for axis in 0..3 {
+                let b = &other.bounds[bin][axis];
+                self.bounds[bin][axis].grow(b.min, b.max);
+                self.count[bin][axis] += other.count[bin][axis];
             }
         }
         self
     }
-}
 
-fn bin_all(refs: &[PrimRef], grid: &Grid) -> Bins {
-    let bin = |chunk: &[PrimRef]| {
-        let mut bins = Bins::EMPTY;
-        bins.add(chunk, grid);
-        bins
-    };
-    if refs.len() <= BIN_CHUNK {
-        return bin(refs);
-    }
-    refs.par_chunks(BIN_CHUNK).map(bin).reduce(|| Bins::EMPTY, |a, b| a.merged(&b))
-}
-
-/// The axis and the last left bin of the cheapest plane with references on both sides.
-fn cheapest(bins: &Bins, count: usize) -> Option<(usize, usize)> {
-    let mut best = (f32::INFINITY, None);
-    for axis in 0..3 {
-        let (bounds, counts) = (&bins.bounds[axis], &bins.count[axis]);
-        let mut right_cost = [f32::INFINITY; BINS];
-        let (mut b, mut n) = (Box4::EMPTY, 0);
+    /// The axis and the last left bin of the cheapest plane with references on both sides.
+    fn cheapest(&self, count: usize) -> Option<(usize, usize)> {
+        let mut right_cost = [[f32::INFINITY; 3]; BINS];
+        let (mut b, mut n) = ([Box4::EMPTY; 3], [0; 3]);
         for i in (1..count).rev() {
-            b.grow(bounds[i].min, bounds[i].max);
-            n += counts[i];
-            if n > 0 {
-                right_cost[i] = b.half_area() * n as f32;
+            for axis in 0..3 {
+                right_cost[i][axis] = self.sweep(i, axis, &mut b, &mut n);
             }
         }
-        let (mut b, mut n) = (Box4::EMPTY, 0);
+        let mut best = (f32::INFINITY, None);
+        let (mut b, mut n) = ([Box4::EMPTY; 3], [0; 3]);
         for i in 0..count - 1 {
-            b.grow(bounds[i].min, bounds[i].max);
-            n += counts[i];
-            if n > 0 {
-                let cost = b.half_area() * n as f32 + right_cost[i + 1];
+            for axis in 0..3 {
+                let cost = self.sweep(i, axis, &mut b, &mut n) + right_cost[i + 1][axis];
                 if cost < best.0 {
                     best = (cost, Some((axis, i)));
                 }
             }
         }
+        best.1
     }
-    best.1
+
+    /// Add a bin to the boxes and counts of one side; what this side then costs, infinite while it is empty.
+    #[inline(always)]
+    fn sweep(&self, bin: usize, axis: usize, bounds: &mut [Box4; 3], count: &mut [u32; 3]) -> f32 {
+        let b = &self.bounds[bin][axis];
+        bounds[axis].grow(b.min, b.max);
+        count[axis] += self.count[bin][axis];
+        if count[axis] == 0 { f32::INFINITY } else { bounds[axis].half_area() * count[axis] as f32 }
+    }
 }
 
 /// Move what belongs left to the front, without a branch that depends on it; measure both sides on the way.
