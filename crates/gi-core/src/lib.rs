@@ -10,5 +10,7 @@ pub mod math;
 pub mod medium;
 pub mod ray;
 pub mod rng;
+pub mod sampler;
 pub mod scene;
 pub mod texture;
+pub mod warp;

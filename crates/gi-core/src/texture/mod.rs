@@ -5,7 +5,7 @@ mod bitmap;
 use glam::{Affine2, Vec2};
 
 use crate::math::Rgb;
-pub use bitmap::{Bitmap, Lookup, Texels, Wrap};
+pub use bitmap::{Bitmap, Lookup, Texels, Wrap, srgb_to_linear};
 use std::sync::Arc;
 
 /// A colour or number that may vary over a surface.

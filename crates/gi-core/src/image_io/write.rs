@@ -1,0 +1,131 @@
+use std::fs::File;
+use std::io::{BufWriter, Seek, Write};
+use std::path::Path;
+
+use exr::prelude::{
+    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, Layer, LayerAttributes,
+    Text, Vec2, WritableImage,
+};
+
+use super::Layers;
+
+/// The formats that a picture can be saved in, by extension.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ImageFile {
+    /// OpenEXR with all layers and metadata.
+    Exr,
+    /// Portable float map: radiance.
+    Pfm,
+    /// Radiance RGBE.
+    Hdr,
+    /// A view: exposure 0, sRGB.
+    Png,
+}
+
+impl ImageFile {
+    /// The format that a file name asks for.
+    pub fn from_path(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "exr" => Some(ImageFile::Exr),
+            "pfm" => Some(ImageFile::Pfm),
+            "hdr" => Some(ImageFile::Hdr),
+            "png" => Some(ImageFile::Png),
+            _ => None,
+        }
+    }
+}
+
+/// Save a picture so that a killed run leaves the old file or the new one, never half of one:
+/// write to a temporary name beside it, then rename.
+///
+/// # Errors
+/// One line saying what could not be written, without the file's name.
+pub fn write_file(path: &Path, format: ImageFile, layers: &Layers) -> Result<(), String> {
+    let mut name = path.file_name().ok_or("the name of a file is missing")?.to_os_string();
+    name.push(format!(".{}.part", std::process::id()));
+    let part = path.with_file_name(name);
+    let written = File::create(&part).map_err(|e| e.to_string()).and_then(|file| {
+        let mut out = BufWriter::new(file);
+        match format {
+            ImageFile::Exr => write_exr(&mut out, layers)?,
+            ImageFile::Pfm => write_pfm(&mut out, layers).map_err(|e| e.to_string())?,
+            ImageFile::Hdr => write_hdr(&mut out, layers)?,
+            ImageFile::Png => write_png(&mut out, layers)?,
+        }
+        let file = out.into_inner().map_err(|e| e.to_string())?;
+        file.sync_all().map_err(|e| e.to_string())
+    });
+    let done = written.and_then(|()| std::fs::rename(&part, path).map_err(|e| e.to_string()));
+    if done.is_err() {
+        let _ = std::fs::remove_file(&part); // nothing to do about a second failure
+    }
+    done
+}
+
+fn write_exr(out: &mut (impl Write + Seek), layers: &Layers) -> Result<(), String> {
+    let channels = layers
+        .channels
+        .iter()
+        .map(|(name, v)| AnyChannel::new(name.as_str(), FlatSamples::F32(v.clone())))
+        .collect();
+    let mut attributes = LayerAttributes::default();
+    for (name, value) in &layers.metadata {
+        attributes
+            .other
+            .insert(Text::from(name.as_str()), AttributeValue::Text(Text::from(value.as_str())));
+    }
+    let size = Vec2(layers.width, layers.height);
+    let layer = Layer::new(size, attributes, Encoding::FAST_LOSSLESS, AnyChannels::sort(channels));
+    Image::from_layer(layer).write().to_buffered(out).map_err(|e| e.to_string())
+}
+
+/// The radiance of pixel `i`.
+fn pixel([r, g, b]: [&[f32]; 3], i: usize) -> [f32; 3] {
+    [r[i], g[i], b[i]]
+}
+
+fn rgb(layers: &Layers) -> Result<[&[f32]; 3], String> {
+    let find =
+        |name| layers.channel(name).ok_or_else(|| format!("the picture has no channel {name}"));
+    Ok([find("R")?, find("G")?, find("B")?])
+}
+
+fn write_pfm(out: &mut impl Write, layers: &Layers) -> std::io::Result<()> {
+    let rgb = rgb(layers).map_err(std::io::Error::other)?;
+    write!(out, "PF\n{} {}\n-1.0\n", layers.width, layers.height)?;
+    for y in (0..layers.height).rev() {
+        for x in 0..layers.width {
+            for value in pixel(rgb, y * layers.width + x) {
+                out.write_all(&value.to_le_bytes())?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn write_hdr(out: &mut impl Write, layers: &Layers) -> Result<(), String> {
+    let rgb = rgb(layers)?;
+    let pixels: Vec<image::Rgb<f32>> = (0..layers.width * layers.height)
+        .map(|i| image::Rgb(pixel(rgb, i).map(|v| v.max(0.0))))
+        .collect();
+    let encoder = image::codecs::hdr::HdrEncoder::new(out);
+    encoder.encode(&pixels, layers.width, layers.height).map_err(|e| e.to_string())
+}
+
+fn write_png(out: &mut (impl Write + Seek), layers: &Layers) -> Result<(), String> {
+    let bytes = tone_map(rgb(layers)?, 0.0);
+    let picture = image::RgbImage::from_raw(layers.width as u32, layers.height as u32, bytes);
+    let picture = picture.ok_or("the picture's size is not that of its channels")?;
+    picture.write_to(out, image::ImageFormat::Png).map_err(|e| e.to_string())
+}
+
+/// Radiance to sRGB bytes: scale by 2^exposure, clip to [0, 1], apply the curve [IEC 61966-2-1].
+pub fn tone_map(rgb: [&[f32]; 3], exposure: f32) -> Vec<u8> {
+    let scale = exposure.exp2();
+    let encode = |v: f32| {
+        let v = (v * scale).clamp(0.0, 1.0);
+        let s = if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
+        (s * 255.0 + 0.5) as u8
+    };
+    (0..rgb[0].len()).flat_map(|i| pixel(rgb, i).map(encode)).collect()
+}

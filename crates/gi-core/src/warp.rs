@@ -1,0 +1,183 @@
+//! Warps of the unit square to directions and shapes, each with its density.
+//!
+//! `x_pdf` returns the density at a point that `x` returned, in the measure that its name or doc says.
+
+use std::f32::consts::PI;
+
+use glam::{Vec2, Vec3};
+
+use crate::math::{INV_PI, safe_sqrt, sqr};
+
+/// The unit disk, keeping areas and nearly keeping shapes [Shirley97].
+#[inline]
+pub fn disk([u, v]: [f32; 2]) -> Vec2 {
+    let (x, y) = (2.0 * u - 1.0, 2.0 * v - 1.0);
+    if x == 0.0 && y == 0.0 {
+        return Vec2::ZERO;
+    }
+    let (r, phi) = if x.abs() > y.abs() {
+        (x, 0.25 * PI * (y / x))
+    } else {
+        (y, 0.5 * PI - 0.25 * PI * (x / y))
+    };
+    let (sin, cos) = phi.sin_cos();
+    Vec2::new(r * cos, r * sin)
+}
+
+/// Density of [`disk`], per area of the unit disk.
+#[inline]
+pub fn disk_pdf() -> f32 {
+    INV_PI
+}
+
+/// The hemisphere round +z in proportion to the cosine: the disk lifted up (Malley's method).
+#[inline]
+pub fn cosine_hemisphere(u: [f32; 2]) -> Vec3 {
+    let p = disk(u);
+    Vec3::new(p.x, p.y, safe_sqrt(1.0 - p.length_squared()))
+}
+
+/// Density of [`cosine_hemisphere`], per solid angle.
+#[inline]
+pub fn cosine_hemisphere_pdf(cos_theta: f32) -> f32 {
+    cos_theta.max(0.0) * INV_PI
+}
+
+/// The unit sphere.
+#[inline]
+pub fn sphere([u, v]: [f32; 2]) -> Vec3 {
+    let z = 1.0 - 2.0 * u;
+    let (sin, cos) = (2.0 * PI * v).sin_cos();
+    let r = safe_sqrt(1.0 - z * z);
+    Vec3::new(r * cos, r * sin, z)
+}
+
+/// Density of [`sphere`], per solid angle.
+#[inline]
+pub fn sphere_pdf() -> f32 {
+    0.25 * INV_PI
+}
+
+/// The hemisphere round +z.
+#[inline]
+pub fn hemisphere([u, v]: [f32; 2]) -> Vec3 {
+    sphere([0.5 * u, v])
+}
+
+/// Density of [`hemisphere`], per solid angle.
+#[inline]
+pub fn hemisphere_pdf() -> f32 {
+    0.5 * INV_PI
+}
+
+/// Directions within a cone round +z. `one_minus_cos` of the half angle says its size without
+/// losing narrow cones to rounding.
+#[inline]
+pub fn cone([u, v]: [f32; 2], one_minus_cos: f32) -> Vec3 {
+    let h = u * one_minus_cos; // 1 - cos(theta)
+    let r = safe_sqrt(h * (2.0 - h));
+    let (sin, cos) = (2.0 * PI * v).sin_cos();
+    Vec3::new(r * cos, r * sin, 1.0 - h)
+}
+
+/// Density of [`cone`], per solid angle.
+#[inline]
+pub fn cone_pdf(one_minus_cos: f32) -> f32 {
+    0.5 * INV_PI / one_minus_cos
+}
+
+/// Barycentric weights of the second and third corner of a triangle, uniform in its area [Heitz19].
+#[inline]
+pub fn triangle([u, v]: [f32; 2]) -> [f32; 2] {
+    // Fold the square along its diagonal without crossing strata.
+    if u < v {
+        let x = 0.5 * u;
+        [x, v - x]
+    } else {
+        let y = 0.5 * v;
+        [u - y, y]
+    }
+}
+
+/// Solid angle of the spherical triangle through three unit vectors [VanOosterom83].
+#[inline]
+pub fn solid_angle(a: Vec3, b: Vec3, c: Vec3) -> f32 {
+    let volume = a.dot(b.cross(c)).abs();
+    2.0 * volume.atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a)).abs()
+}
+
+/// A direction uniform in the spherical triangle through three unit vectors [Arvo95].
+/// Its density per solid angle is one over [`solid_angle`]. `None` for a degenerate triangle.
+pub fn spherical_triangle([u, v]: [f32; 2], a: Vec3, b: Vec3, c: Vec3) -> Option<Vec3> {
+    // Angles at the corners, between the planes through the edges.
+    let n_ab = a.cross(b).try_normalize()?;
+    let n_bc = b.cross(c).try_normalize()?;
+    let n_ca = c.cross(a).try_normalize()?;
+    let angle = |m: Vec3, n: Vec3| safe_acos(-m.dot(n));
+    let (alpha, beta, gamma) = (angle(n_ab, n_ca), angle(n_bc, n_ab), angle(n_ca, n_bc));
+    // Choose the sub-triangle (a, b, c') of area u times the whole.
+    let area = alpha + beta + gamma - PI;
+    let (sin_alpha, cos_alpha) = alpha.sin_cos();
+    let (s, t) = (u * area - alpha).sin_cos();
+    let cos_c = a.dot(b);
+    let (p, q) = (t - cos_alpha, s + sin_alpha * cos_c);
+    let denominator = (q * s + p * t) * sin_alpha;
+    if denominator.abs() < 1e-20 {
+        return None;
+    }
+    let cos_b = (((t * q - s * p) * cos_alpha - q) / denominator).clamp(-1.0, 1.0);
+    let ortho = |x: Vec3, y: Vec3| (x - y * x.dot(y)).try_normalize();
+    let c_new = a * cos_b + ortho(c, a)? * safe_sqrt(1.0 - sqr(cos_b));
+    // Choose a point of the arc from b to c'.
+    let h = v * (1.0 - c_new.dot(b)); // 1 - cos
+    let w = b * (1.0 - h) + ortho(c_new, b)? * safe_sqrt(h * (2.0 - h));
+    w.is_finite().then_some(w)
+}
+
+/// `acos` of a cosine that rounding may have pushed past one.
+#[inline]
+fn safe_acos(x: f32) -> f32 {
+    x.clamp(-1.0, 1.0).acos()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::Pcg;
+
+    #[test]
+    fn the_octant_has_solid_angle_half_pi() {
+        assert!((solid_angle(Vec3::X, Vec3::Y, Vec3::Z) - 0.5 * PI).abs() < 1e-6);
+    }
+
+    #[test]
+    fn spherical_triangles_are_sampled_inside_and_with_the_right_centroid() {
+        let mut rng = Pcg::new(5, 0);
+        for case in 0..200 {
+            let [a, b, c] = std::array::from_fn(|_| sphere(rng.next_2d()));
+            if solid_angle(a, b, c) < 0.05 {
+                continue;
+            }
+            // The vector area of a spherical triangle is half the sum of its edges' angles times their normals;
+            // it equals the integral of the direction over the triangle.
+            let edge = |p: Vec3, q: Vec3| p.cross(q).normalize() * safe_acos(p.dot(q)) * 0.5;
+            let orientation = a.dot(b.cross(c)).signum();
+            let expected = (edge(a, b) + edge(b, c) + edge(c, a)) * orientation;
+            let n = 64;
+            let mut sum = Vec3::ZERO;
+            for i in 0..n * n {
+                let u = [((i % n) as f32 + 0.5) / n as f32, ((i / n) as f32 + 0.5) / n as f32];
+                let w = spherical_triangle(u, a, b, c).expect("not degenerate");
+                for (p, q) in [(a, b), (b, c), (c, a)] {
+                    assert!(w.dot(p.cross(q)) * orientation > -1e-4, "case {case}: {w} is outside");
+                }
+                sum += w;
+            }
+            let mean = sum / (n * n) as f32 * solid_angle(a, b, c);
+            assert!(
+                (mean - expected).length() < 5e-3 * solid_angle(a, b, c),
+                "case {case}: {mean} is not {expected}"
+            );
+        }
+    }
+}
