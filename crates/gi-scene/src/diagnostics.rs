@@ -158,10 +158,18 @@ impl Report {
 
     /// Something approximated or ignored: `file:line: text`.
     pub(crate) fn warn(&self, span: Span, message: impl AsRef<str>) {
+        let text = format!("{}: {}", self.place(span), message.as_ref());
+        let mut warnings = self.warnings.borrow_mut();
+        if !warnings.contains(&text) {
+            warnings.push(text);
+        }
+    }
+
+    /// `file:line` of a span.
+    pub(crate) fn place(&self, span: Span) -> String {
         let inner = self.inner.borrow();
         let file = &inner.files[span.file];
-        let line = file.line_of(span.start) + 1;
-        self.warnings.borrow_mut().push(format!("{}:{line}: {}", file.name, message.as_ref()));
+        format!("{}:{}", file.name, file.line_of(span.start) + 1)
     }
 
     /// A warning of no one line.

@@ -14,7 +14,7 @@ use crate::spectrum::Spectrum;
 mod node;
 mod parse;
 
-pub(crate) use node::Node;
+pub(crate) use node::{Meaning, Node};
 pub(crate) use parse::parse;
 
 /// Index into [`Document::objects`].

@@ -49,7 +49,8 @@ mod tests {
             h.value()
         };
         assert_eq!(of(&[b"abc"]), of(&[b"abc"]));
-        let all = [of(&[b"abc"]), of(&[b"abd"]), of(&[b"abc\0"]), of(&[b"ab", b"c"]), of(&[b"", b"abc"])];
+        let all =
+            [of(&[b"abc"]), of(&[b"abd"]), of(&[b"abc\0"]), of(&[b"ab", b"c"]), of(&[b"", b"abc"])];
         for (i, a) in all.iter().enumerate() {
             assert!(all[i + 1..].iter().all(|b| a != b));
         }

@@ -59,7 +59,12 @@ fn matrix(m: &[f32]) -> Result<Affine3A, String> {
     };
     let column = |c: usize| Vec3::new(m[c], m[rows + c], m[2 * rows + c]);
     let translation = if rows == 4 { column(3) } else { Vec3::ZERO };
-    Ok(Affine3A::from_cols(column(0).into(), column(1).into(), column(2).into(), translation.into()))
+    Ok(Affine3A::from_cols(
+        column(0).into(),
+        column(1).into(),
+        column(2).into(),
+        translation.into(),
+    ))
 }
 
 #[cfg(test)]

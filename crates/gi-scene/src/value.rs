@@ -62,7 +62,8 @@ pub(crate) fn color(text: &str, srgb: bool) -> Result<Rgb, String> {
     let text = text.trim();
     let raw = match text.strip_prefix('#') {
         Some(hex) if hex.len() == 6 && hex.is_ascii() => {
-            let code = u32::from_str_radix(hex, 16).map_err(|_| format!("`{text}` is no colour"))?;
+            let code =
+                u32::from_str_radix(hex, 16).map_err(|_| format!("`{text}` is no colour"))?;
             Vec3::new((code >> 16) as f32, (code >> 8 & 255) as f32, (code & 255) as f32) / 255.0
         }
         Some(_) => return Err(format!("`{text}` is no colour of the form #rrggbb")),
@@ -76,7 +77,8 @@ pub(crate) fn color(text: &str, srgb: bool) -> Result<Rgb, String> {
 pub(crate) fn pairs(text: &str) -> Result<Vec<(f32, f32)>, String> {
     let mut out = Vec::new();
     for word in words(text).take(MAX_NUMBERS) {
-        let (nm, v) = word.split_once(':').ok_or_else(|| format!("`{word}` is no nm:value pair"))?;
+        let (nm, v) =
+            word.split_once(':').ok_or_else(|| format!("`{word}` is no nm:value pair"))?;
         out.push((number(nm)?, number(v)?));
     }
     if !out.is_sorted_by(|a, b| a.0 < b.0) {

@@ -65,7 +65,12 @@ impl<'a> Node<'a> {
             .or_else(|| Some(format!("known are: {}", known.join(", "))));
         let tag = object.class.tag();
         let message = format!("unknown {tag} `{}`", object.plugin);
-        self.report.error_help(object.plugin_span, message, &format!("expected a {tag} plugin"), help);
+        self.report.error_help(
+            object.plugin_span,
+            message,
+            &format!("expected a {tag} plugin"),
+            help,
+        );
     }
 
     fn find(self, name: &'static str) -> Option<&'a Property> {
@@ -157,6 +162,14 @@ impl<'a> Node<'a> {
                 self.wrong_kind(p, "a string");
                 None
             }
+        }
+    }
+
+    /// A text, if that is what is given: for parameters that take names or numbers.
+    pub(crate) fn text_opt(self, name: &'static str) -> Option<&'a str> {
+        match &self.find(name)?.value {
+            Value::Text(t) => Some(t),
+            _ => None,
         }
     }
 
@@ -260,6 +273,15 @@ impl<'a> Node<'a> {
             c.used.set(true);
             Some(node)
         })
+    }
+
+    /// The `max_depth` of an integrator; its other parameters are not our business.
+    pub(crate) fn max_depth(self) -> Option<i32> {
+        let mut properties = self.object().properties.iter();
+        match properties.find(|p| p.name == "max_depth")?.value {
+            Value::Integer(depth) => i32::try_from(depth).ok(),
+            _ => None,
+        }
     }
 
     /// Children of a class in written order, whatever their names.

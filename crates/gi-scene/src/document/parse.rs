@@ -24,7 +24,11 @@ const MAX_ATTRIBUTE: usize = 1 << 16;
 const MAX_NODES: u32 = 1 << 24;
 
 /// Read a scene file and all that it includes.
-pub(crate) fn parse(path: &Path, defines: &[(String, String)], report: &Report) -> Option<Document> {
+pub(crate) fn parse(
+    path: &Path,
+    defines: &[(String, String)],
+    report: &Report,
+) -> Option<Document> {
     let mut parser = Parser::new(path, defines, report);
     let before = Span { file: 0, start: 0, end: 0 };
     parser.file(path, None, before);
@@ -127,8 +131,7 @@ impl<'r> Parser<'r> {
         };
         self.doc.hash.bytes(text.as_bytes());
         let file = self.report.add_file(path, &text);
-        let options =
-            roxmltree::ParsingOptions { nodes_limit: MAX_NODES, ..Default::default() };
+        let options = roxmltree::ParsingOptions { nodes_limit: MAX_NODES, ..Default::default() };
         let xml = match roxmltree::Document::parse_with_options(&text, options) {
             Ok(xml) => xml,
             Err(why) => return self.xml_error(&why, &text, file),
@@ -270,7 +273,8 @@ impl<'r> Parser<'r> {
         let found = match files::find(&name.value, &folder, &self.doc.search) {
             files::Found::Exact(path) => path,
             files::Found::OtherCase(path) => {
-                self.report.warn(name.span, format!("`{}` is read as `{}`", name.value, path.display()));
+                self.report
+                    .warn(name.span, format!("`{}` is read as `{}`", name.value, path.display()));
                 path
             }
             files::Found::No => {
@@ -305,12 +309,22 @@ impl<'r> Parser<'r> {
             return self.report.error(element.span, "`ref` needs `id`", "");
         };
         let name = value::snake_case(element.text("name").unwrap_or_default());
-        let child =
-            Child { name, span: id.span, target: Target::Ref(id.value.clone()), used: Cell::new(false) };
+        let child = Child {
+            name,
+            span: id.span,
+            target: Target::Ref(id.value.clone()),
+            used: Cell::new(false),
+        };
         self.doc.objects[parent].children.push(child);
     }
 
-    fn transform(&mut self, node: XmlNode<'_, '_>, element: &Element, file: usize, parent: ObjectId) {
+    fn transform(
+        &mut self,
+        node: XmlNode<'_, '_>,
+        element: &Element,
+        file: usize,
+        parent: ObjectId,
+    ) {
         let mut m = Affine3A::IDENTITY;
         for op in node.children().filter(|n| n.is_element()) {
             let op = self.element(op, file);
@@ -332,8 +346,18 @@ impl<'r> Parser<'r> {
     /// A plain value; other tags are noted and dropped.
     fn property(&mut self, element: &Element, parent: ObjectId) {
         const TAGS: [&str; 12] = [
-            "boolean", "integer", "float", "string", "rgb", "srgb", "color", "spectrum", "blackbody",
-            "point", "vector", "transform",
+            "boolean",
+            "integer",
+            "float",
+            "string",
+            "rgb",
+            "srgb",
+            "color",
+            "spectrum",
+            "blackbody",
+            "point",
+            "vector",
+            "transform",
         ];
         if !TAGS.contains(&element.tag.as_str()) {
             let hint = suggestion(&element.tag, TAGS).map(|s| format!(", {s}")).unwrap_or_default();
@@ -405,7 +429,11 @@ impl<'r> Parser<'r> {
     fn add(&mut self, element: &Element, parent: ObjectId, value: Value) {
         let Some(name) = element.get("name") else {
             // Nameless values are the children of `<spectrum>` and the like in no dialect that we know.
-            return self.report.error(element.span, format!("`{}` without a name", element.tag), "");
+            return self.report.error(
+                element.span,
+                format!("`{}` without a name", element.tag),
+                "",
+            );
         };
         let property = Property {
             name: value::snake_case(&name.value),
@@ -496,8 +524,10 @@ impl<'r> Parser<'r> {
     fn check_defines(&self) {
         for define in self.defines.iter().filter(|d| d.forced && !d.used.get()) {
             let names = self.defines.iter().filter(|d| d.used.get()).map(|d| d.name.as_str());
-            let hint = suggestion(&define.name, names).map(|s| format!(", {s}")).unwrap_or_default();
-            self.report.warn_nowhere(format!("-D {}: the scene has no such name{hint}", define.name));
+            let hint =
+                suggestion(&define.name, names).map(|s| format!(", {s}")).unwrap_or_default();
+            self.report
+                .warn_nowhere(format!("-D {}: the scene has no such name{hint}", define.name));
         }
     }
 }
