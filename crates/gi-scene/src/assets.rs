@@ -1,0 +1,230 @@
+//! The files besides the text: meshes and pictures, found first, then read in parallel, each once.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use gi_core::geometry::Mesh;
+use gi_core::texture::{Bitmap, Lookup, Wrap};
+use rayon::prelude::*;
+
+use crate::diagnostics::{Report, Span};
+use crate::document::{Class, Document, Node, ObjectId};
+use crate::files::{self, Found};
+use crate::hash::Hash;
+use crate::shapes::{MeshFile, Placement};
+use crate::textures::BitmapFile;
+
+/// What was read, by the object that asked for it.
+#[derive(Debug, Default)]
+pub(crate) struct Assets {
+    bitmap_of: HashMap<ObjectId, usize>,
+    bitmaps: Vec<(BitmapFile, Option<Arc<Bitmap>>)>,
+    meshes: HashMap<ObjectId, (MeshFile, Mesh)>,
+    /// Hash of all bytes read.
+    pub(crate) hash: Hash,
+}
+
+/// A file that something in the scene names.
+struct Wanted<K> {
+    object: ObjectId,
+    span: Span,
+    key: K,
+}
+
+impl Assets {
+    /// Find and read everything that a document names.
+    pub(crate) fn load(doc: &Document, report: &Report) -> Assets {
+        let mut missing = Vec::new();
+        let (mut bitmaps, mut meshes) = (Vec::new(), Vec::new());
+        for node in doc.nodes(report) {
+            let is_bitmap = match node.class() {
+                Class::Texture => node.plugin() == "bitmap",
+                Class::Emitter => node.plugin() == "envmap",
+                _ => false,
+            };
+            let is_mesh = node.class() == Class::Shape && MeshFile::KINDS.contains(&node.plugin());
+            if !is_bitmap && !is_mesh {
+                continue;
+            }
+            let Some(path) = locate(node, &mut missing) else { continue };
+            let (object, span) = (node.id, node.span_of("filename"));
+            if is_mesh {
+                meshes.push(Wanted { object, span, key: MeshFile::of(node, path) });
+            } else if node.class() == Class::Emitter {
+                let (wrap, lookup) = (Wrap::Repeat, Lookup::Bilinear);
+                let key = BitmapFile { path, raw: false, wrap, lookup };
+                bitmaps.push(Wanted { object, span, key });
+            } else {
+                bitmaps.push(Wanted { object, span, key: BitmapFile::of(node, path) });
+            }
+        }
+        report_missing(report, &missing);
+        let mut assets = Assets::default();
+        assets.read_bitmaps(bitmaps, report);
+        assets.read_meshes(meshes, doc, report);
+        assets
+    }
+
+    fn read_bitmaps(&mut self, wanted: Vec<Wanted<BitmapFile>>, report: &Report) {
+        let (keys, index) = unique(&wanted);
+        let read: Vec<_> = keys
+            .par_iter()
+            .map(|key| (files::read_bytes(&key.path).map(|b| hash_of(&b)), key.read()))
+            .collect();
+        for (i, (key, (hash, bitmap))) in keys.into_iter().zip(read).enumerate() {
+            self.hash.word(hash.unwrap_or(0));
+            let first = index.iter().position(|&k| k == i).expect("each key was wanted");
+            let bitmap = note_failure(bitmap, &key.path, wanted[first].span, report);
+            self.bitmaps.push((key, bitmap.map(Arc::new)));
+        }
+        self.bitmap_of = wanted.iter().zip(index).map(|(w, i)| (w.object, i)).collect();
+    }
+
+    fn read_meshes(&mut self, wanted: Vec<Wanted<MeshFile>>, doc: &Document, report: &Report) {
+        let (keys, index) = unique(&wanted);
+        let read: Vec<Result<(Mesh, u64), String>> = keys
+            .par_iter()
+            .map(|key| {
+                let bytes = files::read_bytes(&key.path)?;
+                Ok((key.parse(&bytes)?, hash_of(&bytes)))
+            })
+            .collect();
+        let mut raw = Vec::new();
+        for (i, (key, result)) in keys.iter().zip(read).enumerate() {
+            let first = index.iter().position(|&k| k == i).expect("each key was wanted");
+            let read = note_failure(result, &key.path, wanted[first].span, report);
+            self.hash.word(read.as_ref().map_or(0, |r| r.1));
+            raw.push(read.map(|r| r.0));
+        }
+        // Each shape gets its copy, moved to its place; the last that wants a file takes it.
+        let mut last = vec![0; raw.len()];
+        index.iter().enumerate().for_each(|(w, &i)| last[i] = w);
+        let jobs: Vec<_> = wanted
+            .into_iter()
+            .zip(index)
+            .enumerate()
+            .filter_map(|(w, (want, i))| {
+                let mesh = if last[i] == w { raw[i].take() } else { raw[i].clone() }?;
+                let place = Placement::of(Node { doc, report, id: want.object });
+                Some((want, mesh, place))
+            })
+            .collect();
+        let done: Vec<_> = jobs
+            .into_par_iter()
+            .map(|(want, mut mesh, place)| {
+                place.apply(&mut mesh);
+                (want.object, (want.key, mesh))
+            })
+            .collect();
+        self.meshes = done.into_iter().collect();
+    }
+
+    /// The picture that an object names; `None` if it could not be read (which is reported).
+    pub(crate) fn bitmap(&self, object: ObjectId) -> Option<Arc<Bitmap>> {
+        self.bitmaps[*self.bitmap_of.get(&object)?].1.clone()
+    }
+
+    /// Where that picture came from.
+    pub(crate) fn bitmap_file(&self, object: ObjectId) -> Option<&BitmapFile> {
+        Some(&self.bitmaps[*self.bitmap_of.get(&object)?].0)
+    }
+
+    /// The mesh that a shape names, in world space; a second time there is none.
+    pub(crate) fn take_mesh(&mut self, object: ObjectId) -> Option<(MeshFile, Mesh)> {
+        self.meshes.remove(&object)
+    }
+}
+
+/// The different keys in order of first appearance, and which of them each wish is.
+fn unique<K: Clone + PartialEq>(wanted: &[Wanted<K>]) -> (Vec<K>, Vec<usize>)
+where
+    K: Keyed,
+{
+    let mut keys: Vec<K> = Vec::new();
+    let mut by_path: HashMap<PathBuf, Vec<usize>> = HashMap::new();
+    let index = wanted.iter().map(|w| {
+        let same_path = by_path.entry(w.key.path().clone()).or_default();
+        match same_path.iter().find(|&&i| keys[i] == w.key) {
+            Some(&i) => i,
+            None => {
+                keys.push(w.key.clone());
+                same_path.push(keys.len() - 1);
+                keys.len() - 1
+            }
+        }
+    });
+    let index = index.collect();
+    (keys, index)
+}
+
+/// What names a file.
+trait Keyed {
+    fn path(&self) -> &PathBuf;
+}
+
+impl Keyed for BitmapFile {
+    fn path(&self) -> &PathBuf {
+        &self.path
+    }
+}
+
+impl Keyed for MeshFile {
+    fn path(&self) -> &PathBuf {
+        &self.path
+    }
+}
+
+fn hash_of(bytes: &[u8]) -> u64 {
+    let mut hash = Hash::default();
+    hash.bytes(bytes);
+    hash.value()
+}
+
+fn note_failure<T>(
+    result: Result<T, String>,
+    path: &std::path::Path,
+    span: Span,
+    report: &Report,
+) -> Option<T> {
+    result
+        .map_err(|why| report.error(span, format!("cannot read `{}`: {why}", path.display()), ""))
+        .ok()
+}
+
+fn locate(node: Node<'_>, missing: &mut Vec<(Span, String)>) -> Option<PathBuf> {
+    let Some(name) = node.text("filename") else {
+        if !node.has("filename") {
+            node.error(format!("`{}` without a `filename`", node.plugin()), "");
+        }
+        return None;
+    };
+    match files::find(name, &node.object().folder, &node.doc.search) {
+        Found::Exact(path) => Some(path),
+        Found::OtherCase(path) => {
+            let message = format!("`{name}` is read as `{}`", path.display());
+            node.report.warn(node.span_of("filename"), message);
+            Some(path)
+        }
+        Found::No => {
+            missing.push((node.span_of("filename"), name.to_owned()));
+            None
+        }
+    }
+}
+
+/// One problem for all files that are not there.
+fn report_missing(report: &Report, missing: &[(Span, String)]) {
+    match missing {
+        [] => {}
+        [(span, name)] => report.error(*span, format!("cannot find `{name}`"), ""),
+        [(first, _), ..] => {
+            let list: Vec<String> = missing
+                .iter()
+                .map(|(span, name)| format!("{}: {name}", report.place(*span)))
+                .collect();
+            let message = format!("cannot find {} files", missing.len());
+            report.error_help(*first, message, "the first of them", Some(list.join("\n")));
+        }
+    }
+}

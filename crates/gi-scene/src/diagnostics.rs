@@ -1,0 +1,279 @@
+//! What is wrong with a scene: every problem with its place, what was expected and what may have been meant.
+
+use std::cell::RefCell;
+use std::fmt;
+use std::path::Path;
+
+use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
+
+/// So many problems are shown in full; a file that is no scene at all must not scroll for minutes.
+const MAX_SHOWN: usize = 40;
+
+/// A stretch of bytes in one of the files that make a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Span {
+    /// Index into [`Report::files`].
+    pub(crate) file: usize,
+    /// First byte.
+    pub(crate) start: usize,
+    /// One past the last byte.
+    pub(crate) end: usize,
+}
+
+#[derive(Clone, Debug)]
+struct SourceFile {
+    name: String,
+    text: String,
+    line_starts: Vec<usize>,
+}
+
+#[derive(Clone, Debug)]
+struct Problem {
+    span: Option<Span>,
+    message: String,
+    expected: String,
+    help: Option<String>,
+}
+
+/// All problems of a scene. Its `Display` shows each with file, line, column, source line and caret.
+#[derive(Clone, Debug, Default)]
+pub struct Diagnostics {
+    files: Vec<SourceFile>,
+    problems: Vec<Problem>,
+}
+
+impl Diagnostics {
+    /// How many problems there are.
+    pub fn len(&self) -> usize {
+        self.problems.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.problems.is_empty()
+    }
+
+    /// The problems as text, in colour if asked.
+    pub fn render(&self, color: bool) -> String {
+        let renderer = if color { Renderer::styled() } else { Renderer::plain() };
+        let mut shown: Vec<String> =
+            self.problems.iter().take(MAX_SHOWN).map(|p| self.render_one(p, &renderer)).collect();
+        if self.problems.len() > MAX_SHOWN {
+            shown.push(format!("error: and {} more", self.problems.len() - MAX_SHOWN));
+        }
+        shown.join("\n\n")
+    }
+
+    fn render_one(&self, problem: &Problem, renderer: &Renderer) -> String {
+        let title = Level::ERROR.primary_title(problem.message.as_str());
+        let mut groups = match problem.span {
+            None => vec![Group::with_title(title)],
+            Some(span) => {
+                let file = &self.files[span.file];
+                // Only the lines concerned: the whole text would be scanned once a problem.
+                let (first, line) = (file.line_of(span.start), file.line_of(span.end));
+                let base = file.line_starts[first];
+                let end = file.line_starts.get(line + 1).map_or(file.text.len(), |e| e - 1);
+                let text = &file.text[base..end];
+                let mut mark = AnnotationKind::Primary.span(span.start - base..span.end - base);
+                if !problem.expected.is_empty() {
+                    mark = mark.label(problem.expected.as_str());
+                }
+                let snippet = Snippet::source(text)
+                    .line_start(first + 1)
+                    .path(file.name.as_str())
+                    .annotation(mark);
+                vec![title.element(snippet)]
+            }
+        };
+        if problem.span.is_none() && !problem.expected.is_empty() {
+            groups.push(Group::with_title(Level::NOTE.secondary_title(&problem.expected)));
+        }
+        if let Some(help) = &problem.help {
+            groups.push(Group::with_title(Level::HELP.secondary_title(help)));
+        }
+        renderer.render(&groups).to_string()
+    }
+}
+
+impl fmt::Display for Diagnostics {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.render(false))
+    }
+}
+
+impl std::error::Error for Diagnostics {}
+
+impl SourceFile {
+    /// Index of the line that holds byte `at`.
+    fn line_of(&self, at: usize) -> usize {
+        self.line_starts.partition_point(|&s| s <= at) - 1
+    }
+}
+
+/// Where problems and warnings are collected while a scene is read; shared by reference.
+#[derive(Debug, Default)]
+pub(crate) struct Report {
+    inner: RefCell<Diagnostics>,
+    warnings: RefCell<Vec<String>>,
+}
+
+impl Report {
+    /// Take in a file's text; its index is what spans refer to.
+    pub(crate) fn add_file(&self, path: &Path, text: &str) -> usize {
+        let line_starts =
+            std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i + 1)).collect();
+        let file =
+            SourceFile { name: path.display().to_string(), text: text.to_owned(), line_starts };
+        let files = &mut self.inner.borrow_mut().files;
+        files.push(file);
+        files.len() - 1
+    }
+
+    /// A problem at a place; `expected` stands beside the caret.
+    pub(crate) fn error(&self, span: Span, message: impl Into<String>, expected: &str) {
+        self.push(Some(span), message.into(), expected, None);
+    }
+
+    /// A problem at a place with a proposal.
+    pub(crate) fn error_help(
+        &self,
+        span: Span,
+        message: impl Into<String>,
+        expected: &str,
+        help: Option<String>,
+    ) {
+        self.push(Some(span), message.into(), expected, help);
+    }
+
+    /// A problem of no one place in a text.
+    pub(crate) fn error_nowhere(&self, message: impl Into<String>) {
+        self.push(None, message.into(), "", None);
+    }
+
+    fn push(&self, span: Option<Span>, message: String, expected: &str, help: Option<String>) {
+        let problem = Problem { span, message, expected: expected.to_owned(), help };
+        self.inner.borrow_mut().problems.push(problem);
+    }
+
+    /// Something approximated or ignored: `file:line: text`.
+    pub(crate) fn warn(&self, span: Span, message: impl AsRef<str>) {
+        let text = format!("{}: {}", self.place(span), message.as_ref());
+        let mut warnings = self.warnings.borrow_mut();
+        if !warnings.contains(&text) {
+            warnings.push(text);
+        }
+    }
+
+    /// `file:line` of a span.
+    pub(crate) fn place(&self, span: Span) -> String {
+        let inner = self.inner.borrow();
+        let file = &inner.files[span.file];
+        format!("{}:{}", file.name, file.line_of(span.start) + 1)
+    }
+
+    /// A warning of no one line.
+    pub(crate) fn warn_nowhere(&self, message: impl Into<String>) {
+        self.warnings.borrow_mut().push(message.into());
+    }
+
+    /// Whether any problem was found.
+    pub(crate) fn has_errors(&self) -> bool {
+        !self.inner.borrow().problems.is_empty()
+    }
+
+    /// The warnings, or the problems if there are any.
+    pub(crate) fn finish(self) -> Result<Vec<String>, Diagnostics> {
+        let inner = self.inner.into_inner();
+        if inner.problems.is_empty() { Ok(self.warnings.into_inner()) } else { Err(inner) }
+    }
+}
+
+/// The candidate nearest to `word` by edit distance, if it is near enough to have been meant.
+pub(crate) fn did_you_mean<'a>(
+    word: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Option<&'a str> {
+    let limit = (word.chars().count() / 3).max(1) + 1;
+    candidates
+        .into_iter()
+        .filter(|c| !c.is_empty())
+        .map(|c| (edit_distance(&word.to_lowercase(), &c.to_lowercase()), c))
+        .filter(|(d, c)| *d <= limit && *d < c.chars().count())
+        .min_by_key(|(d, c)| (*d, *c))
+        .map(|(_, c)| c)
+}
+
+/// "did you mean `x`?", if anything near is known.
+pub(crate) fn suggestion<'a>(
+    word: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Option<String> {
+    did_you_mean(word, candidates).map(|c| format!("did you mean `{c}`?"))
+}
+
+/// Levenshtein distance with transpositions of neighbours counted once.
+fn edit_distance(a: &str, b: &str) -> usize {
+    // Nobody misspells a word this long; a hostile file may hold one.
+    const MAX_LEN: usize = 64;
+    let a: Vec<char> = a.chars().take(MAX_LEN).collect();
+    let b: Vec<char> = b.chars().take(MAX_LEN).collect();
+    let mut rows = vec![(0..=b.len()).collect::<Vec<usize>>()];
+    for i in 1..=a.len() {
+        let mut row = vec![i; b.len() + 1];
+        for j in 1..=b.len() {
+            let replace = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
+            row[j] = replace.min(rows[i - 1][j] + 1).min(row[j - 1] + 1);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                row[j] = row[j].min(rows[i - 2][j - 2] + 1);
+            }
+        }
+        rows.push(row);
+    }
+    rows[a.len()][b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distance_counts_edits_and_swapped_neighbours() {
+        assert_eq!(edit_distance("kitten", "sitting"), 3);
+        assert_eq!(edit_distance("dielectirc", "dielectric"), 1);
+        assert_eq!(edit_distance("", "abc"), 3);
+    }
+
+    #[test]
+    fn only_near_words_are_proposed() {
+        let names = ["diffuse", "dielectric", "conductor"];
+        assert_eq!(did_you_mean("difuse", names), Some("diffuse"));
+        assert_eq!(did_you_mean("dielectirc", names), Some("dielectric"));
+        assert_eq!(did_you_mean("hair", names), None);
+    }
+
+    #[test]
+    fn a_problem_is_shown_with_place_line_caret_expectation_and_proposal() {
+        let report = Report::default();
+        let text = "<scene>\n  <bsdf type=\"difuse\"/>\n</scene>\n";
+        let file = report.add_file(Path::new("a.xml"), text);
+        let start = text.find("difuse").unwrap();
+        report.error_help(
+            Span { file, start, end: start + 6 },
+            "unknown bsdf `difuse`",
+            "expected a bsdf plugin",
+            suggestion("difuse", ["diffuse"]),
+        );
+        let shown = report.finish().unwrap_err().to_string();
+        let expected = [
+            "error: unknown bsdf `difuse`",
+            " --> a.xml:2:15",
+            "  |",
+            "2 |   <bsdf type=\"difuse\"/>",
+            "  |               ^^^^^^ expected a bsdf plugin",
+            "  |",
+            "help: did you mean `diffuse`?",
+        ];
+        assert_eq!(shown.trim_end(), expected.join("\n"));
+    }
+}

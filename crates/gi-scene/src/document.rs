@@ -1,0 +1,194 @@
+//! A scene file as a tree of typed properties: includes inlined, `$name`s substituted, references resolved.
+//! Only this module knows XML.
+
+use std::cell::{Cell, RefCell};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::path::PathBuf;
+
+use gi_core::math::Rgb;
+use glam::{Affine3A, Vec3};
+
+use crate::diagnostics::{Report, Span};
+use crate::spectrum::Spectrum;
+
+mod node;
+mod parse;
+
+pub(crate) use node::{Meaning, Node};
+pub(crate) use parse::parse;
+
+/// Index into [`Document::objects`].
+pub(crate) type ObjectId = usize;
+
+/// What kind of thing a plugin is: the tag's name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Class {
+    Scene,
+    Shape,
+    Bsdf,
+    Texture,
+    Spectrum,
+    Emitter,
+    Sensor,
+    Film,
+    Filter,
+    Medium,
+    Phase,
+    Volume,
+    Ignored,
+}
+
+impl Class {
+    /// The class of a tag, in either dialect.
+    fn of(tag: &str) -> Option<Class> {
+        Some(match tag {
+            "shape" => Class::Shape,
+            "bsdf" => Class::Bsdf,
+            "texture" => Class::Texture,
+            "emitter" | "luminaire" => Class::Emitter,
+            "sensor" | "camera" => Class::Sensor,
+            "film" => Class::Film,
+            "rfilter" => Class::Filter,
+            "medium" => Class::Medium,
+            "phase" => Class::Phase,
+            "volume" => Class::Volume,
+            "integrator" | "sampler" | "subsurface" | "mode" => Class::Ignored,
+            _ => return None,
+        })
+    }
+
+    /// The tag that Mitsuba 3 writes.
+    pub(crate) fn tag(self) -> &'static str {
+        match self {
+            Class::Scene => "scene",
+            Class::Shape => "shape",
+            Class::Bsdf => "bsdf",
+            Class::Texture => "texture",
+            Class::Spectrum => "spectrum",
+            Class::Emitter => "emitter",
+            Class::Sensor => "sensor",
+            Class::Film => "film",
+            Class::Filter => "rfilter",
+            Class::Medium => "medium",
+            Class::Phase => "phase",
+            Class::Volume => "volume",
+            Class::Ignored => "integrator",
+        }
+    }
+}
+
+/// The value of a property.
+#[derive(Clone, Debug)]
+pub(crate) enum Value {
+    Bool(bool),
+    Integer(i64),
+    Float(f32),
+    Text(String),
+    Color(Rgb),
+    Spectrum(Spectrum),
+    Vector(Vec3),
+    Transform(Affine3A),
+}
+
+impl Value {
+    /// What it is, for messages.
+    fn kind(&self) -> &'static str {
+        match self {
+            Value::Bool(_) => "a boolean",
+            Value::Integer(_) => "an integer",
+            Value::Float(_) => "a float",
+            Value::Text(_) => "a string",
+            Value::Color(_) => "a colour",
+            Value::Spectrum(_) => "a spectrum",
+            Value::Vector(_) => "a vector",
+            Value::Transform(_) => "a transform",
+        }
+    }
+}
+
+/// A named value.
+#[derive(Debug)]
+pub(crate) struct Property {
+    name: String,
+    span: Span,
+    value: Value,
+    used: Cell<bool>,
+}
+
+/// An object inside of another, written there or referred to.
+#[derive(Debug)]
+pub(crate) struct Child {
+    name: String,
+    span: Span,
+    target: Target,
+    used: Cell<bool>,
+}
+
+#[derive(Debug)]
+enum Target {
+    Here(ObjectId),
+    Ref(String),
+    /// A reference to what is not there; already reported.
+    Missing,
+}
+
+/// A plugin with its properties and children.
+#[derive(Debug)]
+pub(crate) struct Object {
+    pub(crate) class: Class,
+    /// The tag as written.
+    pub(crate) tag: String,
+    /// The plugin's name.
+    pub(crate) plugin: String,
+    /// Where that name stands.
+    pub(crate) plugin_span: Span,
+    pub(crate) id: Option<String>,
+    /// Folder of the file that it stands in; file names are relative to it.
+    pub(crate) folder: PathBuf,
+    properties: Vec<Property>,
+    children: Vec<Child>,
+    /// Names that the code asked for: what a misspelt one may have meant.
+    asked: RefCell<BTreeSet<&'static str>>,
+    /// Whether anything was asked: what nobody looked at is not reported name by name.
+    touched: Cell<bool>,
+}
+
+/// A whole scene file.
+#[derive(Debug)]
+pub(crate) struct Document {
+    objects: Vec<Object>,
+    ids: HashMap<String, ObjectId>,
+    /// Folders to look for files in, after the file's own: the main scene's, then those of `<path>`.
+    pub(crate) search: Vec<PathBuf>,
+    /// Values of `gi.*` names.
+    pub(crate) presets: BTreeMap<String, String>,
+    /// Major version of the format as written; 0 covers 0.5 and 0.6.
+    pub(crate) version: u32,
+    /// Hash of the text of all files and of the defines.
+    pub(crate) hash: crate::hash::Hash,
+}
+
+impl Document {
+    /// All objects, in the order in which they were opened; the scene itself is the first.
+    pub(crate) fn nodes<'a>(&'a self, report: &'a Report) -> impl Iterator<Item = Node<'a>> {
+        (0..self.objects.len()).map(move |id| Node::new(self, report, id))
+    }
+
+    /// Note everything that was given and not used.
+    pub(crate) fn report_unused(&self, report: &Report) {
+        for object in self.objects.iter().filter(|o| o.touched.get()) {
+            let asked = object.asked.borrow();
+            let what = format!("{} `{}`", object.class.tag(), object.plugin);
+            for p in object.properties.iter().filter(|p| !p.used.get()) {
+                let hint = crate::diagnostics::did_you_mean(&p.name, asked.iter().copied())
+                    .map(|c| format!(", did you mean `{c}`?"));
+                let hint = hint.unwrap_or_default();
+                report.warn(p.span, format!("{what} has no parameter `{}`: ignored{hint}", p.name));
+            }
+            for c in object.children.iter().filter(|c| !c.used.get()) {
+                let name = if c.name.is_empty() { "a child" } else { c.name.as_str() };
+                report.warn(c.span, format!("{what} does not use {name}: ignored"));
+            }
+        }
+    }
+}

@@ -1,0 +1,309 @@
+use gi_core::math::Rgb;
+use glam::{Affine3A, Vec3};
+
+use super::{Child, Class, Document, Object, ObjectId, Property, Target, Value};
+use crate::diagnostics::{Report, Span};
+use crate::spectrum::{EQUAL_ENERGY, Spectrum};
+
+/// An object of a document, ready to be asked for its properties. Asking marks a property as used;
+/// a value of the wrong kind is reported and the default taken.
+#[derive(Clone, Copy)]
+pub(crate) struct Node<'a> {
+    pub(crate) doc: &'a Document,
+    pub(crate) report: &'a Report,
+    pub(crate) id: ObjectId,
+}
+
+/// How a colour's spectrum is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Meaning {
+    /// A factor on light, or an index of refraction.
+    Factor,
+    /// Light.
+    Light,
+}
+
+impl<'a> Node<'a> {
+    pub(super) fn new(doc: &'a Document, report: &'a Report, id: ObjectId) -> Self {
+        Node { doc, report, id }
+    }
+
+    /// The object itself.
+    pub(crate) fn object(self) -> &'a Object {
+        &self.doc.objects[self.id]
+    }
+
+    /// Its class.
+    pub(crate) fn class(self) -> Class {
+        self.object().class
+    }
+
+    /// Its plugin's name.
+    pub(crate) fn plugin(self) -> &'a str {
+        &self.object().plugin
+    }
+
+    /// Where its plugin's name stands.
+    pub(crate) fn span(self) -> Span {
+        self.object().plugin_span
+    }
+
+    /// Report a problem with the object as a whole.
+    pub(crate) fn error(self, message: impl Into<String>, expected: &str) {
+        self.report.error(self.span(), message, expected);
+    }
+
+    /// Note something about the object as a whole.
+    pub(crate) fn warn(self, message: impl AsRef<str>) {
+        self.report.warn(self.span(), message);
+    }
+
+    /// Report an unknown plugin, proposing the nearest of those known.
+    pub(crate) fn unknown_plugin(self, known: &[&str]) {
+        let object = self.object();
+        let help = crate::diagnostics::suggestion(&object.plugin, known.iter().copied())
+            .or_else(|| Some(format!("known are: {}", known.join(", "))));
+        let tag = object.class.tag();
+        let message = format!("unknown {tag} `{}`", object.plugin);
+        self.report.error_help(
+            object.plugin_span,
+            message,
+            &format!("expected a {tag} plugin"),
+            help,
+        );
+    }
+
+    fn find(self, name: &'static str) -> Option<&'a Property> {
+        let object = self.object();
+        object.touched.set(true);
+        object.asked.borrow_mut().insert(name);
+        let found = object.properties.iter().rev().find(|p| p.name == name)?;
+        found.used.set(true);
+        Some(found)
+    }
+
+    /// Mark parameters as known though they change nothing here.
+    pub(crate) fn ignore(self, names: &[&'static str]) {
+        for name in names {
+            self.find(name);
+            self.child(name);
+        }
+    }
+
+    /// Whether the property is given.
+    pub(crate) fn has(self, name: &'static str) -> bool {
+        self.find(name).is_some()
+    }
+
+    /// Where a property stands, or the object if it is not given.
+    pub(crate) fn span_of(self, name: &'static str) -> Span {
+        self.find(name).map_or(self.span(), |p| p.span)
+    }
+
+    fn wrong_kind(self, p: &Property, expected: &str) {
+        let message = format!("`{}` is {}", p.name, p.value.kind());
+        self.report.error(p.span, message, &format!("expected {expected}"));
+    }
+
+    fn get<T>(
+        self,
+        name: &'static str,
+        expected: &str,
+        read: impl Fn(&Value) -> Option<T>,
+    ) -> Option<T> {
+        let p = self.find(name)?;
+        let value = read(&p.value);
+        if value.is_none() {
+            self.wrong_kind(p, expected);
+        }
+        value
+    }
+
+    /// A number, if given.
+    pub(crate) fn float_opt(self, name: &'static str) -> Option<f32> {
+        self.get(name, "a float", |v| match v {
+            Value::Float(x) | Value::Spectrum(Spectrum::Flat(x)) => Some(*x),
+            Value::Integer(i) => Some(*i as f32),
+            Value::Text(t) => crate::value::number(t).ok(),
+            _ => None,
+        })
+    }
+
+    /// A number.
+    pub(crate) fn float(self, name: &'static str, default: f32) -> f32 {
+        self.float_opt(name).unwrap_or(default)
+    }
+
+    /// A whole number, if given.
+    pub(crate) fn int_opt(self, name: &'static str) -> Option<i64> {
+        self.get(name, "an integer", |v| match v {
+            Value::Integer(i) => Some(*i),
+            Value::Float(x) if x.fract() == 0.0 => Some(*x as i64),
+            _ => None,
+        })
+    }
+
+    /// A truth value.
+    pub(crate) fn bool(self, name: &'static str, default: bool) -> bool {
+        let read = |v: &Value| match v {
+            Value::Bool(b) => Some(*b),
+            Value::Text(t) => crate::value::boolean(t).ok(),
+            _ => None,
+        };
+        self.get(name, "a boolean", read).unwrap_or(default)
+    }
+
+    /// A text, if given.
+    pub(crate) fn text(self, name: &'static str) -> Option<&'a str> {
+        let p = self.find(name)?;
+        match &p.value {
+            Value::Text(t) => Some(t),
+            _ => {
+                self.wrong_kind(p, "a string");
+                None
+            }
+        }
+    }
+
+    /// A text, if that is what is given: for parameters that take names or numbers.
+    pub(crate) fn text_opt(self, name: &'static str) -> Option<&'a str> {
+        match &self.find(name)?.value {
+            Value::Text(t) => Some(t),
+            _ => None,
+        }
+    }
+
+    /// A point or vector, if given.
+    pub(crate) fn vector(self, name: &'static str) -> Option<Vec3> {
+        self.get(name, "a point or vector", |v| match v {
+            Value::Vector(p) => Some(*p),
+            Value::Color(c) => Some(Vec3::from(c.to_array())),
+            _ => None,
+        })
+    }
+
+    /// A transform; the identity unless given.
+    pub(crate) fn transform(self, name: &'static str) -> Affine3A {
+        let read = |v: &Value| match v {
+            Value::Transform(m) => Some(*m),
+            _ => None,
+        };
+        self.get(name, "a transform", read).unwrap_or(Affine3A::IDENTITY)
+    }
+
+    /// A colour, if given as a property or as a `<spectrum type=...>` child.
+    pub(crate) fn color(self, name: &'static str, meaning: Meaning) -> Option<Rgb> {
+        if let Some(p) = self.find(name) {
+            let color = self.value_color(&p.value, meaning);
+            if color.is_none() {
+                self.wrong_kind(p, "a colour");
+            }
+            return color;
+        }
+        let child = self.child_if(name, |n| n.class() == Class::Spectrum)?;
+        child.spectrum_child(meaning)
+    }
+
+    fn value_color(self, value: &Value, meaning: Meaning) -> Option<Rgb> {
+        Some(match value {
+            Value::Color(c) => *c,
+            Value::Float(x) => Rgb::grey(*x),
+            Value::Integer(i) => Rgb::grey(*i as f32),
+            // Mitsuba 0.6's RGB build takes one number as grey light, Mitsuba 3 as equal energy.
+            Value::Spectrum(Spectrum::Flat(x)) if self.doc.version == 0 => Rgb::grey(*x),
+            Value::Spectrum(s) if meaning == Meaning::Light => s.emission(),
+            Value::Spectrum(s) => s.reflectance(),
+            _ => return None,
+        })
+    }
+
+    /// The colour of a `<spectrum type=...>` object.
+    pub(crate) fn spectrum_child(self, meaning: Meaning) -> Option<Rgb> {
+        match self.plugin() {
+            "rgb" | "srgb" | "uniform" | "regular" | "irregular" if self.has("value") => {
+                self.color("value", meaning)
+            }
+            "d65" => {
+                let scale = self.float("scale", 1.0) * self.float("value", 1.0);
+                Some(self.color("color", Meaning::Factor).unwrap_or(Rgb::WHITE) * scale)
+            }
+            "uniform" => {
+                let v = self.float("value", 1.0);
+                Some(if meaning == Meaning::Light { EQUAL_ENERGY * v } else { Rgb::grey(v) })
+            }
+            "blackbody" => {
+                let kelvin = self.float("temperature", 5000.0);
+                let body = Spectrum::Blackbody { kelvin, scale: self.float("scale", 1.0) };
+                Some(body.emission())
+            }
+            _ => {
+                self.unknown_plugin(&["rgb", "uniform", "d65", "blackbody"]);
+                None
+            }
+        }
+    }
+
+    /// The object that a child is or refers to.
+    fn resolve(self, child: &Child) -> Option<Node<'a>> {
+        let id = match &child.target {
+            Target::Here(id) => *id,
+            Target::Ref(name) => *self.doc.ids.get(name)?,
+            Target::Missing => return None,
+        };
+        Some(Node { id, ..self })
+    }
+
+    /// The child of that name, if there is one.
+    pub(crate) fn child(self, name: &'static str) -> Option<Node<'a>> {
+        self.child_if(name, |_| true)
+    }
+
+    /// The child of that name, if there is one that passes a test.
+    pub(crate) fn child_if(
+        self,
+        name: &'static str,
+        wanted: impl Fn(Node<'a>) -> bool,
+    ) -> Option<Node<'a>> {
+        let object = self.object();
+        object.touched.set(true);
+        object.asked.borrow_mut().insert(name);
+        let mut named = object.children.iter().filter(|c| c.name == name);
+        named.find_map(|c| {
+            let node = self.resolve(c).filter(|n| wanted(*n))?;
+            c.used.set(true);
+            Some(node)
+        })
+    }
+
+    /// The `max_depth` of an integrator; its other parameters are not our business.
+    pub(crate) fn max_depth(self) -> Option<i32> {
+        let mut properties = self.object().properties.iter();
+        match properties.find(|p| p.name == "max_depth")?.value {
+            Value::Integer(depth) => i32::try_from(depth).ok(),
+            _ => None,
+        }
+    }
+
+    /// Children of a class in written order, whatever their names.
+    pub(crate) fn children(self, class: Class) -> Vec<Node<'a>> {
+        let object = self.object();
+        object.touched.set(true);
+        let mut out = Vec::new();
+        for child in &object.children {
+            let Some(node) = self.resolve(child).filter(|n| n.class() == class) else {
+                if matches!(child.target, Target::Missing) {
+                    child.used.set(true);
+                }
+                continue;
+            };
+            child.used.set(true);
+            out.push(node);
+        }
+        out
+    }
+
+    /// All children in written order, none of them marked as used: for a look ahead.
+    pub(crate) fn all_children(self) -> impl Iterator<Item = Node<'a>> {
+        self.object().children.iter().filter_map(move |c| self.resolve(c))
+    }
+}

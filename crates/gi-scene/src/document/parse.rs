@@ -1,0 +1,547 @@
+use std::cell::{Cell, RefCell};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::path::{Path, PathBuf};
+
+use glam::{Affine3A, Vec3};
+
+use super::{Child, Class, Document, Object, ObjectId, Property, Target, Value};
+use crate::diagnostics::{Report, Span, suggestion};
+use crate::files;
+use crate::hash::Hash;
+use crate::spectrum::Spectrum;
+use crate::{transform, value};
+
+/// How deep files may include each other (Mitsuba's limit).
+const MAX_INCLUDE_DEPTH: usize = 15;
+/// How many files one scene may include, counting repeats: without it, fifteen files
+/// that each include the next ten times would be read 10^15 times.
+const MAX_INCLUDES: usize = 1000;
+/// How deep elements may be nested: the reader recurses, and no scene comes near.
+const MAX_NESTING: usize = 64;
+/// How long an attribute may grow by substitution: `$a` = `$b$b`, `$b` = `$c$c`, ... doubles each time.
+const MAX_ATTRIBUTE: usize = 1 << 16;
+/// How many elements one file may hold: a bound on memory far above any scene found.
+const MAX_NODES: u32 = 1 << 24;
+
+/// Read a scene file and all that it includes.
+pub(crate) fn parse(
+    path: &Path,
+    defines: &[(String, String)],
+    report: &Report,
+) -> Option<Document> {
+    let mut parser = Parser::new(path, defines, report);
+    let before = Span { file: 0, start: 0, end: 0 };
+    parser.file(path, None, before);
+    if parser.doc.objects.is_empty() {
+        return None;
+    }
+    parser.check_references();
+    parser.check_defines();
+    Some(parser.doc)
+}
+
+struct Define {
+    name: String,
+    value: String,
+    /// Given with `-D`: wins over `<default>`, and is missed if nobody asks for it.
+    forced: bool,
+    used: Cell<bool>,
+}
+
+struct Attribute {
+    name: String,
+    value: String,
+    span: Span,
+}
+
+struct Element {
+    tag: String,
+    span: Span,
+    attributes: Vec<Attribute>,
+}
+
+impl Element {
+    fn get(&self, name: &str) -> Option<&Attribute> {
+        self.attributes.iter().find(|a| a.name == name)
+    }
+
+    fn text(&self, name: &str) -> Option<&str> {
+        self.get(name).map(|a| a.value.as_str())
+    }
+
+    /// Where an attribute's value stands, or the tag.
+    fn span_of(&self, name: &str) -> Span {
+        self.get(name).map_or(self.span, |a| a.span)
+    }
+}
+
+struct Parser<'r> {
+    report: &'r Report,
+    defines: Vec<Define>,
+    /// Files being read, outermost first.
+    stack: Vec<PathBuf>,
+    includes: usize,
+    aliases: Vec<(String, String, Span)>,
+    doc: Document,
+}
+
+type XmlNode<'a, 'i> = roxmltree::Node<'a, 'i>;
+
+impl<'r> Parser<'r> {
+    fn new(path: &Path, defines: &[(String, String)], report: &'r Report) -> Self {
+        let mut hash = Hash::default();
+        let mut presets = BTreeMap::new();
+        for (name, value) in defines {
+            hash.bytes(name.as_bytes());
+            hash.bytes(value.as_bytes());
+            if name.starts_with("gi.") {
+                presets.insert(name.clone(), value.clone());
+            }
+        }
+        let define = |(name, value): &(String, String)| Define {
+            name: name.clone(),
+            value: value.clone(),
+            forced: true,
+            used: Cell::new(name.starts_with("gi.")),
+        };
+        let doc = Document {
+            objects: Vec::new(),
+            ids: HashMap::new(),
+            search: vec![files::folder_of(path)],
+            presets,
+            version: 3,
+            hash,
+        };
+        let defines = defines.iter().rev().map(define).collect(); // the last -D of a name wins
+        Parser { report, defines, stack: Vec::new(), includes: 0, aliases: Vec::new(), doc }
+    }
+
+    /// Read one file; its elements become children of `parent`, or the whole scene without one.
+    fn file(&mut self, path: &Path, parent: Option<ObjectId>, from: Span) {
+        let text = match files::read_text(path) {
+            Ok(text) => text,
+            Err(why) => {
+                let message = format!("cannot read `{}`: {why}", path.display());
+                match parent {
+                    None => self.report.error_nowhere(message),
+                    Some(_) => self.report.error(from, message, "included here"),
+                }
+                return;
+            }
+        };
+        self.doc.hash.bytes(text.as_bytes());
+        let file = self.report.add_file(path, &text);
+        let options = roxmltree::ParsingOptions { nodes_limit: MAX_NODES, ..Default::default() };
+        let xml = match roxmltree::Document::parse_with_options(&text, options) {
+            Ok(xml) => xml,
+            Err(why) => return self.xml_error(&why, &text, file),
+        };
+        let root = xml.root_element();
+        let element = self.element(root, file);
+        if element.tag != "scene" {
+            let message = format!("the outermost element is `{}`", element.tag);
+            return self.report.error(element.span, message, "expected `scene`");
+        }
+        let parent = parent.unwrap_or_else(|| {
+            let version = element.text("version").and_then(|v| v.split('.').next());
+            self.doc.version = version.and_then(|v| v.parse().ok()).unwrap_or(3);
+            self.open(&element, Class::Scene, &files::folder_of(path))
+        });
+        self.stack.push(path.canonicalize().unwrap_or_else(|_| path.to_owned()));
+        self.children(root, file, parent, 0);
+        self.stack.pop();
+    }
+
+    fn xml_error(&self, why: &roxmltree::Error, text: &str, file: usize) {
+        let pos = why.pos();
+        let line = text.split_inclusive('\n').take(pos.row.saturating_sub(1) as usize);
+        let base: usize = line.map(str::len).sum();
+        let column = text[base..].chars().take(pos.col.saturating_sub(1) as usize);
+        let start = (base + column.map(char::len_utf8).sum::<usize>()).min(text.len());
+        let end = start + text[start..].chars().next().map_or(0, char::len_utf8);
+        let full = why.to_string();
+        let message = full.split(" at ").next().unwrap_or(&full);
+        self.report.error(Span { file, start, end }, format!("this is no XML: {message}"), "");
+    }
+
+    /// Everything inside of an element, in order.
+    fn children(&mut self, node: XmlNode<'_, '_>, file: usize, parent: ObjectId, depth: usize) {
+        for child in node.children().filter(|n| n.is_element()) {
+            let element = self.element(child, file);
+            if depth >= MAX_NESTING {
+                self.report.error(element.span, "elements are nested too deep", "");
+                return;
+            }
+            self.one(child, element, file, parent, depth);
+        }
+    }
+
+    fn one(
+        &mut self,
+        node: XmlNode<'_, '_>,
+        element: Element,
+        file: usize,
+        parent: ObjectId,
+        depth: usize,
+    ) {
+        match element.tag.as_str() {
+            "default" => self.default(&element),
+            "include" => self.include(&element, file, parent),
+            "path" => self.search_path(&element, parent),
+            "alias" => self.alias(&element),
+            "ref" => self.reference(&element, parent),
+            "transform" => self.transform(node, &element, file, parent),
+            "spectrum" if element.get("type").is_some() => {
+                self.object(node, &element, Class::Spectrum, (file, parent, depth));
+            }
+            "mode" => {}
+            tag => match Class::of(tag) {
+                Some(class) => self.object(node, &element, class, (file, parent, depth)),
+                None => self.property(&element, parent),
+            },
+        }
+    }
+
+    fn open(&mut self, element: &Element, class: Class, folder: &Path) -> ObjectId {
+        let plugin = element.text("type").unwrap_or_default();
+        let plugin = if class == Class::Scene { "scene" } else { plugin };
+        self.doc.objects.push(Object {
+            class,
+            tag: element.tag.clone(),
+            plugin: plugin.to_lowercase(),
+            plugin_span: element.span_of("type"),
+            id: element.text("id").map(str::to_owned),
+            folder: folder.to_owned(),
+            properties: Vec::new(),
+            children: Vec::new(),
+            asked: RefCell::new(BTreeSet::new()),
+            touched: Cell::new(false),
+        });
+        self.doc.objects.len() - 1
+    }
+
+    fn object(
+        &mut self,
+        node: XmlNode<'_, '_>,
+        element: &Element,
+        class: Class,
+        (file, parent, depth): (usize, ObjectId, usize),
+    ) {
+        if element.get("type").is_none() && class != Class::Ignored {
+            let message = format!("`{}` without a type", element.tag);
+            return self.report.error(element.span, message, "expected `type=\"...\"`");
+        }
+        let folder = self.stack.last().map(|p| files::folder_of(p)).unwrap_or_default();
+        let id = self.open(element, class, &folder);
+        if let Some(a) = element.get("id") {
+            if self.doc.ids.insert(a.value.clone(), id).is_some() {
+                self.report.error(a.span, format!("the id `{}` is taken already", a.value), "");
+            }
+        }
+        let name = value::snake_case(element.text("name").unwrap_or_default());
+        let child =
+            Child { name, span: element.span, target: Target::Here(id), used: Cell::new(false) };
+        self.doc.objects[parent].children.push(child);
+        self.children(node, file, id, depth + 1);
+    }
+
+    fn default(&mut self, element: &Element) {
+        let (Some(name), Some(value)) = (element.text("name"), element.text("value")) else {
+            return self.report.error(element.span, "`default` needs `name` and `value`", "");
+        };
+        if let Some(known) = self.defines.iter().find(|d| d.name == name) {
+            known.used.set(true);
+        } else {
+            let (name, value) = (name.to_owned(), value.to_owned());
+            if name.starts_with("gi.") {
+                self.doc.presets.insert(name.clone(), value.clone());
+            }
+            self.defines.push(Define { name, value, forced: false, used: Cell::new(true) });
+        }
+    }
+
+    fn include(&mut self, element: &Element, file: usize, parent: ObjectId) {
+        let _ = file;
+        let Some(name) = element.get("filename") else {
+            return self.report.error(element.span, "`include` needs `filename`", "");
+        };
+        self.includes += 1;
+        if self.stack.len() > MAX_INCLUDE_DEPTH || self.includes > MAX_INCLUDES {
+            return self.report.error(name.span, "too many files include each other", "");
+        }
+        let folder = files::folder_of(self.stack.last().expect("a file is being read"));
+        let found = match files::find(&name.value, &folder, &self.doc.search) {
+            files::Found::Exact(path) => path,
+            files::Found::OtherCase(path) => {
+                self.report
+                    .warn(name.span, format!("`{}` is read as `{}`", name.value, path.display()));
+                path
+            }
+            files::Found::No => {
+                let message = format!("cannot find `{}`", name.value);
+                return self.report.error(name.span, message, "included here");
+            }
+        };
+        let canonical = found.canonicalize().unwrap_or_else(|_| found.clone());
+        if self.stack.contains(&canonical) {
+            let message = format!("`{}` includes itself", name.value);
+            return self.report.error(name.span, message, "this closes the loop");
+        }
+        self.file(&found, Some(parent), name.span);
+    }
+
+    fn search_path(&mut self, element: &Element, parent: ObjectId) {
+        let Some(value) = element.get("value") else {
+            return self.report.error(element.span, "`path` needs `value`", "");
+        };
+        self.doc.search.push(self.doc.objects[parent].folder.join(&value.value));
+    }
+
+    fn alias(&mut self, element: &Element) {
+        let (Some(id), Some(new)) = (element.get("id"), element.get("as")) else {
+            return self.report.error(element.span, "`alias` needs `id` and `as`", "");
+        };
+        self.aliases.push((id.value.clone(), new.value.clone(), id.span));
+    }
+
+    fn reference(&mut self, element: &Element, parent: ObjectId) {
+        let Some(id) = element.get("id") else {
+            return self.report.error(element.span, "`ref` needs `id`", "");
+        };
+        let name = value::snake_case(element.text("name").unwrap_or_default());
+        let child = Child {
+            name,
+            span: id.span,
+            target: Target::Ref(id.value.clone()),
+            used: Cell::new(false),
+        };
+        self.doc.objects[parent].children.push(child);
+    }
+
+    fn transform(
+        &mut self,
+        node: XmlNode<'_, '_>,
+        element: &Element,
+        file: usize,
+        parent: ObjectId,
+    ) {
+        let mut m = Affine3A::IDENTITY;
+        for op in node.children().filter(|n| n.is_element()) {
+            let op = self.element(op, file);
+            let tag = if op.tag == "look_at" { "lookat" } else { op.tag.as_str() };
+            if !transform::OPERATIONS.contains(&tag) {
+                let help = suggestion(tag, transform::OPERATIONS);
+                let message = format!("unknown operation `{}`", op.tag);
+                self.report.error_help(op.span, message, "expected an operation", help);
+                continue;
+            }
+            match transform::operation(tag, &|name| op.text(name)) {
+                Ok(next) => m = next * m,
+                Err(why) => self.report.error(op.span, why, ""),
+            }
+        }
+        self.add(element, parent, Value::Transform(m));
+    }
+
+    /// A plain value; other tags are noted and dropped.
+    fn property(&mut self, element: &Element, parent: ObjectId) {
+        const TAGS: [&str; 12] = [
+            "boolean",
+            "integer",
+            "float",
+            "string",
+            "rgb",
+            "srgb",
+            "color",
+            "spectrum",
+            "blackbody",
+            "point",
+            "vector",
+            "transform",
+        ];
+        if !TAGS.contains(&element.tag.as_str()) {
+            let hint = suggestion(&element.tag, TAGS).map(|s| format!(", {s}")).unwrap_or_default();
+            self.report.warn(element.span, format!("unknown tag `{}`: ignored{hint}", element.tag));
+            return;
+        }
+        match self.value(element) {
+            Ok(value) => self.add(element, parent, value),
+            Err(why) => {
+                let expected = format!("expected {}", expectation(&element.tag));
+                self.report.error(element.span_of("value"), why, &expected);
+            }
+        }
+    }
+
+    fn value(&mut self, element: &Element) -> Result<Value, String> {
+        let text = element.text("value").ok_or("`value` is missing");
+        Ok(match element.tag.as_str() {
+            "boolean" => Value::Bool(value::boolean(text?)?),
+            "integer" => Value::Integer(value::integer(text?)?),
+            "float" => Value::Float(value::number(text?)?),
+            "string" => Value::Text(text?.to_owned()),
+            "rgb" | "color" => Value::Color(value::color(text?, false)?),
+            "srgb" => Value::Color(value::color(text?, true)?),
+            "blackbody" => {
+                let kelvin = element.text("temperature").ok_or("`temperature` is missing")?;
+                let kelvin = value::number(kelvin.trim_end_matches(['K', 'k']))?;
+                let scale = element.text("scale").map_or(Ok(1.0), value::number)?;
+                Value::Spectrum(Spectrum::Blackbody { kelvin, scale })
+            }
+            "spectrum" => self.spectrum(element)?,
+            _ => match element.text("value") {
+                Some(text) => Value::Vector(value::triple(text)?),
+                None => {
+                    let axis = |name| element.text(name).map_or(Ok(0.0), value::number);
+                    Value::Vector(Vec3::new(axis("x")?, axis("y")?, axis("z")?))
+                }
+            },
+        })
+    }
+
+    fn spectrum(&mut self, element: &Element) -> Result<Value, String> {
+        if let Some(name) = element.text("filename") {
+            let folder = files::folder_of(self.stack.last().expect("a file is being read"));
+            let (files::Found::Exact(path) | files::Found::OtherCase(path)) =
+                files::find(name, &folder, &self.doc.search)
+            else {
+                return Err(format!("cannot find `{name}`"));
+            };
+            let text = files::read_text(&path)?;
+            self.doc.hash.bytes(text.as_bytes());
+            let lines = text.lines().map(|l| l.split('#').next().unwrap_or_default().trim());
+            let lines = lines.filter(|l| !l.is_empty());
+            let joined: Vec<String> =
+                lines.map(|l| value::words(l).collect::<Vec<_>>().join(":")).collect();
+            return Ok(Value::Spectrum(Spectrum::Pairs(value::pairs(&joined.join(" "))?)));
+        }
+        let text = element.text("value").ok_or("`value` is missing")?;
+        if text.contains(':') {
+            return Ok(Value::Spectrum(Spectrum::Pairs(value::pairs(text)?)));
+        }
+        match value::numbers(text)?.as_slice() {
+            [v] => Ok(Value::Spectrum(Spectrum::Flat(*v))),
+            [_, _, _] => Ok(Value::Color(value::color(text, false)?)),
+            other => Err(format!("{} numbers without wavelengths", other.len())),
+        }
+    }
+
+    fn add(&mut self, element: &Element, parent: ObjectId, value: Value) {
+        let Some(name) = element.get("name") else {
+            // Nameless values are the children of `<spectrum>` and the like in no dialect that we know.
+            return self.report.error(
+                element.span,
+                format!("`{}` without a name", element.tag),
+                "",
+            );
+        };
+        let property = Property {
+            name: value::snake_case(&name.value),
+            span: element.span_of("value"),
+            value,
+            used: Cell::new(false),
+        };
+        self.doc.objects[parent].properties.push(property);
+    }
+
+    /// An element's tag and attributes, `$name`s substituted.
+    fn element(&self, node: XmlNode<'_, '_>, file: usize) -> Element {
+        let start = node.range().start + 1; // past the angle bracket
+        let tag = node.tag_name().name();
+        let span = Span { file, start, end: start + tag.len() };
+        let attributes = node.attributes().map(|a| {
+            let range = a.range_value();
+            let span = Span { file, start: range.start, end: range.end };
+            let value = self.substitute(a.value(), span);
+            Attribute { name: a.name().to_owned(), value, span }
+        });
+        let attributes = attributes.collect();
+        Element { tag: value::snake_case(tag), span, attributes }
+    }
+
+    fn substitute(&self, text: &str, span: Span) -> String {
+        let Some(first) = text.find('$') else { return text.to_owned() };
+        let mut out = text[..first].to_owned();
+        let mut rest = &text[first..];
+        while let Some(after) = rest.strip_prefix('$') {
+            let known = self.defines.iter().filter(|d| after.starts_with(&d.name));
+            if let Some(define) = known.max_by_key(|d| d.name.len()) {
+                define.used.set(true);
+                out.push_str(&define.value);
+                rest = &after[define.name.len()..];
+            } else {
+                let end = after.find(|c: char| !c.is_alphanumeric() && c != '_');
+                let name = &after[..end.unwrap_or(after.len())];
+                let names = self.defines.iter().map(|d| d.name.as_str());
+                let help = suggestion(name, names);
+                let message = format!("`${name}` is not defined");
+                self.report.error_help(span, message, "expected a <default> or -D", help);
+                return String::new();
+            }
+            let end = rest.find('$').unwrap_or(rest.len());
+            out.push_str(&rest[..end]);
+            rest = &rest[end..];
+            if out.len() > MAX_ATTRIBUTE {
+                self.report.error(span, "substitution makes this attribute too long", "");
+                return String::new();
+            }
+        }
+        out
+    }
+
+    /// Give aliases their objects and report references to nothing.
+    fn check_references(&mut self) {
+        for (id, new, span) in std::mem::take(&mut self.aliases) {
+            match self.doc.ids.get(&id).copied() {
+                Some(object) => drop(self.doc.ids.insert(new, object)),
+                None => self.unknown_id(&id, span),
+            }
+        }
+        let mut missing = Vec::new();
+        for (o, object) in self.doc.objects.iter().enumerate() {
+            for (c, child) in object.children.iter().enumerate() {
+                if let Target::Ref(id) = &child.target {
+                    if !self.doc.ids.contains_key(id) {
+                        self.unknown_id(id, child.span);
+                        missing.push((o, c));
+                    }
+                }
+            }
+        }
+        for (o, c) in missing {
+            self.doc.objects[o].children[c].target = Target::Missing;
+        }
+    }
+
+    fn unknown_id(&self, id: &str, span: Span) {
+        let mut known: Vec<&str> = self.doc.ids.keys().map(String::as_str).collect();
+        known.sort_unstable();
+        let message = format!("nothing has the id `{id}`");
+        self.report.error_help(span, message, "referred to here", suggestion(id, known));
+    }
+
+    /// A `-D` that nothing asks for is a misspelling.
+    fn check_defines(&self) {
+        for define in self.defines.iter().filter(|d| d.forced && !d.used.get()) {
+            let names = self.defines.iter().filter(|d| d.used.get()).map(|d| d.name.as_str());
+            let hint =
+                suggestion(&define.name, names).map(|s| format!(", {s}")).unwrap_or_default();
+            self.report
+                .warn_nowhere(format!("-D {}: the scene has no such name{hint}", define.name));
+        }
+    }
+}
+
+/// What a tag's value must look like.
+fn expectation(tag: &str) -> &'static str {
+    match tag {
+        "boolean" => "`true` or `false`",
+        "integer" => "a whole number",
+        "float" => "a number",
+        "rgb" | "srgb" | "color" => "one number, three, or #rrggbb",
+        "spectrum" => "one number or nm:value pairs",
+        "point" | "vector" => "three numbers",
+        "blackbody" => "a temperature in kelvin",
+        _ => "a value",
+    }
+}

@@ -1,0 +1,114 @@
+//! Emitter plugins that are no surfaces.
+
+use gi_core::light::LightSource;
+use gi_core::math::Rgb;
+use gi_core::texture::Bitmap;
+use glam::{Affine3A, Vec3};
+
+use crate::build::{Builder, LightOrigin};
+use crate::document::{Meaning, Node};
+use crate::sky;
+
+/// The plugins that are understood at the top level.
+const KNOWN: [&str; 8] =
+    ["point", "spot", "directional", "constant", "envmap", "sun", "sky", "sunsky"];
+
+impl Builder<'_> {
+    /// Add the light that an emitter is.
+    pub(crate) fn light(&mut self, node: Node<'_>) {
+        node.ignore(&["sampling_weight"]);
+        let light = match node.plugin() {
+            "point" => Some(point(node)),
+            "spot" => spot(node),
+            "directional" => directional(node),
+            "constant" => Some(LightSource::Constant { radiance: light_color(node, "radiance") }),
+            "envmap" => return self.environment(node),
+            "sun" | "sky" | "sunsky" => return sky::add(self, node),
+            "area" => {
+                node.error("an area light that belongs to no shape", "expected inside of a shape");
+                None
+            }
+            _ => {
+                node.unknown_plugin(&KNOWN);
+                None
+            }
+        };
+        if let Some(light) = light {
+            self.push_light(light, LightOrigin::Itself);
+        }
+    }
+
+    fn environment(&mut self, node: Node<'_>) {
+        node.ignore(&["filename", "gamma", "cache", "mis_compensation"]);
+        let to_world = rotation(node);
+        let scale = node.float("scale", 1.0);
+        let (Some(image), Some(file)) =
+            (self.assets.bitmap(node.id), self.assets.bitmap_file(node.id))
+        else {
+            return;
+        };
+        let origin = LightOrigin::Picture(file.path.clone());
+        let image = Bitmap::clone(&image);
+        self.push_light(LightSource::Environment { image, scale, to_world }, origin);
+    }
+}
+
+/// The linear part of `to_world`: what is at infinity does not move.
+pub(crate) fn rotation(node: Node<'_>) -> Affine3A {
+    let mut m = node.transform("to_world");
+    m.translation = Vec3::ZERO.into();
+    if !m.inverse().is_finite() {
+        node.report.error(node.span_of("to_world"), "`to_world` cannot be inverted", "");
+        return Affine3A::IDENTITY;
+    }
+    m
+}
+
+/// A light's colour; grey light of 1 unless given.
+fn light_color(node: Node<'_>, name: &'static str) -> Rgb {
+    node.color(name, Meaning::Light).unwrap_or(Rgb::WHITE)
+}
+
+/// A place, from `position` or `to_world`.
+fn place(node: Node<'_>) -> Vec3 {
+    let m = node.transform("to_world");
+    node.vector("position").map_or(m.translation.into(), |p| m.transform_point3(p))
+}
+
+fn point(node: Node<'_>) -> LightSource {
+    LightSource::Point { position: place(node), intensity: light_color(node, "intensity") }
+}
+
+/// A unit direction: the local +z axis, or `name` if given.
+fn direction(node: Node<'_>, name: &'static str) -> Option<Vec3> {
+    let axis = node.vector(name).unwrap_or(Vec3::Z);
+    let unit = node.transform("to_world").transform_vector3(axis).try_normalize();
+    if unit.is_none() {
+        node.error("the direction is zero", "");
+    }
+    unit
+}
+
+fn spot(node: Node<'_>) -> Option<LightSource> {
+    if node.child("texture").is_some() {
+        node.warn("the spot's texture is ignored");
+    }
+    let cutoff = node.float("cutoff_angle", 20.0);
+    let beam = node.float("beam_width", 0.75 * cutoff);
+    if !(0.0 < cutoff && cutoff <= 180.0 && 0.0 <= beam && beam <= cutoff) {
+        node.error(format!("cutoff {cutoff}, beam {beam}"), "expected 0 <= beam <= cutoff <= 180");
+        return None;
+    }
+    Some(LightSource::Spot {
+        position: node.transform("to_world").translation.into(),
+        direction: direction(node, "direction")?,
+        intensity: light_color(node, "intensity"),
+        cutoff: cutoff.to_radians(),
+        beam: beam.to_radians(),
+    })
+}
+
+fn directional(node: Node<'_>) -> Option<LightSource> {
+    let irradiance = light_color(node, "irradiance");
+    Some(LightSource::Directional { direction: direction(node, "direction")?, irradiance })
+}

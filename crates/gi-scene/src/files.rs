@@ -1,0 +1,108 @@
+//! Finding and reading the files that a scene names.
+
+use std::fs::{self, File};
+use std::io::Read;
+use std::path::{Component, Path, PathBuf};
+
+/// A scene's text is not longer than this: meshes and pictures stand in files of their own.
+const MAX_TEXT: u64 = 1 << 28;
+/// A mesh file is not longer than this; larger ones would not fit into memory once read.
+const MAX_BYTES: u64 = 1 << 34;
+
+/// What became of a search.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Found {
+    /// The file as named.
+    Exact(PathBuf),
+    /// A file whose name differs in case only: written on a system that does not care.
+    OtherCase(PathBuf),
+    /// None.
+    No,
+}
+
+/// The folder that a file is in; `.` for a bare name.
+pub(crate) fn folder_of(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(p) if !p.as_os_str().is_empty() => p.to_owned(),
+        _ => PathBuf::from("."),
+    }
+}
+
+/// Look for `name` in `folder`, then in the others; backslashes part folders too.
+pub(crate) fn find(name: &str, folder: &Path, others: &[PathBuf]) -> Found {
+    let name = PathBuf::from(name.replace('\\', "/"));
+    let folders = || std::iter::once(folder).chain(others.iter().map(PathBuf::as_path));
+    for f in folders() {
+        let path = f.join(&name);
+        if path.is_file() {
+            return Found::Exact(path);
+        }
+    }
+    for f in folders() {
+        if let Some(path) = find_other_case(&name, f) {
+            return Found::OtherCase(path);
+        }
+    }
+    Found::No
+}
+
+fn find_other_case(name: &Path, folder: &Path) -> Option<PathBuf> {
+    let mut at = folder.to_owned();
+    for part in name.components() {
+        let Component::Normal(part) = part else {
+            at.push(part);
+            continue;
+        };
+        if at.join(part).exists() {
+            at.push(part);
+            continue;
+        }
+        let wanted = part.to_string_lossy().to_lowercase();
+        let mut near: Vec<_> = fs::read_dir(&at)
+            .ok()?
+            .flatten()
+            .map(|e| e.file_name())
+            .filter(|n| n.to_string_lossy().to_lowercase() == wanted)
+            .collect();
+        near.sort();
+        at.push(near.first()?);
+    }
+    at.is_file().then_some(at)
+}
+
+/// A file's text.
+pub(crate) fn read_text(path: &Path) -> Result<String, String> {
+    let bytes = read_limited(path, MAX_TEXT)?;
+    String::from_utf8(bytes).map_err(|_| "it is not UTF-8 text".into())
+}
+
+/// A file's bytes.
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
+    read_limited(path, MAX_BYTES)
+}
+
+fn read_limited(path: &Path, limit: u64) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(|e| e.to_string())?;
+    file.take(limit + 1).read_to_end(&mut bytes).map_err(|e| e.to_string())?;
+    if bytes.len() as u64 > limit {
+        return Err(format!("it is longer than {limit} bytes"));
+    }
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_found_in_the_wrong_case() {
+        let dir = tempfile::tempdir().unwrap();
+        fs::create_dir(dir.path().join("Models")).unwrap();
+        fs::write(dir.path().join("Models/Mesh.OBJ"), "").unwrap();
+        let want = dir.path().join("Models/Mesh.OBJ");
+        assert_eq!(find("Models/Mesh.OBJ", dir.path(), &[]), Found::Exact(want.clone()));
+        assert_eq!(find("models\\mesh.obj", dir.path(), &[]), Found::OtherCase(want));
+        assert_eq!(find("models/other.obj", dir.path(), &[]), Found::No);
+    }
+}

@@ -1,0 +1,58 @@
+//! One number for all bytes that went into a scene.
+
+/// A 64-bit hash that depends on the order of what it is fed. Not for secrets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Hash(u64);
+
+impl Default for Hash {
+    fn default() -> Self {
+        Hash(0x9e37_79b9_7f4a_7c15)
+    }
+}
+
+impl Hash {
+    /// Take in some bytes and their number.
+    pub(crate) fn bytes(&mut self, bytes: &[u8]) {
+        let mut words = bytes.chunks_exact(8);
+        for w in &mut words {
+            self.word(u64::from_le_bytes(w.try_into().expect("eight bytes")));
+        }
+        let mut rest = [0; 8];
+        rest[..words.remainder().len()].copy_from_slice(words.remainder());
+        self.word(u64::from_le_bytes(rest));
+        self.word(bytes.len() as u64);
+    }
+
+    /// Take in one number.
+    pub(crate) fn word(&mut self, w: u64) {
+        // The finaliser of splitmix64 over the running state.
+        let mut z = (self.0 ^ w).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 29)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        self.0 = z ^ (z >> 32);
+    }
+
+    /// The number.
+    pub(crate) fn value(self) -> u64 {
+        self.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_order_and_lengths_count() {
+        let of = |parts: &[&[u8]]| {
+            let mut h = Hash::default();
+            parts.iter().for_each(|p| h.bytes(p));
+            h.value()
+        };
+        assert_eq!(of(&[b"abc"]), of(&[b"abc"]));
+        let all =
+            [of(&[b"abc"]), of(&[b"abd"]), of(&[b"abc\0"]), of(&[b"ab", b"c"]), of(&[b"", b"abc"])];
+        for (i, a) in all.iter().enumerate() {
+            assert!(all[i + 1..].iter().all(|b| a != b));
+        }
+    }
+}

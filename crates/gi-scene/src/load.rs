@@ -1,0 +1,110 @@
+//! The one entrance: a path and options to a scene.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use gi_core::camera::CameraSpec;
+use gi_core::filter::Filter;
+use gi_core::scene::SceneParts;
+use glam::Vec3;
+
+use crate::assets::Assets;
+use crate::build::{Builder, Origins};
+use crate::diagnostics::{Diagnostics, Report};
+use crate::document::{self, Class};
+use crate::{obj_scene, sensor};
+
+/// What the command line says about a scene.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Names and values given with `-D`: they win over the scene's `<default>`s.
+    pub defines: Vec<(String, String)>,
+    /// The picture's width and height, instead of the scene's.
+    pub size: Option<[usize; 2]>,
+    /// The camera of a bare `.obj`.
+    pub camera: CameraOverride,
+}
+
+/// A camera for a scene that has none; what is not given is chosen so that all is seen.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CameraOverride {
+    /// Where it stands.
+    pub origin: Option<Vec3>,
+    /// What it looks at.
+    pub target: Option<Vec3>,
+    /// What is up, +y unless given.
+    pub up: Option<Vec3>,
+    /// Angle across the picture's width, degrees.
+    pub fov: Option<f32>,
+}
+
+/// A scene as it was understood.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// Shapes, materials, lights.
+    pub parts: SceneParts,
+    /// Camera and picture size.
+    pub camera: CameraSpec,
+    /// Reconstruction filter.
+    pub filter: Filter,
+    /// Values of the scene's `<default name="gi.*">`, after `-D`.
+    pub presets: BTreeMap<String, String>,
+    /// Longest path that the scene's integrator asks for; -1 is without end.
+    pub integrator_max_depth: Option<i32>,
+    /// What was approximated or ignored, as `file:line: text`.
+    pub warnings: Vec<String>,
+    /// Hash of all bytes read and of the defines.
+    pub hash: u64,
+    pub(crate) origins: Origins,
+}
+
+/// Read a scene: Mitsuba XML, or a bare OBJ with its materials.
+///
+/// # Errors
+/// All problems of the scene.
+pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+    let report = Report::default();
+    let loaded = match extension.as_str() {
+        "obj" => obj_scene::load(path, options, &report),
+        "xml" => load_xml(path, options, &report),
+        _ => {
+            let message = format!("`{}` is neither .xml nor .obj", path.display());
+            report.error_nowhere(message);
+            None
+        }
+    };
+    if loaded.is_none() && !report.has_errors() {
+        report.error_nowhere(format!("`{}` holds no scene", path.display()));
+    }
+    let warnings = report.finish()?;
+    let loaded = loaded.expect("a scene without problems was read");
+    Ok(Loaded { warnings, ..loaded })
+}
+
+fn load_xml(path: &Path, options: &Options, report: &Report) -> Option<Loaded> {
+    let doc = document::parse(path, &options.defines, report)?;
+    let assets = Assets::load(&doc, report);
+    let mut hash = doc.hash;
+    hash.word(assets.hash.value());
+    let mut builder = Builder::new(report, assets);
+    builder.scene(&doc);
+    let integrator_max_depth = doc
+        .nodes(report)
+        .find(|n| n.class() == Class::Ignored && n.object().tag == "integrator")
+        .and_then(|n| n.max_depth());
+    let seen = sensor::read(&doc, report, options.size);
+    let (camera, filter) = seen.unwrap_or_else(|| {
+        if !report.has_errors() {
+            report.warn_nowhere(format!("{}: no sensor: the camera is chosen", path.display()));
+        }
+        let size = options.size.unwrap_or([768, 576]);
+        let camera = obj_scene::frame(&builder.parts, &options.camera, size);
+        (camera, Filter::Gaussian { stddev: 0.5 })
+    });
+    doc.report_unused(report);
+    let (parts, origins) = (builder.parts, builder.origins);
+    let (presets, hash) = (doc.presets, hash.value());
+    let warnings = Vec::new();
+    Some(Loaded { parts, camera, filter, presets, integrator_max_depth, warnings, hash, origins })
+}

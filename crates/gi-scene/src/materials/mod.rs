@@ -1,0 +1,315 @@
+//! BSDF plugins to [`Material`]s.
+
+mod approximate;
+pub(crate) mod ior;
+
+use gi_core::material::{Distribution, Material, Roughness};
+use gi_core::math::Rgb;
+use gi_core::texture::Texture;
+
+use crate::build::Builder;
+use crate::document::{Class, Meaning, Node};
+
+/// The plugins that are understood.
+const KNOWN: [&str; 24] = [
+    "diffuse",
+    "roughdiffuse",
+    "dielectric",
+    "roughdielectric",
+    "thindielectric",
+    "conductor",
+    "roughconductor",
+    "plastic",
+    "roughplastic",
+    "phong",
+    "ward",
+    "mask",
+    "twosided",
+    "bumpmap",
+    "bump",
+    "normalmap",
+    "blendbsdf",
+    "mixturebsdf",
+    "null",
+    "principled",
+    "principledthin",
+    "pplastic",
+    "lambertian",
+    "opacity",
+];
+
+/// How deep materials may refer to each other: the builder recurses, and no scene comes near.
+const MAX_NESTING: usize = 32;
+
+impl Builder<'_> {
+    /// The material of a bsdf, made when first asked for; black after a reported problem.
+    pub(crate) fn material(&mut self, node: Node<'_>) -> usize {
+        if let Some(&known) = self.material_of.get(&node.id) {
+            return known;
+        }
+        if self.open_materials.contains(&node.id) {
+            node.error("this bsdf contains itself", "");
+            return self.black();
+        }
+        if self.open_materials.len() >= MAX_NESTING {
+            node.error("bsdfs are nested too deep", "");
+            return self.black();
+        }
+        self.open_materials.push(node.id);
+        let material = self.make_material(node);
+        self.open_materials.pop();
+        let index = match material {
+            Some(material) => self.push_material(material, node.object().id.clone()),
+            None => self.black(),
+        };
+        self.material_of.insert(node.id, index);
+        index
+    }
+
+    /// Add a material to the table.
+    pub(crate) fn push_material(&mut self, material: Material, id: Option<String>) -> usize {
+        self.parts.materials.push(material);
+        self.origins.materials.push(id);
+        self.parts.materials.len() - 1
+    }
+
+    /// The material that reflects nothing.
+    pub(crate) fn black(&mut self) -> usize {
+        if let Some(black) = self.black {
+            return black;
+        }
+        let index = self.push_material(Material::Diffuse { reflectance: Texture::grey(0.0) }, None);
+        *self.black.insert(index)
+    }
+
+    fn make_material(&mut self, node: Node<'_>) -> Option<Material> {
+        Some(match node.plugin() {
+            "diffuse" | "lambertian" => {
+                Material::Diffuse { reflectance: self.reflectance(node, "reflectance", 0.5) }
+            }
+            "roughdiffuse" => {
+                node.ignore(&["use_fast_approx"]);
+                let alpha = self.texture(node, "alpha", Texture::grey(0.2), Meaning::Factor);
+                Material::RoughDiffuse {
+                    reflectance: self.reflectance(node, "reflectance", 0.5),
+                    alpha,
+                }
+            }
+            "dielectric" | "roughdielectric" => self.dielectric(node)?,
+            "thindielectric" => Material::ThinDielectric {
+                eta: relative_ior(node, "bk7")?,
+                reflectance: self.reflectance(node, "specular_reflectance", 1.0),
+                transmittance: self.reflectance(node, "specular_transmittance", 1.0),
+            },
+            "conductor" | "roughconductor" => self.conductor(node)?,
+            "plastic" | "roughplastic" | "pplastic" => self.plastic(node)?,
+            "phong" => Material::Phong {
+                diffuse: self.reflectance(node, "diffuse_reflectance", 0.5),
+                specular: self.reflectance(node, "specular_reflectance", 0.2),
+                exponent: self.texture(node, "exponent", Texture::grey(30.0), Meaning::Factor),
+            },
+            "ward" => self.ward(node),
+            "principled" | "principledthin" => return self.principled(node),
+            "null" => Material::Null,
+            "mask" | "opacity" => {
+                let opacity = self.texture(node, "opacity", Texture::grey(0.5), Meaning::Factor);
+                Material::Mask { opacity, inner: self.only_child(node)? }
+            }
+            "twosided" => self.twosided(node)?,
+            "bumpmap" | "bump" => {
+                let scale = Rgb::grey(node.float("scale", 1.0));
+                let height = self.only_texture(node)?.scaled(scale);
+                Material::Bump { height, inner: self.only_child(node)? }
+            }
+            "normalmap" => {
+                let normals = self.only_texture(node)?;
+                Material::NormalMap { normals, inner: self.only_child(node)? }
+            }
+            "blendbsdf" => self.blend(node)?,
+            "mixturebsdf" => return self.mixture(node),
+            _ => {
+                node.unknown_plugin(&KNOWN);
+                return None;
+            }
+        })
+    }
+
+    fn dielectric(&mut self, node: Node<'_>) -> Option<Material> {
+        Some(Material::Dielectric {
+            eta: relative_ior(node, "bk7")?,
+            reflectance: self.reflectance(node, "specular_reflectance", 1.0),
+            transmittance: self.reflectance(node, "specular_transmittance", 1.0),
+            roughness: self.roughness(node, "roughdielectric"),
+        })
+    }
+
+    fn conductor(&mut self, node: Node<'_>) -> Option<Material> {
+        let named = match node.text("material") {
+            Some(name) => Some(conductor_named(node, name)?),
+            // A conductor of no material is copper in Mitsuba 0.6 and a mirror in Mitsuba 3.
+            None if node.doc.version == 0 => ior::conductor("Cu"),
+            None => ior::conductor("none"),
+        };
+        let (mut eta, mut k) = named?;
+        if node.has("eta") || node.has("k") || node.child("eta").is_some() {
+            eta = node.color("eta", Meaning::Factor).unwrap_or(Rgb::BLACK);
+            k = node.color("k", Meaning::Factor).unwrap_or(Rgb::WHITE);
+        }
+        // What matters is the index relative to the outside.
+        let outside = interface_ior(node, "ext_eta").or_else(|| interface_ior(node, "ext_ior"));
+        if let Some(outside) = outside {
+            (eta, k) = (eta / outside, k / outside);
+        }
+        let reflectance = self.reflectance(node, "specular_reflectance", 1.0);
+        Some(Material::Conductor {
+            eta,
+            k,
+            reflectance,
+            roughness: self.roughness(node, "roughconductor"),
+        })
+    }
+
+    fn plastic(&mut self, node: Node<'_>) -> Option<Material> {
+        let mut roughness = self.roughness(node, "roughplastic");
+        if let Some(Roughness { alpha_u, alpha_v, .. }) = &mut roughness {
+            if !alpha_u.is_constant() || !alpha_v.is_constant() {
+                node.warn("a textured roughness of plastic is replaced by its mean");
+                *alpha_u = Texture::grey(alpha_u.mean().mean());
+            }
+            *alpha_v = alpha_u.clone();
+        }
+        Some(Material::Plastic {
+            eta: relative_ior(node, "polypropylene")?,
+            diffuse: self.reflectance(node, "diffuse_reflectance", 0.5),
+            specular: self.reflectance(node, "specular_reflectance", 1.0),
+            nonlinear: node.bool("nonlinear", false),
+            roughness,
+        })
+    }
+
+    /// The facets, if the plugin is the rough one.
+    fn roughness(&mut self, node: Node<'_>, rough: &str) -> Option<Roughness> {
+        if node.plugin() != rough && node.plugin() != "pplastic" {
+            return None;
+        }
+        node.ignore(&["sample_visible"]);
+        let distribution = match node.text("distribution").unwrap_or("beckmann") {
+            "beckmann" => Distribution::Beckmann,
+            "ggx" => Distribution::Ggx,
+            "phong" | "as" => {
+                let span = node.span_of("distribution");
+                node.report.warn(span, "distribution `phong` is approximated by `beckmann`");
+                Distribution::Beckmann
+            }
+            other => {
+                let help = crate::diagnostics::suggestion(other, ["beckmann", "ggx", "phong"]);
+                let message = format!("unknown distribution `{other}`");
+                let span = node.span_of("distribution");
+                node.report.error_help(span, message, "expected `beckmann` or `ggx`", help);
+                return None;
+            }
+        };
+        let alpha = self.texture(node, "alpha", Texture::grey(0.1), Meaning::Factor);
+        let alpha_u = self.texture(node, "alpha_u", alpha.clone(), Meaning::Factor);
+        let alpha_v = self.texture(node, "alpha_v", alpha, Meaning::Factor);
+        Some(Roughness { distribution, alpha_u, alpha_v })
+    }
+
+    fn twosided(&mut self, node: Node<'_>) -> Option<Material> {
+        match node.children(Class::Bsdf).as_slice() {
+            [both] => {
+                let front = self.material(*both);
+                Some(Material::TwoSided { front, back: front })
+            }
+            [front, back] => Some(Material::TwoSided {
+                front: self.material(*front),
+                back: self.material(*back),
+            }),
+            other => {
+                node.error(format!("`twosided` has {} bsdfs", other.len()), "expected one or two");
+                None
+            }
+        }
+    }
+
+    fn blend(&mut self, node: Node<'_>) -> Option<Material> {
+        let weight = self.texture(node, "weight", Texture::grey(0.5), Meaning::Factor);
+        match node.children(Class::Bsdf).as_slice() {
+            [a, b] => {
+                let (first, second) = (self.material(*a), self.material(*b));
+                Some(Material::Blend { weight, first, second })
+            }
+            other => {
+                node.error(format!("`blendbsdf` has {} bsdfs", other.len()), "expected two");
+                None
+            }
+        }
+    }
+
+    fn only_child(&mut self, node: Node<'_>) -> Option<usize> {
+        match node.children(Class::Bsdf).as_slice() {
+            [inner] => Some(self.material(*inner)),
+            other => {
+                let message = format!("`{}` has {} bsdfs", node.plugin(), other.len());
+                node.error(message, "expected one");
+                None
+            }
+        }
+    }
+
+    fn only_texture(&mut self, node: Node<'_>) -> Option<Texture> {
+        match node.children(Class::Texture).as_slice() {
+            [texture] => self.texture_object(*texture, 0),
+            other => {
+                let message = format!("`{}` has {} textures", node.plugin(), other.len());
+                node.error(message, "expected one");
+                None
+            }
+        }
+    }
+}
+
+fn conductor_named(node: Node<'_>, name: &str) -> Option<(Rgb, Rgb)> {
+    let found = ior::conductor(name);
+    if found.is_none() {
+        let names = ior::CONDUCTORS.iter().map(|(n, ..)| *n).chain(["none"]);
+        let help = crate::diagnostics::suggestion(name, names);
+        let message = format!("unknown conductor `{name}`");
+        node.report.error_help(node.span_of("material"), message, "expected a material", help);
+    }
+    found
+}
+
+/// An index of refraction given as a number or a name; `None` if it is not given (or wrong, and reported).
+fn interface_ior(node: Node<'_>, name: &'static str) -> Option<f32> {
+    if !node.has(name) {
+        return None;
+    }
+    let Some(material) = node.text_opt(name) else { return node.float_opt(name) };
+    let found = ior::dielectric(material).or_else(|| material.trim().parse().ok());
+    if found.is_none() {
+        let names = ior::DIELECTRICS.iter().map(|(n, _)| *n);
+        let help = crate::diagnostics::suggestion(material, names);
+        let message = format!("unknown dielectric `{material}`");
+        node.report.error_help(
+            node.span_of(name),
+            message,
+            "expected a material or a number",
+            help,
+        );
+    }
+    found
+}
+
+/// Index inside over index outside.
+fn relative_ior(node: Node<'_>, inside: &str) -> Option<f32> {
+    let default = |name| ior::dielectric(name).expect("a name of the table");
+    let inside = interface_ior(node, "int_ior").unwrap_or_else(|| default(inside));
+    let outside = interface_ior(node, "ext_ior").unwrap_or_else(|| default("air"));
+    let eta = node.float_opt("eta").unwrap_or(inside / outside);
+    if eta > 0.0 && eta.is_finite() {
+        return Some(eta);
+    }
+    node.error(format!("the relative index of refraction is {eta}"), "expected a positive one");
+    None
+}

@@ -1,0 +1,85 @@
+//! Participating media.
+
+use gi_core::math::Rgb;
+use gi_core::medium::{Medium, Phase};
+
+use crate::build::Builder;
+use crate::document::{Class, Meaning, Node};
+
+impl Builder<'_> {
+    /// The medium of an object, made when first asked for; `None` after a reported problem.
+    pub(crate) fn medium(&mut self, node: Node<'_>) -> Option<usize> {
+        if let Some(&known) = self.medium_of.get(&node.id) {
+            return Some(known);
+        }
+        if node.plugin() != "homogeneous" {
+            node.unknown_plugin(&["homogeneous"]);
+            return None;
+        }
+        let medium = homogeneous(node)?;
+        self.parts.media.push(medium);
+        self.origins.media.push(node.object().id.clone());
+        self.medium_of.insert(node.id, self.parts.media.len() - 1);
+        Some(self.parts.media.len() - 1)
+    }
+}
+
+/// Given as (sigma_t, albedo) or (sigma_s, sigma_a), times `scale`.
+fn homogeneous(node: Node<'_>) -> Option<Medium> {
+    node.ignore(&["has_spectral_extinction", "sample_emitters", "strategy", "method"]);
+    let scale = node.float("scale", 1.0);
+    let (sigma_s, sigma_a) = (color(node, "sigma_s"), color(node, "sigma_a"));
+    let (sigma_t, albedo) = if sigma_s.is_some() || sigma_a.is_some() {
+        let s = sigma_s.unwrap_or(Rgb::BLACK);
+        let t = s + sigma_a.unwrap_or(Rgb::BLACK);
+        (t, s.zip(t, |s, t| if t > 0.0 { s / t } else { 0.0 }))
+    } else {
+        if let Some(name) = node.text_opt("material") {
+            node.error(format!("the medium `{name}` by name"), "expected sigma_t and albedo");
+            return None;
+        }
+        (
+            color(node, "sigma_t").unwrap_or(Rgb::WHITE),
+            color(node, "albedo").unwrap_or(Rgb::grey(0.75)),
+        )
+    };
+    let sigma_t = sigma_t * scale;
+    if sigma_t.to_array().into_iter().chain(albedo.to_array()).any(|v| v < 0.0)
+        || albedo.max() > 1.0
+    {
+        node.error("a medium that amplifies light", "expected sigma >= 0 and albedo in [0, 1]");
+        return None;
+    }
+    Some(Medium { sigma_t, albedo, phase: phase(node) })
+}
+
+/// A colour, or a `constvolume` that holds one.
+fn color(node: Node<'_>, name: &'static str) -> Option<Rgb> {
+    match node.child_if(name, |n| n.class() == Class::Volume) {
+        Some(volume) if volume.plugin() == "constvolume" => volume.color("value", Meaning::Factor),
+        Some(volume) => {
+            volume.unknown_plugin(&["constvolume"]);
+            None
+        }
+        None => node.color(name, Meaning::Factor),
+    }
+}
+
+fn phase(node: Node<'_>) -> Phase {
+    let children = node.children(Class::Phase);
+    let Some(phase) = children.first() else { return Phase::Isotropic };
+    match phase.plugin() {
+        "isotropic" => Phase::Isotropic,
+        "hg" => {
+            let g = phase.float("g", 0.8);
+            if g.abs() >= 1.0 {
+                phase.report.error(phase.span_of("g"), format!("g = {g}"), "expected -1 < g < 1");
+            }
+            Phase::HenyeyGreenstein { g }
+        }
+        _ => {
+            phase.unknown_plugin(&["isotropic", "hg"]);
+            Phase::Isotropic
+        }
+    }
+}

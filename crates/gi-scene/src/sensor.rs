@@ -1,0 +1,205 @@
+//! The sensor: camera, film and filter.
+
+use gi_core::camera::{CameraSpec, Projection};
+use gi_core::filter::Filter;
+use glam::{Affine3A, Mat3, Vec2, Vec3};
+
+use crate::diagnostics::Report;
+use crate::document::{Class, Document, Node};
+
+/// The film of a sensor that names none.
+const DEFAULT_SIZE: [usize; 2] = [768, 576];
+/// No picture is wider or higher than this: its film would not fit into memory.
+const MAX_SIZE: i64 = 1 << 15;
+/// Diagonal of the 36 x 24 mm picture that a focal length is meant for, millimetres.
+const FILM_DIAGONAL: f32 = 43.266_615;
+/// Focal length of a sensor that gives neither that nor an angle, millimetres.
+const DEFAULT_FOCAL_LENGTH: f32 = 50.0;
+
+/// The camera and filter of a scene; `None` if it has no sensor.
+pub(crate) fn read(
+    doc: &Document,
+    report: &Report,
+    size: Option<[usize; 2]>,
+) -> Option<(CameraSpec, Filter)> {
+    let scene = doc.nodes(report).next()?;
+    let sensors = scene.children(Class::Sensor);
+    if let [_, second, ..] = sensors.as_slice() {
+        second.warn("the scene has several sensors: the first is used");
+    }
+    let sensor = *sensors.first()?;
+    let films = sensor.children(Class::Film);
+    let filter = films.first().map_or(Filter::Gaussian { stddev: 0.5 }, |film| filter(*film));
+    let size = size.unwrap_or_else(|| films.first().map_or(DEFAULT_SIZE, |film| film_size(*film)));
+    let principal_point_offset = Vec2::new(
+        sensor.float("principal_point_offset_x", 0.0),
+        sensor.float("principal_point_offset_y", 0.0),
+    );
+    sensor.children(Class::Ignored);
+    sensor.children(Class::Medium);
+    sensor.ignore(&[
+        "far_clip",
+        "shutter_open",
+        "shutter_close",
+        "focus_distance",
+        "aperture_radius",
+    ]);
+    let (projection, to_world) = projection(sensor, size)?;
+    let near = sensor.float("near_clip", 0.0);
+    Some((CameraSpec { to_world, projection, size, near, principal_point_offset }, filter))
+}
+
+fn projection(sensor: Node<'_>, size: [usize; 2]) -> Option<(Projection, Affine3A)> {
+    let m = sensor.transform("to_world");
+    if !m.inverse().is_finite() {
+        let span = sensor.span_of("to_world");
+        sensor.report.error(span, "the camera's `to_world` cannot be inverted", "");
+        return None;
+    }
+    let lens = match sensor.plugin() {
+        "orthographic" => return Some((Projection::Orthographic, m)),
+        "perspective" | "pinhole" => 0.0,
+        "thinlens" => sensor.float("aperture_radius", 0.0),
+        "perspective_rdist" => {
+            sensor.warn("`perspective_rdist` is approximated by `perspective`");
+            0.0
+        }
+        _ => {
+            sensor.unknown_plugin(&["perspective", "thinlens", "orthographic"]);
+            return None;
+        }
+    };
+    let fov_x = fov_x(sensor, size[0] as f32 / size[1] as f32)?;
+    let focus_distance = if lens > 0.0 { sensor.float("focus_distance", 1.0) } else { 1.0 };
+    // A perspective camera has no size: only where it stands, how it is turned and whether it is mirrored count.
+    let columns =
+        [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis].map(|c| Vec3::from(c).normalize());
+    let rotation = Mat3::from_cols(columns[0], columns[1], columns[2]);
+    let to_world = Affine3A::from_mat3_translation(rotation, m.translation.into());
+    Some((Projection::Perspective { fov_x, aperture_radius: lens, focus_distance }, to_world))
+}
+
+/// The angle across the width, radians.
+fn fov_x(sensor: Node<'_>, aspect: f32) -> Option<f32> {
+    let (half_tangent, axis) = match sensor.float_opt("fov") {
+        Some(degrees) if 0.0 < degrees && degrees < 180.0 => {
+            ((0.5 * degrees.to_radians()).tan(), sensor.text("fov_axis").unwrap_or("x"))
+        }
+        Some(degrees) => {
+            sensor.report.error(
+                sensor.span_of("fov"),
+                format!("fov {degrees}"),
+                "expected 0 to 180",
+            );
+            return None;
+        }
+        None => (FILM_DIAGONAL / (2.0 * focal_length(sensor)?), "diagonal"),
+    };
+    // From the half extent along the named axis to that along x.
+    let to_x = match axis {
+        "x" => 1.0,
+        "y" => aspect,
+        "diagonal" => aspect / (1.0 + aspect * aspect).sqrt(),
+        "smaller" => aspect.max(1.0),
+        "larger" => aspect.min(1.0),
+        other => {
+            let known = ["x", "y", "diagonal", "smaller", "larger"];
+            let help = crate::diagnostics::suggestion(other, known);
+            let span = sensor.span_of("fov_axis");
+            let message = format!("unknown axis `{other}`");
+            sensor.report.error_help(
+                span,
+                message,
+                "expected x, y, diagonal, smaller or larger",
+                help,
+            );
+            return None;
+        }
+    };
+    Some(2.0 * (half_tangent * to_x).atan())
+}
+
+/// Millimetres, from "50mm" or 50.
+fn focal_length(sensor: Node<'_>) -> Option<f32> {
+    if !sensor.has("focal_length") {
+        return Some(DEFAULT_FOCAL_LENGTH);
+    }
+    let length = match sensor.text_opt("focal_length") {
+        Some(text) => text.trim().trim_end_matches("mm").trim().parse().ok(),
+        None => sensor.float_opt("focal_length"),
+    };
+    let positive = length.filter(|l| *l > 0.0);
+    if positive.is_none() {
+        let span = sensor.span_of("focal_length");
+        sensor.report.error(span, "this is no focal length", "expected millimetres, as `50mm`");
+    }
+    positive
+}
+
+fn film_size(film: Node<'_>) -> [usize; 2] {
+    let [w, h] = DEFAULT_SIZE.map(|d| d as i64);
+    let size = [film.int_opt("width").unwrap_or(w), film.int_opt("height").unwrap_or(h)];
+    for crop in ["crop_width", "crop_height", "crop_offset_x", "crop_offset_y"] {
+        if film.has(crop) {
+            film.report.warn(
+                film.span_of(crop),
+                format!("`{crop}` is ignored: the whole picture is made"),
+            );
+        }
+    }
+    film.ignore(&[
+        "file_format",
+        "pixel_format",
+        "component_format",
+        "gamma",
+        "banner",
+        "attach_log",
+        "high_quality_edges",
+        "filename",
+        "exposure",
+        "tonemap_method",
+        "key",
+        "burn",
+        "sample_border",
+        "compensate",
+        "metadata",
+        "variable",
+        "digits",
+    ]);
+    film.children(Class::Filter);
+    if size.iter().any(|s| !(1..=MAX_SIZE).contains(s)) {
+        film.error(format!("a film of {} x {}", size[0], size[1]), "expected 1 to 32768");
+        return DEFAULT_SIZE;
+    }
+    size.map(|s| s as usize)
+}
+
+fn filter(film: Node<'_>) -> Filter {
+    let filters = film.children(Class::Filter);
+    let Some(filter) = filters.first() else { return Filter::Gaussian { stddev: 0.5 } };
+    let third = |a: &'static str, b: &'static str| {
+        filter.float_opt(a).or_else(|| filter.float_opt(b)).unwrap_or(1.0 / 3.0)
+    };
+    match filter.plugin() {
+        "box" => Filter::Box,
+        "tent" => Filter::Tent,
+        "gaussian" => Filter::Gaussian { stddev: filter.float("stddev", 0.5) },
+        "mitchell" => Filter::Mitchell { b: third("b", "A"), c: third("c", "B") },
+        "catmullrom" => Filter::CatmullRom,
+        "lanczos" => {
+            let lobes = filter.int_opt("lobes").unwrap_or(3).clamp(1, 16);
+            Filter::Lanczos { lobes: lobes as u32 }
+        }
+        _ => {
+            filter.unknown_plugin(&[
+                "box",
+                "tent",
+                "gaussian",
+                "mitchell",
+                "catmullrom",
+                "lanczos",
+            ]);
+            Filter::Box
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! Shading normals.
+
+use std::collections::HashMap;
+
+use gi_core::geometry::Mesh;
+use glam::{Vec2, Vec3};
+
+/// Turn round each triangle whose vertex normals all point against its winding: its sides are those that
+/// the normals say, as Mitsuba shades it. (A mirroring map turns the winding and not the normals.)
+pub(crate) fn face_the_normals(mesh: &mut Mesh) {
+    for k in 0..mesh.triangles.len() {
+        let face = mesh.area_vector(k);
+        if mesh.triangles[k].iter().all(|&i| mesh.normals[i as usize].dot(face) < 0.0) {
+            mesh.triangles[k].swap(1, 2);
+        }
+    }
+}
+
+/// Give each corner the mean of the normals of those faces round its point that lie within `angle`
+/// (radians) of its own face; points are the same where their coordinates are.
+pub(crate) fn smooth_up_to(mesh: &mut Mesh, angle: f32) {
+    let key = |p: Vec3| p.to_array().map(|x| (x + 0.0).to_bits());
+    let faces: Vec<Vec3> =
+        (0..mesh.triangles.len()).map(|k| mesh.area_vector(k).normalize_or_zero()).collect();
+    let mut round: HashMap<[u32; 3], Vec<(usize, f32)>> = HashMap::new();
+    for k in 0..mesh.triangles.len() {
+        let p = mesh.corners(k);
+        for j in 0..3 {
+            let (a, b) = (p[(j + 1) % 3] - p[j], p[(j + 2) % 3] - p[j]);
+            let at = if faces[k] == Vec3::ZERO { 0.0 } else { a.angle_between(b) };
+            round.entry(key(p[j])).or_default().push((k, at));
+        }
+    }
+    let limit = angle.cos();
+    let mut out = Mesh::default();
+    let mut known: HashMap<([u32; 3], [u32; 3], [u32; 2]), u32> = HashMap::new();
+    for k in 0..mesh.triangles.len() {
+        let corner = |j: usize| {
+            let i = mesh.triangles[k][j] as usize;
+            let p = mesh.positions[i];
+            let near = round[&key(p)].iter().filter(|(f, _)| faces[*f].dot(faces[k]) >= limit);
+            let sum: Vec3 = near.map(|(f, weight)| faces[*f] * *weight).sum();
+            let n = sum.try_normalize().unwrap_or(Vec3::Z);
+            let uv = mesh.uvs.get(i).copied().unwrap_or(Vec2::ZERO);
+            let id = (key(p), key(n), uv.to_array().map(f32::to_bits));
+            *known.entry(id).or_insert_with(|| {
+                out.positions.push(p);
+                out.normals.push(n);
+                if !mesh.uvs.is_empty() {
+                    out.uvs.push(uv);
+                }
+                out.positions.len() as u32 - 1
+            })
+        };
+        let triangle = [0, 1, 2].map(corner);
+        out.triangles.push(triangle);
+    }
+    *mesh = out;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes::solids;
+    use glam::Affine3A;
+
+    #[test]
+    fn a_cube_stays_sharp_below_ninety_degrees_and_becomes_round_above() {
+        let mut sharp = solids::cube(&Affine3A::IDENTITY);
+        smooth_up_to(&mut sharp, 45f32.to_radians());
+        for k in 0..sharp.triangles.len() {
+            let face = sharp.area_vector(k).normalize();
+            for i in sharp.triangles[k] {
+                assert!((sharp.normals[i as usize] - face).length() < 1e-6);
+            }
+        }
+        let mut round = solids::cube(&Affine3A::IDENTITY);
+        smooth_up_to(&mut round, 100f32.to_radians());
+        for (p, n) in round.positions.iter().zip(&round.normals) {
+            assert!((p.normalize() - *n).length() < 1e-5, "{p} {n}");
+        }
+    }
+
+    #[test]
+    fn triangles_follow_their_normals() {
+        let mut mesh = solids::rectangle(&Affine3A::IDENTITY);
+        mesh.normals = vec![-Vec3::Z; 4];
+        face_the_normals(&mut mesh);
+        assert!(mesh.area_vector(0).z < 0.0 && mesh.area_vector(1).z < 0.0);
+    }
+}

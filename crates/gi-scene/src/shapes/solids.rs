@@ -1,0 +1,149 @@
+//! The shapes that need no file.
+
+use gi_core::geometry::{Geometry, Mesh};
+use gi_core::math::Frame;
+use glam::{Affine3A, Vec2, Vec3};
+
+use crate::document::Node;
+
+/// Relative difference of axes below which a transform counts as uniform: the rounding of a file's six digits.
+const UNIFORM: f32 = 1e-3;
+/// A squeezed sphere becomes so many rows (and twice as many columns) of triangles: 0.01 % of the radius off.
+const SPHERE_ROWS: usize = 128;
+
+/// Whether normals that were carried by a map point against the winding that it leaves.
+fn mirrors(m: &Affine3A) -> bool {
+    m.matrix3.determinant() < 0.0
+}
+
+/// Move a mesh of flat faces so that it still faces the way its normals did: as Mitsuba shades it.
+fn place(mut mesh: Mesh, m: &Affine3A) -> Mesh {
+    mesh.transform(m);
+    if mirrors(m) {
+        mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    }
+    mesh
+}
+
+/// The square [-1, 1]^2 at z = 0, facing +z.
+pub(crate) fn rectangle(to_world: &Affine3A) -> Mesh {
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+    let mesh = Mesh {
+        positions: corners.iter().map(|&(x, y)| Vec3::new(x, y, 0.0)).collect(),
+        normals: Vec::new(),
+        uvs: corners.iter().map(|&(x, y)| 0.5 * Vec2::new(x + 1.0, y + 1.0)).collect(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+    };
+    place(mesh, to_world)
+}
+
+/// The cube [-1, 1]^3, each face with the whole unit square of texture coordinates.
+pub(crate) fn cube(to_world: &Affine3A) -> Mesh {
+    // Per face the corners at uv (0,1), (1,1), (1,0), (0,0), as in Mitsuba.
+    const FACES: [[[f32; 3]; 4]; 6] = [
+        [[1., -1., -1.], [1., -1., 1.], [-1., -1., 1.], [-1., -1., -1.]],
+        [[1., 1., -1.], [-1., 1., -1.], [-1., 1., 1.], [1., 1., 1.]],
+        [[1., -1., -1.], [1., 1., -1.], [1., 1., 1.], [1., -1., 1.]],
+        [[1., -1., 1.], [1., 1., 1.], [-1., 1., 1.], [-1., -1., 1.]],
+        [[-1., -1., 1.], [-1., 1., 1.], [-1., 1., -1.], [-1., -1., -1.]],
+        [[1., 1., -1.], [1., -1., -1.], [-1., -1., -1.], [-1., 1., -1.]],
+    ];
+    let mut mesh = Mesh::default();
+    for (face, corners) in FACES.iter().enumerate() {
+        mesh.positions.extend(corners.iter().map(|c| Vec3::from(*c)));
+        mesh.uvs.extend([Vec2::Y, Vec2::ONE, Vec2::X, Vec2::ZERO]);
+        let k = 4 * face as u32;
+        mesh.triangles.extend([[k, k + 1, k + 2], [k + 3, k, k + 2]]);
+    }
+    place(mesh, to_world)
+}
+
+/// A sphere, and whether its normals point inward: a mirroring map turns them round, as in Mitsuba 3.
+pub(crate) fn sphere(node: Node<'_>, to_world: &Affine3A) -> Option<(Geometry, bool)> {
+    let (center, radius) = (node.vector("center").unwrap_or(Vec3::ZERO), node.float("radius", 1.0));
+    if radius <= 0.0 {
+        node.report.error(node.span_of("radius"), format!("radius {radius}"), "expected > 0");
+        return None;
+    }
+    let m =
+        *to_world * Affine3A::from_translation(center) * Affine3A::from_scale(Vec3::splat(radius));
+    let axes = [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis].map(Vec3::from);
+    let size = axes.map(Vec3::length);
+    if !size.iter().all(|s| s.is_finite() && *s > 0.0) {
+        node.error("the sphere has no volume", "");
+        return None;
+    }
+    let [x, y, z] = [axes[0] / size[0], axes[1] / size[1], axes[2] / size[2]];
+    let even = size.iter().all(|s| (s / size[0] - 1.0).abs() < UNIFORM);
+    if !even || [x.dot(y), y.dot(z), z.dot(x)].iter().any(|d| d.abs() > UNIFORM) {
+        node.warn("a sphere that is squeezed becomes a mesh");
+        return Some((Geometry::Mesh(squeezed_sphere(&m)), false));
+    }
+    let mirrored = mirrors(&m);
+    // A right-handed frame; u of a mirrored sphere runs the other way round in Mitsuba, here it does not.
+    let axes = Frame { s: x, t: z.cross(x), n: z };
+    Some((Geometry::Sphere { center: m.translation.into(), radius: size[0], axes }, mirrored))
+}
+
+/// The image of the unit sphere as triangles.
+fn squeezed_sphere(m: &Affine3A) -> Mesh {
+    let (rows, columns) = (SPHERE_ROWS, 2 * SPHERE_ROWS);
+    let mut mesh = Mesh::default();
+    for row in 0..=rows {
+        for column in 0..=columns {
+            let uv = Vec2::new(column as f32 / columns as f32, row as f32 / rows as f32);
+            let (theta, phi) = (std::f32::consts::PI * uv.y, std::f32::consts::TAU * uv.x);
+            // The seam and the poles must close exactly.
+            let phi = if column == columns { 0.0 } else { phi };
+            let sin = if row == 0 || row == rows { 0.0 } else { theta.sin() };
+            let p = Vec3::new(sin * phi.cos(), sin * phi.sin(), theta.cos());
+            mesh.positions.push(p);
+            mesh.normals.push(p);
+            mesh.uvs.push(uv);
+        }
+    }
+    let at = |row: usize, column: usize| (row * (columns + 1) + column) as u32;
+    for row in 0..rows {
+        for column in 0..columns {
+            let [a, b] = [at(row, column), at(row, column + 1)];
+            let [c, d] = [at(row + 1, column), at(row + 1, column + 1)];
+            if row > 0 {
+                mesh.triangles.push([a, c, b]);
+            }
+            if row + 1 < rows {
+                mesh.triangles.push([b, c, d]);
+            }
+        }
+    }
+    place(mesh, m)
+}
+
+/// The unit disk at z = 0, and whether du x dv points against its normal.
+pub(crate) fn disk(to_world: &Affine3A) -> (Geometry, bool) {
+    let [du, dv] = [Vec3::X, Vec3::Y].map(|a| to_world.transform_vector3(a));
+    (Geometry::Disk { center: to_world.translation.into(), du, dv }, mirrors(to_world))
+}
+
+/// A cylinder from `p0` to `p1`.
+pub(crate) fn cylinder(node: Node<'_>, to_world: &Affine3A) -> Option<Geometry> {
+    let [p0, p1] = [("p0", Vec3::ZERO), ("p1", Vec3::Z)]
+        .map(|(name, default)| node.vector(name).unwrap_or(default));
+    let radius = node.float("radius", 1.0);
+    if radius <= 0.0 || p0 == p1 {
+        node.error("the cylinder has no area", "");
+        return None;
+    }
+    let s = (p1 - p0).normalize().any_orthonormal_vector();
+    let t = (p1 - p0).normalize().cross(s);
+    let [a, b] = [s, t].map(|v| to_world.transform_vector3(v).length());
+    if (a / b - 1.0).abs() > UNIFORM {
+        node.warn("a cylinder that is squeezed is taken as round");
+    }
+    let [p0, p1] = [p0, p1].map(|p| to_world.transform_point3(p));
+    let radius = radius * (a * b).sqrt();
+    if !(p0.is_finite() && p1.is_finite() && radius.is_finite() && radius > 0.0 && p0 != p1) {
+        node.error("the cylinder has no area", "");
+        return None;
+    }
+    Some(Geometry::Cylinder { p0, p1, radius })
+}

@@ -1,0 +1,164 @@
+//! From spectra to linear Rec. 709.
+//!
+//! The colour matching functions are the multi-lobe fit of [Wyman13] to the CIE 1931 observer.
+
+use gi_core::math::Rgb;
+
+/// Shortest and longest wavelength that the eye is taken to see, nanometres (Mitsuba's limits).
+const RANGE: (f32, f32) = (360.0, 830.0);
+/// Step of the quadrature, nanometres; the curves turn over tens of nanometres.
+const STEP: f32 = 1.0;
+
+/// What an equal-energy spectrum of value 1 is in linear Rec. 709 (Mitsuba's figures, which come from
+/// the tabulated observer): emission given as one number is this colour in Mitsuba 3.
+pub(crate) const EQUAL_ENERGY: Rgb = Rgb::new(1.204_794, 0.948_291, 0.908_916);
+
+/// A spectrum as a scene gives it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Spectrum {
+    /// The same at all wavelengths.
+    Flat(f32),
+    /// `(nanometres, value)`, rising, linear between, zero outside.
+    Pairs(Vec<(f32, f32)>),
+    /// A black body of so many kelvins, times a factor; W / (m^2 sr nm).
+    Blackbody { kelvin: f32, scale: f32 },
+}
+
+impl Spectrum {
+    /// The value at a wavelength in nanometres.
+    fn at(&self, nm: f32) -> f32 {
+        match self {
+            Spectrum::Flat(v) => *v,
+            Spectrum::Pairs(pairs) => interpolate(pairs, nm),
+            Spectrum::Blackbody { kelvin, scale } => scale * planck(nm, *kelvin),
+        }
+    }
+
+    /// The colour of light with this spectrum.
+    pub(crate) fn emission(&self) -> Rgb {
+        match self {
+            Spectrum::Flat(v) => EQUAL_ENERGY * *v,
+            _ => xyz_to_rgb(integrate(|nm| self.at(nm))),
+        }
+    }
+
+    /// The colour of a surface (or of an index of refraction) with this spectrum: what it makes of
+    /// daylight D65, over daylight. A constant comes out grey.
+    pub(crate) fn reflectance(&self) -> Rgb {
+        match self {
+            Spectrum::Flat(v) => Rgb::grey(*v),
+            _ => {
+                let lit = xyz_to_rgb(integrate(|nm| self.at(nm) * daylight(nm)));
+                let white = xyz_to_rgb(integrate(daylight));
+                lit.zip(white, |a, b| (a / b).max(0.0))
+            }
+        }
+    }
+}
+
+/// Linear interpolation in rising pairs; zero outside.
+fn interpolate(pairs: &[(f32, f32)], x: f32) -> f32 {
+    let next = pairs.partition_point(|p| p.0 <= x);
+    match (pairs.get(next.wrapping_sub(1)), pairs.get(next)) {
+        (Some(a), Some(b)) => a.1 + (b.1 - a.1) * (x - a.0) / (b.0 - a.0),
+        (Some(a), None) if a.0 == x => a.1,
+        _ => 0.0,
+    }
+}
+
+/// Planck's law, W / (m^2 sr nm).
+fn planck(nm: f32, kelvin: f32) -> f32 {
+    const C1: f64 = 1.191_042_97e-16; // 2 h c^2, W m^2 / sr
+    const C2: f64 = 1.438_776_88e-2; // h c / k, m K
+    let m = f64::from(nm) * 1e-9;
+    (1e-9 * C1 / (m.powi(5) * ((C2 / (m * f64::from(kelvin))).exp() - 1.0))) as f32
+}
+
+/// The CIE 1931 colour matching functions at a wavelength in nanometres [Wyman13, table 1].
+fn matching(nm: f32) -> [f32; 3] {
+    let lobe = |peak: f32, below: f32, above: f32| {
+        let t = (nm - peak) / if nm < peak { below } else { above };
+        (-0.5 * t * t).exp()
+    };
+    [
+        1.056 * lobe(599.8, 37.9, 31.0) + 0.362 * lobe(442.0, 16.0, 26.7)
+            - 0.065 * lobe(501.1, 20.4, 26.2),
+        0.821 * lobe(568.8, 46.9, 40.5) + 0.286 * lobe(530.9, 16.3, 31.1),
+        1.217 * lobe(437.0, 11.8, 36.0) + 0.681 * lobe(459.0, 26.0, 13.8),
+    ]
+}
+
+/// XYZ of a spectrum, divided by the integral of the luminosity curve.
+fn integrate(spectrum: impl Fn(f32) -> f32) -> [f64; 3] {
+    let steps = ((RANGE.1 - RANGE.0) / STEP) as usize;
+    let (mut xyz, mut unit) = ([0f64; 3], 0f64);
+    for i in 0..steps {
+        let nm = RANGE.0 + (i as f32 + 0.5) * STEP;
+        let (m, s) = (matching(nm), f64::from(spectrum(nm)));
+        (0..3).for_each(|k| xyz[k] += s * f64::from(m[k]));
+        unit += f64::from(m[1]);
+    }
+    xyz.map(|v| v / unit)
+}
+
+/// XYZ to linear Rec. 709 [ITU-R BT.709, D65].
+fn xyz_to_rgb([x, y, z]: [f64; 3]) -> Rgb {
+    Rgb::new(
+        (3.240_479 * x - 1.537_150 * y - 0.498_535 * z) as f32,
+        (-0.969_256 * x + 1.875_991 * y + 0.041_556 * z) as f32,
+        (0.055_648 * x - 0.204_043 * y + 1.057_311 * z) as f32,
+    )
+}
+
+/// Relative power of daylight D65 [CIE 15], every ten nanometres from 360.
+const D65: [f32; 48] = [
+    46.64, 52.09, 49.98, 54.65, 82.75, 91.49, 93.43, 86.68, 104.87, 117.01, 117.81, 114.86, 115.92,
+    108.81, 109.35, 107.80, 104.79, 107.69, 104.41, 104.05, 100.00, 96.33, 95.79, 88.69, 90.01,
+    89.60, 87.70, 83.29, 83.70, 80.03, 80.21, 82.28, 78.28, 69.72, 71.61, 74.35, 61.60, 69.89,
+    75.09, 63.59, 46.42, 66.81, 63.38, 64.30, 59.45, 51.96, 57.44, 60.31,
+];
+
+fn daylight(nm: f32) -> f32 {
+    let t = ((nm - 360.0) / 10.0).clamp(0.0, 46.999);
+    let i = t as usize;
+    D65[i] + (D65[i + 1] - D65[i]) * (t - i as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn near(a: Rgb, b: [f32; 3], tolerance: f32) {
+        for (x, y) in a.to_array().into_iter().zip(b) {
+            assert!((x - y).abs() <= tolerance, "{a:?} is not {b:?}");
+        }
+    }
+
+    #[test]
+    fn a_constant_reflectance_is_grey() {
+        assert_eq!(Spectrum::Flat(0.3).reflectance(), Rgb::grey(0.3));
+        let flat = Spectrum::Pairs(vec![(300.0, 0.3), (900.0, 0.3)]);
+        near(flat.reflectance(), [0.3; 3], 1e-4);
+    }
+
+    #[test]
+    fn constant_emission_has_the_colour_of_equal_energy() {
+        let flat = Spectrum::Pairs(vec![(300.0, 2.0), (900.0, 2.0)]);
+        near(flat.emission(), (EQUAL_ENERGY * 2.0).to_array(), 0.02);
+    }
+
+    #[test]
+    fn daylight_is_white() {
+        let xyz = integrate(daylight);
+        let (x, y) = (xyz[0] / xyz.iter().sum::<f64>(), xyz[1] / xyz.iter().sum::<f64>());
+        assert!((x - 0.3127).abs() < 2e-3 && (y - 0.3290).abs() < 2e-3, "{x} {y}");
+    }
+
+    #[test]
+    fn a_black_body_radiates_as_planck_says() {
+        // Wien: the peak of 5000 K lies at 579.6 nm; there B = 4.0957e-6 T^5 W / (m^3 sr).
+        let peak = planck(579.6, 5000.0);
+        assert!((peak / 12_799.0 - 1.0).abs() < 1e-3, "{peak}");
+        assert!(planck(560.0, 5000.0) < peak && planck(600.0, 5000.0) < peak);
+    }
+}
