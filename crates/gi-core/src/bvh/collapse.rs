@@ -9,11 +9,11 @@ use super::layout::{LANES, LEAF_BLOCKS, WIDTH};
 use super::optimise::BinaryNode;
 
 /// Cost of testing one block of triangles, in units of testing a node's eight boxes; measured.
-const BLOCK_COST: f32 = 0.6;
+const BLOCK_COST: f32 = 0.3;
 /// Cost of testing one solid.
 const SOLID_COST: f32 = 1.0;
 /// Triangles that one leaf may hold.
-const LEAF_TRIANGLES: u32 = 8;
+const LEAF_TRIANGLES: u32 = 16;
 /// Levels on which both children become tasks of their own.
 const TASK_DEPTH: u32 = 12;
 const _: () = assert!(LEAF_TRIANGLES as usize <= LANES * LEAF_BLOCKS);

@@ -7,7 +7,7 @@ use super::input::{Box4, Input, PrimRef};
 use super::optimise::{BinaryNode, hole, zeroed_nodes};
 
 /// References that a leaf may hold.
-const LEAF: usize = 2;
+const LEAF: usize = 4;
 /// Most bins an axis.
 const BINS: usize = 16;
 /// Deepest leaf; where a range could grow deeper it is halved instead.
@@ -166,20 +166,14 @@ impl Splitter<'_> {
         // Keep the depth in bounds: from here on, halving needs the logarithm of what is left.
         let halve = self.method == Method::Halves || depth + refs.len().ilog2() + 1 >= MAX_DEPTH;
         if !halve {
-            match refs {
-                [a, b, c] => return split_few([a, b, c]),
-                [a, b, c, d] => return split_few([a, b, c, d]),
-                _ => {}
-            }
             let grid = Grid::new(refs.len(), &extent.centers);
             bins.fill(refs, &grid);
             if let Some(plane) = bins.cheapest(grid.count) {
-                let (parts, middle) = match plane.axis {
+                return match plane.axis {
                     0 => partition::<0>(refs, &grid, plane.bin),
                     1 => partition::<1>(refs, &grid, plane.bin),
                     _ => partition::<2>(refs, &grid, plane.bin),
                 };
-                return (parts, middle);
             }
         }
         let (left, right) = refs.split_at(refs.len() / 2);
@@ -264,8 +258,8 @@ impl Bins {
         let mut best = (f32::INFINITY, None);
         let (mut b, mut n) = ([Box4::EMPTY; 3], [0; 3]);
         for i in 0..count - 1 {
-            for axis in 0..3 {
-                let cost = self.sweep(i, axis, &mut b, &mut n) + right_cost[i + 1][axis];
+            for (axis, right_cost) in right_cost[i + 1].iter().enumerate() {
+                let cost = self.sweep(i, axis, &mut b, &mut n) + right_cost;
                 if cost < best.0 {
                     best = (cost, Some(Plane { axis, bin: i }));
                 }
@@ -282,32 +276,6 @@ impl Bins {
         count[axis] += self.count[bin][axis];
         if count[axis] == 0 { f32::INFINITY } else { bounds[axis].half_area() * count[axis] as f32 }
     }
-}
-
-/// The best of all ways to split a few references.
-fn split_few<const N: usize>(refs: [&mut PrimRef; N]) -> ([Extent; 2], usize) {
-    let copy: [PrimRef; N] = std::array::from_fn(|k| *refs[k]);
-    let mut best = (f32::INFINITY, 1);
-    // Every set of references on the left; the last always stands right.
-    for set in 1..1 << (N - 1) {
-        let mut sides = [Box4::EMPTY; 2];
-        for (k, r) in copy.iter().enumerate() {
-            sides[1 - (set >> k & 1)].grow(r.min, r.max);
-        }
-        let left = (set as u32).count_ones() as f32;
-        let cost = sides[0].half_area() * left + sides[1].half_area() * (N as f32 - left);
-        best = if cost < best.0 { (cost, set) } else { best };
-    }
-    let mut sides = [Extent::EMPTY; 2];
-    let middle = (best.1 as u32).count_ones() as usize;
-    let mut next = [0, middle];
-    for (k, r) in copy.iter().enumerate() {
-        let side = 1 - (best.1 >> k & 1);
-        sides[side].grow(r);
-        *refs[next[side]] = *r;
-        next[side] += 1;
-    }
-    (sides, middle)
 }
 
 /// Where to split: behind a bin of an axis.
