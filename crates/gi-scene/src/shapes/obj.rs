@@ -16,12 +16,15 @@ pub(crate) struct Contents {
     /// One mesh a material (the first `usemtl` that names it opens it; `""` before any), without normals
     /// where not every corner has one.
     pub(crate) meshes: Vec<(String, Mesh)>,
+    /// Whether Mitsuba 3 reads the file as we do: it refuses indices that count from the end.
+    pub(crate) portable: bool,
 }
 
-/// Read all faces as one mesh.
-pub(crate) fn parse(bytes: &[u8], flip: bool) -> Result<Mesh, String> {
+/// Read all faces as one mesh, and say whether Mitsuba 3 reads the same.
+pub(crate) fn parse(bytes: &[u8], flip: bool) -> Result<(Mesh, bool), String> {
     let mut contents = parse_by_material(bytes, flip, false)?;
-    contents.meshes.pop().map(|m| m.1).ok_or_else(|| "it holds no faces".into())
+    let (_, mesh) = contents.meshes.pop().ok_or("it holds no faces")?;
+    Ok((mesh, contents.portable))
 }
 
 /// Read the faces of each material as a mesh of its own, or all as one.
@@ -55,6 +58,7 @@ pub(crate) fn parse_by_material(
             _ => {}
         }
     }
+    contents.portable = !reader.from_end;
     let all = std::mem::take(&mut reader.parts);
     contents.meshes = all
         .into_iter()
@@ -83,6 +87,8 @@ struct Reader {
     parts: Vec<Part>,
     current: usize,
     flip: bool,
+    /// Whether any index counts from the end.
+    from_end: bool,
 }
 
 impl Reader {
@@ -122,7 +128,7 @@ impl Reader {
         Ok(())
     }
 
-    fn corner(&self, word: &str) -> Result<Corner, String> {
+    fn corner(&mut self, word: &str) -> Result<Corner, String> {
         let mut out = [ABSENT; 3];
         let counts = [self.positions.len(), self.uvs.len(), self.normals.len()];
         for (k, text) in word.split('/').enumerate() {
@@ -134,6 +140,7 @@ impl Reader {
             }
             let index: i64 =
                 text.parse().map_err(|_| format!("`{word}` is no corner of a face"))?;
+            self.from_end |= index < 0;
             let count = counts[k] as i64;
             // One is the first, -1 the last so far.
             let at = if index < 0 { count + index } else { index - 1 };
