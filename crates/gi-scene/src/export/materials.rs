@@ -6,12 +6,11 @@ use gi_core::math::Rgb;
 use gi_core::texture::{Bitmap, Lookup, Texture, Wrap};
 use glam::{Affine2, Affine3A, Mat3, Vec3};
 
-use super::xml::identifier;
-use super::{Exporter, channels};
+use super::{Exporter, channels, free_name};
 use crate::load::Loaded;
 
 /// The materials that are written at the top level: those with a name in the file and those that several use.
-pub(super) fn names(loaded: &Loaded) -> Vec<Option<String>> {
+pub(super) fn names(loaded: &Loaded, taken: &mut HashSet<String>) -> Vec<Option<String>> {
     let materials = &loaded.parts.materials;
     let mut uses = vec![0usize; materials.len()];
     for material in materials {
@@ -21,16 +20,10 @@ pub(super) fn names(loaded: &Loaded) -> Vec<Option<String>> {
     }
     let shapes = loaded.parts.shapes.iter().chain(loaded.parts.groups.iter().flatten());
     shapes.for_each(|s| uses[s.material] += 1);
-    let mut taken = HashSet::new();
-    let name = |(i, id): (usize, &Option<String>)| {
-        let name = match id {
-            Some(id) => identifier(id),
-            None if uses[i] > 1 => format!("material-{i}"),
-            None => return None,
-        };
-        let free = if taken.contains(&name) { format!("{name}-{i}") } else { name };
-        taken.insert(free.clone());
-        Some(free)
+    let name = |(i, id): (usize, &Option<String>)| match id {
+        Some(id) => Some(free_name(id, i, taken)),
+        None if uses[i] > 1 => Some(free_name("material", i, taken)),
+        None => None,
     };
     loaded.origins.materials.iter().enumerate().map(name).collect()
 }

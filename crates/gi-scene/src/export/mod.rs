@@ -6,6 +6,7 @@ mod materials;
 mod shapes;
 mod xml;
 
+use std::collections::HashSet;
 use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -85,6 +86,8 @@ struct Exporter<'a> {
     xml: Xml,
     /// Names of the materials that are written once and referred to.
     names: Vec<Option<String>>,
+    /// Names of the media.
+    media: Vec<String>,
     warnings: Vec<String>,
 }
 
@@ -92,9 +95,14 @@ impl<'a> Exporter<'a> {
     fn new(loaded: &'a Loaded, out: &'a Path) -> Self {
         let stem = out.file_stem().unwrap_or_default().to_string_lossy();
         let side = out.with_file_name(format!("{stem}-files"));
-        let names = materials::names(loaded);
+        let mut taken = HashSet::new();
+        let names = materials::names(loaded, &mut taken);
+        let media = loaded.origins.media.iter().enumerate();
+        let media = media
+            .map(|(i, id)| free_name(id.as_deref().unwrap_or("medium"), i, &mut taken))
+            .collect();
         let (xml, warnings) = (Xml::default(), Vec::new());
-        Exporter { loaded, out, side, converted: 0, xml, names, warnings }
+        Exporter { loaded, out, side, converted: 0, xml, names, media, warnings }
     }
 
     fn warn(&mut self, text: impl Into<String>) {
@@ -166,7 +174,7 @@ impl<'a> Exporter<'a> {
     }
 
     fn medium(&mut self, index: usize, medium: &Medium) {
-        let name = self.medium_name(index);
+        let name = self.media[index].clone();
         let xml = &mut self.xml;
         xml.open("medium", &[("type", "homogeneous"), ("id", &name)]);
         // Mitsuba 3 wants colours in [0, 1]; a power of two takes nothing from the digits.
@@ -184,13 +192,6 @@ impl<'a> Exporter<'a> {
             }
         }
         xml.close();
-    }
-
-    fn medium_name(&self, index: usize) -> String {
-        match &self.loaded.origins.media[index] {
-            Some(id) => format!("medium-{}-{index}", xml::identifier(id)),
-            None => format!("medium-{index}"),
-        }
     }
 
     /// Write a file that Mitsuba cannot do without; its name as the XML says it.
@@ -219,6 +220,14 @@ impl<'a> Exporter<'a> {
         );
         parts.collect::<Vec<_>>().join("/")
     }
+}
+
+/// A name like the one wanted that nothing else has.
+fn free_name(wanted: &str, index: usize, taken: &mut HashSet<String>) -> String {
+    let name = xml::identifier(wanted);
+    let name = if taken.contains(&name) { format!("{name}-{index}") } else { name };
+    taken.insert(name.clone());
+    name
 }
 
 fn filter(xml: &mut Xml, filter: Filter) {
