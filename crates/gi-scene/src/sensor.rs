@@ -95,6 +95,9 @@ fn fov_x(sensor: Node<'_>, aspect: f32) -> Option<f32> {
         }
         None => (FILM_DIAGONAL / (2.0 * focal_length(sensor)?), "diagonal"),
     };
+    if axis == "x" && sensor.has("fov") {
+        return Some(sensor.float("fov", 0.0).to_radians()); // spared the rounding of tan and atan
+    }
     // From the half extent along the named axis to that along x.
     let to_x = match axis {
         "x" => 1.0,

@@ -2,7 +2,7 @@ use gi_core::light::LightSource;
 use gi_core::math::{Frame, Rgb};
 use glam::{Affine3A, Mat3};
 
-use super::{Exporter, numbers};
+use super::{Exporter, degrees, numbers};
 use crate::build::LightOrigin;
 use crate::sky::SunSky;
 
@@ -38,8 +38,8 @@ impl Exporter<'_> {
                 let rotation = Mat3::from_cols(f.s, f.t, f.n);
                 xml.transform("to_world", &Affine3A::from_mat3_translation(rotation, *position));
                 xml.color("intensity", *intensity);
-                xml.value("float", "cutoff_angle", &cutoff.to_degrees().to_string());
-                xml.value("float", "beam_width", &beam.to_degrees().to_string());
+                xml.value("float", "cutoff_angle", &degrees(*cutoff));
+                xml.value("float", "beam_width", &degrees(*beam));
             }
             LightSource::Directional { direction, irradiance } => {
                 xml.open("emitter", &[("type", "directional")]);
@@ -74,8 +74,7 @@ impl Exporter<'_> {
         xml.value("vector", "sun_direction", &numbers(&sky.sun_direction.to_array()));
         xml.value("float", "sun_scale", &sky.sun_scale.to_string());
         xml.value("float", "sky_scale", &sky.sky_scale.to_string());
-        let aperture = 2.0 * sky.angular_radius.to_degrees();
-        xml.value("float", "sun_aperture", &aperture.to_string());
+        xml.value("float", "sun_aperture", &degrees(2.0 * sky.angular_radius));
         xml.transform("to_world", &sky.to_world);
         xml.close();
     }

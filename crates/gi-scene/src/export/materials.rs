@@ -4,7 +4,7 @@ use gi_core::image_io::{ImageFile, Layers, write_file};
 use gi_core::material::{Distribution, Material, Roughness};
 use gi_core::math::Rgb;
 use gi_core::texture::{Bitmap, Lookup, Texture, Wrap};
-use glam::{Affine2, Affine3A, Mat3, Vec3};
+use glam::{Affine2, Affine3A, Mat3, Vec2, Vec3};
 
 use super::{Exporter, channels, free_name};
 use crate::load::Loaded;
@@ -100,7 +100,7 @@ impl Exporter<'_> {
                 self.xml.value("boolean", "nonlinear", &nonlinear.to_string());
                 if let Some(Roughness { distribution, alpha_u, .. }) = roughness {
                     self.xml.value("string", "distribution", distribution_name(*distribution));
-                    self.xml.value("float", "alpha", &alpha_u.mean().mean().to_string());
+                    self.xml.value("float", "alpha", &alpha_u.scalar(Vec2::ZERO).to_string());
                 }
             }
             Material::Phong { diffuse, specular, exponent } => {

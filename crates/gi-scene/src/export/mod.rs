@@ -18,7 +18,7 @@ use gi_core::medium::{Medium, Phase};
 
 use crate::diagnostics::Diagnostics;
 use crate::load::{Loaded, Options, load};
-use xml::{Xml, numbers};
+use xml::{Xml, degrees, numbers};
 
 /// Why an export failed.
 #[derive(Clone, Debug)]
@@ -145,7 +145,7 @@ impl<'a> Exporter<'a> {
             Projection::Perspective { fov_x, aperture_radius, focus_distance } => {
                 let kind = if aperture_radius > 0.0 { "thinlens" } else { "perspective" };
                 xml.open("sensor", &[("type", kind)]);
-                xml.value("float", "fov", &fov_x.to_degrees().to_string());
+                xml.value("float", "fov", &degrees(fov_x));
                 xml.value("string", "fov_axis", "x");
                 if aperture_radius > 0.0 {
                     xml.value("float", "aperture_radius", &aperture_radius.to_string());

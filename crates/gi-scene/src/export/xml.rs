@@ -84,6 +84,14 @@ pub(super) fn numbers(values: &[f32]) -> String {
     values.iter().map(f32::to_string).collect::<Vec<_>>().join(" ")
 }
 
+/// Degrees that are read back as exactly this angle, if there are such.
+pub(super) fn degrees(radians: f32) -> String {
+    let near = radians.to_degrees();
+    let candidates = [near, near.next_up(), near.next_down()];
+    let exact = candidates.into_iter().find(|d| d.to_radians() == radians);
+    exact.unwrap_or(near).to_string()
+}
+
 /// A name that Mitsuba 3 takes as an id: it refuses dots.
 pub(super) fn identifier(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' }).collect()
