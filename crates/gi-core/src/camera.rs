@@ -2,6 +2,10 @@
 
 use glam::{Affine3A, Vec2, Vec3};
 
+use crate::math::sqr;
+use crate::ray::Ray;
+use crate::warp;
+
 /// What a scene says about its camera. Local axes: looks along +z, +y up, **+x to the left** (as Mitsuba).
 #[derive(Clone, Debug)]
 pub struct CameraSpec {
@@ -43,5 +47,219 @@ impl CameraSpec {
         let projection =
             Projection::Perspective { fov_x, aperture_radius: 0.0, focus_distance: 1.0 };
         CameraSpec { to_world, projection, size, near: 0.0, principal_point_offset: Vec2::ZERO }
+    }
+}
+
+/// A camera ready for use.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    size: [usize; 2],
+    /// Half the picture's extent on the plane z = 1 (perspective) or in camera units (orthographic).
+    half: Vec2,
+    offset: Vec2,
+    near: f32,
+    /// Radius of the lens in camera units; 0 for a pinhole.
+    aperture: f32,
+    focus: f32,
+    orthographic: bool,
+    to_world: Affine3A,
+    to_local: Affine3A,
+    /// Area of a pixel on the film plane: at z = 1 for perspective, in world units for orthographic cameras.
+    pixel_area: f32,
+}
+
+/// How a point of the world meets the camera.
+#[derive(Clone, Copy, Debug)]
+pub struct Connection {
+    /// Where on the film, in pixels from the top left corner.
+    pub film: [f32; 2],
+    /// Unit direction from the point to the camera.
+    pub wi: Vec3,
+    /// The point of the lens; `None` for orthographic cameras, whose rays come from infinity.
+    pub lens: Option<Vec3>,
+    /// Power that leaves the point toward the camera per solid angle (times the cosine at the point), times
+    /// this, is the radiance that a pixel would see if all of it fell on that one pixel.
+    pub importance: f32,
+}
+
+impl Camera {
+    /// Make a camera ready.
+    pub fn new(spec: &CameraSpec) -> Self {
+        let [w, h] = spec.size.map(|n| n as f32);
+        let (half_x, aperture, focus, orthographic) = match spec.projection {
+            Projection::Perspective { fov_x, aperture_radius, focus_distance } => {
+                ((0.5 * fov_x).tan(), aperture_radius, focus_distance, false)
+            }
+            Projection::Orthographic => (1.0, 0.0, 1.0, true),
+        };
+        let half = Vec2::new(half_x, half_x * h / w);
+        let m = spec.to_world.matrix3;
+        let stretch = if orthographic { m.x_axis.cross(m.y_axis).length() } else { 1.0 };
+        Camera {
+            size: spec.size,
+            half,
+            offset: spec.principal_point_offset,
+            near: spec.near,
+            aperture,
+            focus,
+            orthographic,
+            to_world: spec.to_world,
+            to_local: spec.to_world.inverse(),
+            pixel_area: 4.0 * half.x * half.y * stretch / (w * h),
+        }
+    }
+
+    /// Pixels across and down.
+    pub fn size(&self) -> [usize; 2] {
+        self.size
+    }
+
+    /// Whether the camera has a lens, so that [`Camera::ray`] uses its second argument.
+    pub fn has_lens(&self) -> bool {
+        self.aperture > 0.0
+    }
+
+    /// The ray, of unit direction, that sees the film at `film` (pixels from the top left corner) through the
+    /// point of the lens that `u` draws.
+    #[inline]
+    pub fn ray(&self, film: [f32; 2], u: [f32; 2]) -> Ray {
+        let p = self.film_to_plane(Vec2::from_array(film));
+        let (o, d) = if self.orthographic {
+            (p.extend(0.0), Vec3::Z)
+        } else if self.aperture > 0.0 {
+            let o = (warp::disk(u) * self.aperture).extend(0.0);
+            (o, p.extend(1.0) * self.focus - o)
+        } else {
+            (Vec3::ZERO, p.extend(1.0))
+        };
+        // Parameters count world lengths along the unit direction.
+        let axis_speed = d.z / d.length();
+        let d = self.to_world.transform_vector3(d).normalize();
+        Ray { tmin: self.near / axis_speed, ..Ray::new(self.to_world.transform_point3(o), d) }
+    }
+
+    /// How the world point `p` meets the camera through the point of the lens that `u` draws;
+    /// `None` where it is more than `margin` pixels outside of the picture.
+    pub fn connect(&self, p: Vec3, u: [f32; 2], margin: f32) -> Option<Connection> {
+        let local = self.to_local.transform_point3(p);
+        if local.z <= self.near.max(0.0) {
+            return None;
+        }
+        if self.orthographic {
+            let film = self.plane_to_film(local.truncate(), margin)?;
+            let wi = -self.to_world.transform_vector3(Vec3::Z).normalize();
+            return Some(Connection { film, wi, lens: None, importance: 1.0 / self.pixel_area });
+        }
+        let lens = if self.aperture > 0.0 {
+            (warp::disk(u) * self.aperture).extend(0.0)
+        } else {
+            Vec3::ZERO
+        };
+        // Where the ray from the lens through p meets the plane that is sharp tells where it falls on the film.
+        let d = local - lens;
+        let sharp = lens + d * (self.focus / d.z);
+        let film = self.plane_to_film(sharp.truncate() / self.focus, margin)?;
+        let lens = self.to_world.transform_point3(lens);
+        let to = lens - p;
+        let distance_sq = to.length_squared();
+        let cos = d.z / d.length();
+        // A pixel sees the solid angle pixel_area cos^3; the point fills 1 / d^2.
+        let importance = 1.0 / (self.pixel_area * cos * sqr(cos) * distance_sq);
+        Some(Connection { film, wi: to / distance_sq.sqrt(), lens: Some(lens), importance })
+    }
+
+    /// Film to the plane z = 1: x to the left, y up.
+    #[inline]
+    fn film_to_plane(&self, film: Vec2) -> Vec2 {
+        let [w, h] = self.size.map(|n| n as f32);
+        let f = film / Vec2::new(w, h) + self.offset;
+        (Vec2::ONE - f * 2.0) * self.half
+    }
+
+    #[inline]
+    fn plane_to_film(&self, p: Vec2, margin: f32) -> Option<[f32; 2]> {
+        let size = Vec2::from_array(self.size.map(|n| n as f32));
+        let film = ((Vec2::ONE - p / self.half) * 0.5 - self.offset) * size;
+        let inside = film.cmpge(Vec2::splat(-margin)).all() && film.cmplt(size + margin).all();
+        inside.then_some(film.to_array())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::Pcg;
+
+    fn cameras() -> [Camera; 3] {
+        let mut spec = CameraSpec::look_at(
+            Vec3::new(1.0, 2.0, -4.0),
+            Vec3::new(0.0, 1.0, 1.0),
+            Vec3::Y,
+            0.8,
+            [64, 48],
+        );
+        let pinhole = Camera::new(&spec);
+        spec.projection =
+            Projection::Perspective { fov_x: 0.8, aperture_radius: 0.1, focus_distance: 3.0 };
+        let lens = Camera::new(&spec);
+        spec.projection = Projection::Orthographic;
+        spec.to_world *= Affine3A::from_scale(Vec3::new(2.0, 2.0, 1.0));
+        [pinhole, lens, Camera::new(&spec)]
+    }
+
+    #[test]
+    fn what_a_pixel_sees_connects_back_to_it() {
+        let mut rng = Pcg::new(3, 0);
+        for camera in cameras() {
+            for _ in 0..1000 {
+                let film = [64.0 * rng.next_f32(), 48.0 * rng.next_f32()];
+                let u = rng.next_2d();
+                let ray = camera.ray(film, u);
+                let back = camera.connect(ray.at(5.0), u, 0.0).expect("in the picture");
+                assert!(
+                    (back.film[0] - film[0]).abs() < 1e-2 && (back.film[1] - film[1]).abs() < 1e-2,
+                    "{back:?}"
+                );
+                assert!((back.wi + ray.d).length() < 1e-4);
+            }
+            assert!(
+                camera
+                    .connect(camera.ray([32.0, 24.0], [0.5; 2]).at(-1.0), [0.5; 2], 0.0)
+                    .is_none()
+            );
+        }
+    }
+
+    #[test]
+    fn the_picture_is_upright_and_not_mirrored() {
+        let spec =
+            CameraSpec::look_at(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO, Vec3::Y, 0.8, [64, 64]);
+        let camera = Camera::new(&spec);
+        // Looking along -z with +y up, +x is to the right.
+        let corner = camera.ray([64.0, 0.0], [0.5; 2]).d;
+        assert!(corner.x > 0.0 && corner.y > 0.0, "{corner}");
+    }
+
+    #[test]
+    fn importance_integrates_to_the_number_of_pixels() {
+        // A lambertian plane of radiance 1 across the view, sampled uniformly in area: the sum of
+        // cos * importance * area over the pixels must be one a pixel.
+        for camera in cameras() {
+            let mid = camera.ray([32.0, 24.0], [0.5; 2]);
+            let (center, n) = (mid.at(6.0), -mid.d);
+            let frame = crate::math::Frame::from_normal(n);
+            let (mut rng, side, samples) = (Pcg::new(9, 1), 12.0f32, 200_000);
+            let mut sum = 0.0f64;
+            for _ in 0..samples {
+                let p = center
+                    + frame.s * (side * (rng.next_f32() - 0.5))
+                    + frame.t * (side * (rng.next_f32() - 0.5));
+                if let Some(c) = camera.connect(p, rng.next_2d(), 0.0) {
+                    sum += f64::from(c.wi.dot(n) * c.importance);
+                }
+            }
+            let pixels = sum * f64::from(side * side) / samples as f64;
+            assert!((pixels / (64.0 * 48.0) - 1.0).abs() < 0.02, "{pixels} pixels");
+        }
     }
 }

@@ -74,10 +74,7 @@ mod tests {
         // The demo of the reference distribution: pcg32_srandom(42, 54).
         let mut rng = Pcg::new(42, 54);
         let first: Vec<u32> = (0..6).map(|_| rng.next_u32()).collect();
-        assert_eq!(
-            first,
-            [0xa15c_02b7, 0x7b47_f409, 0xba1d_3330, 0x83d2_f293, 0xbfa4_784b, 0xcbed_606e]
-        );
+        assert_eq!(first, [0xa15c_02b7, 0x7b47_f409, 0xba1d_3330, 0x83d2_f293, 0xbfa4_784b, 0xcbed_606e]);
     }
 
     #[test]

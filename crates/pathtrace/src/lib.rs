@@ -1,1 +1,93 @@
-//! (to come)
+//! Path tracing: the truth that the other techniques are compared with.
+//!
+//! | | |
+//! |---|---|
+//! | estimated | every kind of light path that its walk can find, without bias |
+//! | `--mode path` | paths from the eye; at each vertex light is sampled too, both weighted by the power heuristic |
+//! | `--mode light` | paths from the lights; each vertex is connected to the eye |
+//! | `--max-depth` | path segments: 1 shows lights, 2 adds direct light; -1 is unbounded |
+//! | `--rr-depth` | segments after which Russian roulette may end a path (5) |
+//! | how it fails | noise: `path` where light is focused (caustics of small lights), `light` behind mirrors and glass |
+//! | sources | [Kajiya86], [Veach97] |
+
+mod eye;
+mod light;
+
+use gi_core::film::Film;
+use gi_core::technique::{Setting, Technique};
+
+/// Which end paths begin at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mode {
+    /// At the eye.
+    #[default]
+    Path,
+    /// At the lights.
+    Light,
+}
+
+/// The knobs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Params {
+    /// Which end paths begin at.
+    pub mode: Mode,
+    /// Most segments of a path; `None` is unbounded.
+    pub max_depth: Option<u32>,
+    /// Segments after which Russian roulette may end a path.
+    pub rr_depth: u32,
+}
+
+impl Default for Params {
+    fn default() -> Self {
+        Params { mode: Mode::Path, max_depth: None, rr_depth: 5 }
+    }
+}
+
+impl Params {
+    /// Whether a path of this many segments may have another.
+    fn goes_on(&self, segments: u32) -> bool {
+        self.max_depth.is_none_or(|most| segments < most)
+    }
+}
+
+/// The path tracer.
+pub struct PathTracer<'a> {
+    setting: Setting<'a>,
+    params: Params,
+    /// Light paths begun so far.
+    light_paths: u64,
+}
+
+impl<'a> Technique<'a> for PathTracer<'a> {
+    type Params = Params;
+
+    fn prepare(setting: Setting<'a>, params: &Params) -> Self {
+        PathTracer { setting, params: *params, light_paths: 0 }
+    }
+
+    /// One path a pixel.
+    fn pass(&mut self, index: u32, film: &mut Film) {
+        match self.params.mode {
+            Mode::Path => film.add_pass(|pixel| self.sample_pixel(pixel, index)),
+            Mode::Light => self.light_pass(index, film),
+        }
+    }
+
+    fn statistics(&self) -> Vec<(String, f64)> {
+        match self.params.mode {
+            Mode::Path => Vec::new(),
+            Mode::Light => vec![("light_paths".into(), self.light_paths as f64)],
+        }
+    }
+
+    fn reach(&self) -> String {
+        match self.params.mode {
+            Mode::Path => "all paths but those from point, spot and directional lights that reach the eye over \
+                           delta lobes only after the last rough surface (E S* D S+ L)"
+                .into(),
+            Mode::Light => "E L and E D (S|D)* L: what is seen without mirrors or glass; nothing that the eye sees \
+                            through a delta lobe"
+                .into(),
+        }
+    }
+}

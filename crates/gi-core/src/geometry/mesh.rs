@@ -34,6 +34,17 @@ impl Mesh {
         (b - a).cross(c - a)
     }
 
+    /// Unit face normal of triangle `k`, on the side of its shading normals where the mesh has them; zero for a
+    /// triangle without area.
+    pub fn oriented_normal(&self, k: usize) -> Vec3 {
+        let n = self.area_vector(k).normalize_or_zero();
+        if self.normals.is_empty() {
+            return n;
+        }
+        let shading: Vec3 = self.triangles[k].iter().map(|&i| self.normals[i as usize]).sum();
+        if n.dot(shading) < 0.0 { -n } else { n }
+    }
+
     /// Move the mesh by an affine map. Normals follow the inverse transpose; the winding is kept,
     /// so a mirroring map turns face normals round, as Mitsuba does.
     pub fn transform(&mut self, m: &Affine3A) {

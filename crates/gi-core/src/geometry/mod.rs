@@ -6,4 +6,4 @@ mod surface;
 
 pub use mesh::Mesh;
 pub use shape::{Geometry, Instance, Shape};
-pub use surface::Surface;
+pub use surface::{Surface, Tangents};

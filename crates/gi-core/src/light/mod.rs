@@ -1,5 +1,18 @@
-//! Lights.
+//! Lights: what shines, chosen in proportion to its power.
+//!
+//! Every shining primitive is a light of its own, so a mesh of a thousand triangles is a thousand lights; the number
+//! of a light is what many-light methods build their trees over.
 
+mod area;
+mod distribution;
+mod emit;
+mod environment;
 mod source;
+mod table;
 
+pub use area::{Emitter, EmitterPoint};
+pub use distribution::{Discrete, Grid};
+pub use emit::Emission;
+pub use environment::Environment;
 pub use source::LightSource;
+pub use table::{Light, LightSample, Lights};

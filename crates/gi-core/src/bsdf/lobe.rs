@@ -1,0 +1,305 @@
+//! One scattering lobe in its own frame: the enum that all materials come down to.
+
+use glam::Vec3;
+
+use super::coat::Coat;
+use super::fresnel::{self, reflect, reflect_z, refract};
+use super::microfacet::Microfacets;
+use super::{Scatter, Transport};
+use crate::math::{INV_PI, Rgb, sqr};
+use crate::warp;
+
+/// A lobe with its parameters read from the textures. Directions are local, z along the normal.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Lobe<'a> {
+    Diffuse { albedo: Rgb },
+    OrenNayar { albedo: Rgb, sigma_sq: f32 },
+    Conductor { eta: Rgb, k: Rgb, tint: Rgb },
+    RoughConductor { eta: Rgb, k: Rgb, tint: Rgb, facets: Microfacets },
+    Dielectric { eta: f32, reflect: Rgb, transmit: Rgb },
+    RoughDielectric { eta: f32, reflect: Rgb, transmit: Rgb, facets: Microfacets },
+    ThinDielectric { eta: f32, reflect: Rgb, transmit: Rgb },
+    Plastic { coat: &'a Coat, diffuse: Rgb, specular: Rgb },
+    Phong { diffuse: Rgb, specular: Rgb, exponent: f32 },
+    Null,
+}
+
+impl Lobe<'_> {
+    /// f without the cosine; zero for delta lobes and on the wrong side.
+    #[inline]
+    pub(crate) fn f(&self, wo: Vec3, wi: Vec3, transport: Transport) -> Rgb {
+        let above = wo.z > 0.0 && wi.z > 0.0;
+        match *self {
+            Lobe::Diffuse { albedo } if above => albedo * INV_PI,
+            Lobe::OrenNayar { albedo, sigma_sq } if above => {
+                albedo * (oren_nayar(wo, wi, sigma_sq) * INV_PI)
+            }
+            Lobe::RoughConductor { eta, k, tint, facets } if above => {
+                let m = (wo + wi).normalize();
+                let fresnel = fresnel::conductor(wi.dot(m).clamp(0.0, 1.0), eta, k);
+                fresnel * tint * (facets.d(m) * facets.g(wo, wi, m) / (4.0 * wo.z * wi.z))
+            }
+            Lobe::RoughDielectric { eta, reflect, transmit, facets } => {
+                rough_dielectric_f(wo, wi, eta, reflect, transmit, &facets, transport)
+            }
+            Lobe::Plastic { coat, diffuse, specular } if above => coat.f(wo, wi, diffuse, specular),
+            Lobe::Phong { diffuse, specular, exponent } if above => {
+                let lobe =
+                    (exponent + 2.0) * 0.5 * INV_PI * reflect_z(wo).dot(wi).max(0.0).powf(exponent);
+                diffuse * INV_PI + specular * lobe
+            }
+            _ => Rgb::BLACK,
+        }
+    }
+
+    /// Density per solid angle with which [`Lobe::sample`] returns `wi`; zero for delta lobes.
+    #[inline]
+    pub(crate) fn pdf_w(&self, wo: Vec3, wi: Vec3) -> f32 {
+        let above = wo.z > 0.0 && wi.z > 0.0;
+        match *self {
+            Lobe::Diffuse { .. } | Lobe::OrenNayar { .. } if above => {
+                warp::cosine_hemisphere_pdf(wi.z)
+            }
+            Lobe::RoughConductor { facets, .. } if above => {
+                let m = (wo + wi).normalize();
+                facets.d(m) * facets.g1(wo, m) / (4.0 * wo.z)
+            }
+            Lobe::RoughDielectric { eta, facets, .. } => rough_dielectric_pdf(wo, wi, eta, &facets),
+            Lobe::Plastic { coat, diffuse, specular } if above => {
+                coat.pdf_w(wo, wi, diffuse, specular)
+            }
+            Lobe::Phong { diffuse, specular, exponent } if above => {
+                let share = phong_share(diffuse, specular);
+                let lobe =
+                    (exponent + 1.0) * 0.5 * INV_PI * reflect_z(wo).dot(wi).max(0.0).powf(exponent);
+                share * lobe + (1.0 - share) * warp::cosine_hemisphere_pdf(wi.z)
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// Draw a direction. `u_choice` chooses between the parts of a lobe, `u` within one.
+    #[inline]
+    pub(crate) fn sample(
+        &self,
+        wo: Vec3,
+        u_choice: f32,
+        u: [f32; 2],
+        transport: Transport,
+    ) -> Option<Scatter> {
+        match *self {
+            Lobe::Diffuse { albedo } => {
+                let wi = warp::cosine_hemisphere(u);
+                (wo.z > 0.0 && wi.z > 0.0).then(|| Scatter::rough(wi, albedo, wi.z * INV_PI))
+            }
+            Lobe::Conductor { eta, k, tint } => (wo.z > 0.0).then(|| {
+                Scatter::delta(reflect_z(wo), fresnel::conductor(wo.z.min(1.0), eta, k) * tint, 1.0)
+            }),
+            Lobe::RoughConductor { eta, k, tint, facets } => {
+                if wo.z <= 0.0 {
+                    return None;
+                }
+                let m = facets.sample_visible(wo, u);
+                let wi = reflect(wo, m);
+                let pdf_w = facets.d(m) * facets.g1(wo, m) / (4.0 * wo.z);
+                if wi.z <= 0.0 || pdf_w <= 0.0 {
+                    return None;
+                }
+                let fresnel = fresnel::conductor(wi.dot(m).clamp(0.0, 1.0), eta, k);
+                Some(Scatter::rough(wi, fresnel * tint * facets.g1(wi, m), pdf_w))
+            }
+            Lobe::Dielectric { eta, reflect, transmit } => {
+                sample_dielectric(wo, u_choice, eta, reflect, transmit, transport)
+            }
+            Lobe::RoughDielectric { eta, facets, .. } => {
+                let m = facets.sample_visible(wo * 1f32.copysign(wo.z), u);
+                let interface = fresnel::dielectric(wo.dot(m), eta);
+                // A facet may throw light to the wrong side of the surface: Smith's model takes that as lost.
+                if u_choice < interface.reflectance {
+                    let wi = reflect(wo, m);
+                    return if wi.z * wo.z > 0.0 { self.weighted(wo, wi, transport) } else { None };
+                }
+                let wi = refract(wo, m, interface);
+                let refracted = if wi.z * wo.z < 0.0 {
+                    self.weighted(wo, wi, transport)?
+                } else {
+                    return None;
+                };
+                Some(Scatter { eta: interface.eta, ..refracted })
+            }
+            Lobe::ThinDielectric { eta, reflect, transmit } => {
+                let r = thin_reflectance(wo, eta);
+                Some(if u_choice < r {
+                    Scatter::delta(reflect_z(wo), reflect, r)
+                } else {
+                    Scatter { null: true, ..Scatter::delta(-wo, transmit, 1.0 - r) }
+                })
+            }
+            Lobe::Plastic { coat, diffuse, specular } => {
+                if wo.z <= 0.0 {
+                    return None;
+                }
+                match coat.sample(wo, u_choice, u, diffuse, specular) {
+                    Ok(delta) => Some(delta),
+                    Err(wi) => self.weighted(wo, wi, transport),
+                }
+            }
+            Lobe::OrenNayar { .. } => self.weighted(wo, warp::cosine_hemisphere(u), transport),
+            Lobe::Phong { diffuse, specular, exponent } => {
+                let wi = if u_choice < phong_share(diffuse, specular) {
+                    let cos = u[0].max(1e-20).powf(1.0 / (exponent + 1.0));
+                    let local = warp::cone([1.0, u[1]], 1.0 - cos);
+                    crate::math::Frame::from_normal(reflect_z(wo)).to_world(local)
+                } else {
+                    warp::cosine_hemisphere(u)
+                };
+                self.weighted(wo, wi, transport)
+            }
+            Lobe::Null => Some(Scatter { null: true, ..Scatter::delta(-wo, Rgb::WHITE, 1.0) }),
+        }
+    }
+
+    /// What passes straight through, as a factor on shadow rays.
+    #[inline]
+    pub(crate) fn straight_through(&self, wo: Vec3) -> Rgb {
+        match *self {
+            Lobe::Null => Rgb::WHITE,
+            Lobe::ThinDielectric { eta, transmit, .. } => {
+                transmit * (1.0 - thin_reflectance(wo, eta))
+            }
+            _ => Rgb::BLACK,
+        }
+    }
+
+    /// Roughly which share of the light from `wo` comes back, for pictures of the albedo.
+    pub(crate) fn albedo_hint(&self, wo: Vec3) -> Rgb {
+        match *self {
+            Lobe::Diffuse { albedo } | Lobe::OrenNayar { albedo, .. } => albedo,
+            Lobe::Conductor { eta, k, tint } | Lobe::RoughConductor { eta, k, tint, .. } => {
+                fresnel::conductor(wo.z.clamp(0.0, 1.0), eta, k) * tint
+            }
+            Lobe::Dielectric { reflect, transmit, .. }
+            | Lobe::RoughDielectric { reflect, transmit, .. }
+            | Lobe::ThinDielectric { reflect, transmit, .. } => reflect.zip(transmit, f32::max),
+            Lobe::Plastic { diffuse, specular, .. } => diffuse + specular * 0.04,
+            Lobe::Phong { diffuse, specular, .. } => diffuse + specular,
+            Lobe::Null => Rgb::BLACK,
+        }
+    }
+
+    /// Whether `f` is zero everywhere.
+    #[inline]
+    pub(crate) fn is_delta(&self) -> bool {
+        match self {
+            Lobe::Conductor { .. }
+            | Lobe::Dielectric { .. }
+            | Lobe::ThinDielectric { .. }
+            | Lobe::Null => true,
+            Lobe::Plastic { diffuse, coat, .. } => diffuse.is_black() && coat.is_smooth(),
+            _ => false,
+        }
+    }
+
+    /// Weigh a direction that was drawn with density [`Lobe::pdf_w`].
+    #[inline]
+    fn weighted(&self, wo: Vec3, wi: Vec3, transport: Transport) -> Option<Scatter> {
+        let pdf_w = self.pdf_w(wo, wi);
+        (pdf_w > 0.0)
+            .then(|| Scatter::rough(wi, self.f(wo, wi, transport) * (wi.z.abs() / pdf_w), pdf_w))
+    }
+}
+
+/// Both interfaces of a pane, all inner reflections summed.
+#[inline]
+fn thin_reflectance(wo: Vec3, eta: f32) -> f32 {
+    let r = fresnel::dielectric(wo.z.abs(), eta).reflectance;
+    2.0 * r / (1.0 + r)
+}
+
+fn sample_dielectric(
+    wo: Vec3,
+    u: f32,
+    eta: f32,
+    reflect: Rgb,
+    transmit: Rgb,
+    transport: Transport,
+) -> Option<Scatter> {
+    let interface = fresnel::dielectric(wo.z, eta);
+    if u < interface.reflectance {
+        return Some(Scatter::delta(reflect_z(wo), reflect, interface.reflectance));
+    }
+    let wi = refract(wo, Vec3::Z, interface);
+    let weight = transmit * transport.refraction(interface.eta);
+    let refracted =
+        Scatter { eta: interface.eta, ..Scatter::delta(wi, weight, 1.0 - interface.reflectance) };
+    (wi.z * wo.z < 0.0).then_some(refracted)
+}
+
+/// Oren-Nayar's qualitative model, the factor on Lambert's.
+fn oren_nayar(wo: Vec3, wi: Vec3, sigma_sq: f32) -> f32 {
+    let (sin_o, sin_i) = ((1.0 - sqr(wo.z)).max(0.0).sqrt(), (1.0 - sqr(wi.z)).max(0.0).sqrt());
+    let cos_delta = if sin_o > 1e-6 && sin_i > 1e-6 {
+        (wo.x * wi.x + wo.y * wi.y) / (sin_o * sin_i)
+    } else {
+        0.0
+    };
+    let a = 1.0 - 0.5 * sigma_sq / (sigma_sq + 0.33);
+    let b = 0.45 * sigma_sq / (sigma_sq + 0.09);
+    // sin(larger angle) tan(smaller angle)
+    let (sin_tan, cos) = (sin_o * sin_i, wo.z.max(wi.z));
+    a + b * cos_delta.max(0.0) * sin_tan / cos
+}
+
+/// Share of samples that go to the lobe.
+#[inline]
+fn phong_share(diffuse: Rgb, specular: Rgb) -> f32 {
+    let (d, s) = (diffuse.mean(), specular.mean());
+    if d + s > 0.0 { s / (d + s) } else { 0.0 }
+}
+
+/// Facet normal that takes `wo` to `wi`, turned to the upper side, and the interface as `wo` sees it.
+/// `None` where no facet does.
+#[inline]
+fn generalized_half(wo: Vec3, wi: Vec3, eta: f32) -> Option<(Vec3, f32)> {
+    if wo.z == 0.0 || wi.z == 0.0 {
+        return None;
+    }
+    let eta = if wo.z > 0.0 { eta } else { 1.0 / eta };
+    let m = if wo.z * wi.z > 0.0 { wo + wi } else { wo + wi * eta }.try_normalize()?;
+    let m = m * 1f32.copysign(m.z);
+    (wo.dot(m) * wo.z > 0.0 && wi.dot(m) * wi.z > 0.0).then_some((m, eta))
+}
+
+/// [Walter07, eqs. 20 and 21]
+fn rough_dielectric_f(
+    wo: Vec3,
+    wi: Vec3,
+    eta: f32,
+    reflect: Rgb,
+    transmit: Rgb,
+    facets: &Microfacets,
+    transport: Transport,
+) -> Rgb {
+    let Some((m, eta_seen)) = generalized_half(wo, wi, eta) else { return Rgb::BLACK };
+    let fresnel = fresnel::dielectric(wo.dot(m), eta).reflectance;
+    let dg = facets.d(m) * facets.g(wo, wi, m) / (wo.z * wi.z).abs();
+    if wo.z * wi.z > 0.0 {
+        return reflect * (0.25 * fresnel * dg);
+    }
+    let (o, i) = (wo.dot(m), wi.dot(m));
+    let jacobian = sqr(eta_seen) * (o * i).abs() / sqr(o + eta_seen * i);
+    transmit * ((1.0 - fresnel) * dg * jacobian * transport.refraction(eta_seen))
+}
+
+/// [Walter07, eqs. 14 and 17]
+fn rough_dielectric_pdf(wo: Vec3, wi: Vec3, eta: f32, facets: &Microfacets) -> f32 {
+    let Some((m, eta_seen)) = generalized_half(wo, wi, eta) else { return 0.0 };
+    let fresnel = fresnel::dielectric(wo.dot(m), eta).reflectance;
+    let visible = facets.visible_pdf(wo * 1f32.copysign(wo.z), m);
+    let (o, i) = (wo.dot(m), wi.dot(m));
+    if wo.z * wi.z > 0.0 {
+        visible * fresnel / (4.0 * i.abs())
+    } else {
+        visible * (1.0 - fresnel) * sqr(eta_seen) * i.abs() / sqr(o + eta_seen * i)
+    }
+}

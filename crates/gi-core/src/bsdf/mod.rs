@@ -1,0 +1,221 @@
+//! How light scatters at a point of a surface: a material with its textures read and its normals bent.
+//!
+//! Directions are unit, in world space, and point away from the surface: `wo` toward where the path came from,
+//! `wi` toward where it goes on. `f` is the BSDF without the cosine; `f_cos` has the cosine of `wi` with the
+//! shading normal in it. (A blend may join lobes whose normals were bent differently, so there is no
+//! one cosine to multiply afterwards; walks use `f_cos`.)
+
+mod coat;
+mod fresnel;
+mod lobe;
+mod microfacet;
+mod resolve;
+
+use glam::Vec3;
+
+use crate::math::{Frame, Rgb, sqr};
+pub(crate) use coat::Coat;
+use lobe::Lobe;
+pub(crate) use resolve::{PreparedMaterial, check_children, component_count};
+
+/// Which way a path runs. Refraction squeezes radiance but not power [Veach97, 5.2].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Transport {
+    /// Paths from the eye carry importance backwards: radiance is what is scaled.
+    Radiance,
+    /// Paths from a light.
+    Power,
+}
+
+impl Transport {
+    /// Factor on refraction into a medium whose index is `eta` times the one that `wo` is in.
+    #[inline]
+    fn refraction(self, eta: f32) -> f32 {
+        match self {
+            Transport::Radiance => 1.0 / sqr(eta),
+            Transport::Power => 1.0,
+        }
+    }
+}
+
+/// A drawn direction.
+#[derive(Clone, Copy, Debug)]
+pub struct Scatter {
+    /// Where the path goes on.
+    pub wi: Vec3,
+    /// f times cosine over density.
+    pub weight: Rgb,
+    /// Density per solid angle; for delta lobes the probability of having chosen this one.
+    pub pdf_w: f32,
+    /// Whether the direction is one of finitely many: no other way of sampling can find it.
+    pub delta: bool,
+    /// Whether the path passed straight through as if nothing were there.
+    pub null: bool,
+    /// Index of the medium entered over that of the medium left; 1 unless refracted.
+    pub eta: f32,
+}
+
+impl Scatter {
+    #[inline]
+    fn rough(wi: Vec3, weight: Rgb, pdf_w: f32) -> Self {
+        Scatter { wi, weight, pdf_w, delta: false, null: false, eta: 1.0 }
+    }
+
+    #[inline]
+    fn delta(wi: Vec3, weight: Rgb, probability: f32) -> Self {
+        Scatter { wi, weight, pdf_w: probability, delta: true, null: false, eta: 1.0 }
+    }
+}
+
+/// Most lobes that a material may blend; deeper ones are refused when the scene is made.
+pub const MAX_COMPONENTS: usize = 6;
+
+/// A lobe in its own frame with its share of a blend.
+#[derive(Clone, Copy, Debug)]
+struct Component<'a> {
+    lobe: Lobe<'a>,
+    frame: Frame,
+    weight: f32,
+}
+
+impl Component<'_> {
+    #[inline]
+    fn f_cos(&self, wo: Vec3, wi: Vec3, transport: Transport) -> Rgb {
+        let (wo, wi) = (self.frame.to_local(wo), self.frame.to_local(wi));
+        self.lobe.f(wo, wi, transport) * (wi.z.abs() * self.weight)
+    }
+
+    #[inline]
+    fn pdf_w(&self, wo: Vec3, wi: Vec3) -> f32 {
+        self.lobe.pdf_w(self.frame.to_local(wo), self.frame.to_local(wi)) * self.weight
+    }
+}
+
+/// The BSDF at a point. Made by [`crate::scene::Scene::bsdf`].
+#[derive(Clone, Copy, Debug)]
+pub struct Bsdf<'a> {
+    parts: Parts<'a>,
+    transport: Transport,
+}
+
+/// Nearly all materials are one lobe; blends are kept apart so that they cost the others nothing.
+#[derive(Clone, Copy, Debug)]
+enum Parts<'a> {
+    One(Component<'a>),
+    Blend { components: [Component<'a>; MAX_COMPONENTS], count: usize, total: f32 },
+}
+
+impl<'a> Bsdf<'a> {
+    #[inline]
+    fn components(&self) -> &[Component<'a>] {
+        match &self.parts {
+            Parts::One(component) => std::slice::from_ref(component),
+            Parts::Blend { components, count, .. } => &components[..*count],
+        }
+    }
+
+    /// f(wo, wi) times |cos| of `wi` with the shading normal. Delta lobes are not in it.
+    #[inline]
+    pub fn f_cos(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        self.components().iter().map(|c| c.f_cos(wo, wi, self.transport)).sum()
+    }
+
+    /// f(wo, wi) without the cosine, as density estimates want it. Delta lobes are not in it.
+    #[inline]
+    pub fn f(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        let f = |c: &Component| {
+            c.lobe.f(c.frame.to_local(wo), c.frame.to_local(wi), self.transport) * c.weight
+        };
+        self.components().iter().map(f).sum()
+    }
+
+    /// Density per solid angle with which [`Bsdf::sample`] returns `wi`, delta lobes apart.
+    #[inline]
+    pub fn pdf_w(&self, wo: Vec3, wi: Vec3) -> f32 {
+        match &self.parts {
+            Parts::One(c) => c.pdf_w(wo, wi),
+            Parts::Blend { total, .. } => {
+                self.components().iter().map(|c| c.pdf_w(wo, wi)).sum::<f32>() / total
+            }
+        }
+    }
+
+    /// [`Bsdf::f_cos`] and [`Bsdf::pdf_w`] at once.
+    #[inline]
+    pub fn f_cos_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+        match &self.parts {
+            Parts::One(c) => {
+                let (wo, wi) = (c.frame.to_local(wo), c.frame.to_local(wi));
+                let f_cos = c.lobe.f(wo, wi, self.transport) * (wi.z.abs() * c.weight);
+                (f_cos, c.lobe.pdf_w(wo, wi) * c.weight)
+            }
+            Parts::Blend { .. } => (self.f_cos(wo, wi), self.pdf_w(wo, wi)),
+        }
+    }
+
+    /// Draw where a path goes on; `None` where it ends. `u_choice` chooses between lobes, `u` within one.
+    #[inline]
+    pub fn sample(&self, wo: Vec3, u_choice: f32, u: [f32; 2]) -> Option<Scatter> {
+        match &self.parts {
+            Parts::One(c) => {
+                let mut s = c.lobe.sample(c.frame.to_local(wo), u_choice, u, self.transport)?;
+                s.wi = c.frame.to_world(s.wi);
+                s.weight *= c.weight;
+                Some(s)
+            }
+            Parts::Blend { total, .. } => self.sample_blend(wo, u_choice, u, *total),
+        }
+    }
+
+    fn sample_blend(&self, wo: Vec3, u_choice: f32, u: [f32; 2], total: f32) -> Option<Scatter> {
+        let mut rest = u_choice * total;
+        let components = self.components();
+        let chosen = components.iter().find(|c| {
+            let here = rest < c.weight;
+            if !here {
+                rest -= c.weight;
+            }
+            here
+        });
+        let c = chosen.or(components.last())?;
+        let u_within = (rest / c.weight).clamp(0.0, 1.0 - f32::EPSILON);
+        let mut s = c.lobe.sample(c.frame.to_local(wo), u_within, u, self.transport)?;
+        s.wi = c.frame.to_world(s.wi);
+        if s.delta {
+            s.weight *= total;
+            s.pdf_w *= c.weight / total;
+            return Some(s);
+        }
+        let (f_cos, pdf_w) = self.f_cos_pdf(wo, s.wi);
+        (pdf_w > 0.0).then(|| Scatter { eta: s.eta, ..Scatter::rough(s.wi, f_cos / pdf_w, pdf_w) })
+    }
+
+    /// What passes straight through, as a factor on shadow rays (masks, `null`, panes).
+    pub fn straight_through(&self, wo: Vec3) -> Rgb {
+        self.components()
+            .iter()
+            .map(|c| c.lobe.straight_through(c.frame.to_local(wo)) * c.weight)
+            .sum()
+    }
+
+    /// Whether every lobe is a delta lobe, so that light sampling finds nothing.
+    pub fn is_delta(&self) -> bool {
+        self.components().iter().all(|c| c.lobe.is_delta())
+    }
+
+    /// The Lambertian part's albedo if that is all that there is.
+    pub fn diffuse_albedo(&self) -> Option<Rgb> {
+        match &self.parts {
+            Parts::One(Component { lobe: Lobe::Diffuse { albedo }, weight, .. }) => {
+                Some(*albedo * *weight)
+            }
+            _ => None,
+        }
+    }
+
+    /// A fast estimate of the reflected share of light from `wo`, for the albedo layer: exact for Lambert,
+    /// the colour of the reflection elsewhere.
+    pub fn albedo_hint(&self, wo: Vec3) -> Rgb {
+        self.components().iter().map(|c| c.lobe.albedo_hint(c.frame.to_local(wo)) * c.weight).sum()
+    }
+}

@@ -1,0 +1,291 @@
+//! From a material to the lobes at a point.
+
+use glam::{Vec2, Vec3};
+
+use super::{Bsdf, Coat, Component, Lobe, MAX_COMPONENTS, Parts, Transport};
+use crate::bsdf::microfacet::Microfacets;
+use crate::geometry::{Surface, Tangents};
+use crate::material::{Material, Roughness};
+use crate::math::{Frame, Rgb, sqr};
+use crate::texture::Texture;
+
+/// A material with what depends on it alone.
+#[derive(Clone, Debug)]
+pub(crate) struct PreparedMaterial {
+    pub(crate) material: Material,
+    coat: Option<Coat>,
+    /// Whether anything passes straight through.
+    pub(crate) has_null: bool,
+    /// Whether the lobes depend on the directions of the texture coordinates.
+    needs_tangents: bool,
+}
+
+impl PreparedMaterial {
+    /// Prepare `material`, whose children stand in `before`.
+    pub(crate) fn new(material: Material, before: &[PreparedMaterial]) -> Self {
+        let coat = match &material {
+            Material::Plastic { eta, nonlinear, roughness, .. } => {
+                let rough = roughness.as_ref().map(|r| (r.distribution, r.alpha_u.mean().mean()));
+                Some(Coat::new(*eta, *nonlinear, rough))
+            }
+            _ => None,
+        };
+        let children: Vec<&PreparedMaterial> =
+            children(&material).into_iter().map(|c| &before[c]).collect();
+        let has_null = matches!(
+            material,
+            Material::Null | Material::Mask { .. } | Material::ThinDielectric { .. }
+        );
+        let bends = matches!(material, Material::Bump { .. } | Material::NormalMap { .. });
+        PreparedMaterial {
+            coat,
+            has_null: has_null || children.iter().any(|c| c.has_null),
+            needs_tangents: bends || roughness(&material).is_some_and(is_anisotropic),
+            material,
+        }
+    }
+}
+
+/// The children of a material.
+pub(crate) fn children(material: &Material) -> Vec<usize> {
+    match material {
+        Material::Mask { inner, .. }
+        | Material::Bump { inner, .. }
+        | Material::NormalMap { inner, .. } => vec![*inner],
+        Material::TwoSided { front, back } => vec![*front, *back],
+        Material::Blend { first, second, .. } => vec![*first, *second],
+        _ => Vec::new(),
+    }
+}
+
+/// Whether every child stands before its parent, as [`Material`] demands.
+pub(crate) fn check_children(materials: &[Material]) -> bool {
+    materials.iter().enumerate().all(|(k, m)| children(m).into_iter().all(|c| c < k))
+}
+
+/// How many lobes a material comes down to at most.
+pub(crate) fn component_count(materials: &[Material], id: usize) -> usize {
+    match &materials[id] {
+        Material::Mask { inner, .. } => 1 + component_count(materials, *inner),
+        Material::Bump { inner, .. } | Material::NormalMap { inner, .. } => {
+            component_count(materials, *inner)
+        }
+        Material::TwoSided { front, back } => {
+            component_count(materials, *front).max(component_count(materials, *back))
+        }
+        Material::Blend { first, second, .. } => {
+            component_count(materials, *first) + component_count(materials, *second)
+        }
+        _ => 1,
+    }
+}
+
+fn roughness(material: &Material) -> Option<&Roughness> {
+    match material {
+        Material::Conductor { roughness, .. } | Material::Dielectric { roughness, .. } => {
+            roughness.as_ref()
+        }
+        _ => None,
+    }
+}
+
+fn is_anisotropic(roughness: &Roughness) -> bool {
+    match (&roughness.alpha_u, &roughness.alpha_v) {
+        (Texture::Constant(u), Texture::Constant(v)) => u != v,
+        _ => true,
+    }
+}
+
+/// What resolving a material needs to know.
+struct Context<'a, 's> {
+    materials: &'a [PreparedMaterial],
+    surface: &'s Surface,
+    tangents: &'s dyn Fn() -> Tangents,
+    wo: Vec3,
+}
+
+impl<'a> Bsdf<'a> {
+    /// The BSDF of material `id` at `surface`, seen from `wo`. `tangents` is asked for the derivatives of
+    /// the surface only where a material needs them.
+    #[inline]
+    pub(crate) fn resolve(
+        materials: &'a [PreparedMaterial],
+        id: usize,
+        surface: &Surface,
+        tangents: &dyn Fn() -> Tangents,
+        wo: Vec3,
+        transport: Transport,
+    ) -> Self {
+        // The common case first: one lobe, perhaps on both sides.
+        let (mut id, mut frame) = (id, surface.frame);
+        if let Material::TwoSided { front, back } = materials[id].material {
+            (id, frame) = side(front, back, frame, wo);
+        }
+        let context = Context { materials, surface, tangents, wo };
+        if let Some(lobe) = lobe(&materials[id], surface.uv) {
+            let frame = context.oriented(&materials[id], frame);
+            return Bsdf { parts: Parts::One(Component { lobe, frame, weight: 1.0 }), transport };
+        }
+        let mut collected = Collected { components: [EMPTY; MAX_COMPONENTS], count: 0 };
+        context.collect(id, frame, 1.0, &mut collected);
+        let Collected { components, count } = collected;
+        let parts = match count {
+            0 => Parts::One(EMPTY),
+            1 => Parts::One(components[0]),
+            _ => Parts::Blend {
+                components,
+                count,
+                total: components[..count].iter().map(|c| c.weight).sum(),
+            },
+        };
+        Bsdf { parts, transport }
+    }
+}
+
+/// A component that scatters nothing.
+const EMPTY: Component<'static> = Component {
+    lobe: Lobe::Diffuse { albedo: Rgb::BLACK },
+    frame: Frame { s: Vec3::X, t: Vec3::Y, n: Vec3::Z },
+    weight: 1.0,
+};
+
+struct Collected<'a> {
+    components: [Component<'a>; MAX_COMPONENTS],
+    count: usize,
+}
+
+impl<'a> Context<'a, '_> {
+    /// Walk the tree of a material and collect its lobes.
+    fn collect(&self, id: usize, frame: Frame, weight: f32, out: &mut Collected<'a>) {
+        if weight <= 0.0 {
+            return;
+        }
+        let prepared = &self.materials[id];
+        let uv = self.surface.uv;
+        match &prepared.material {
+            Material::TwoSided { front, back } => {
+                let (inner, frame) = side(*front, *back, frame, self.wo);
+                self.collect(inner, frame, weight, out);
+            }
+            Material::Mask { opacity, inner } => {
+                let opacity = opacity.scalar(uv).clamp(0.0, 1.0);
+                self.collect(*inner, frame, weight * opacity, out);
+                out.push(Component { lobe: Lobe::Null, frame, weight: weight * (1.0 - opacity) });
+            }
+            Material::Blend { weight: share, first, second } => {
+                let share = share.scalar(uv).clamp(0.0, 1.0);
+                self.collect(*first, frame, weight * (1.0 - share), out);
+                self.collect(*second, frame, weight * share, out);
+            }
+            Material::Bump { height, inner } => {
+                self.collect(*inner, self.bumped(frame, height), weight, out);
+            }
+            Material::NormalMap { normals, inner } => {
+                let c = normals.eval(uv);
+                let local = Vec3::new(c.r, c.g, c.b) * 2.0 - 1.0;
+                let n = Frame::from_normal_tangent(frame.n, (self.tangents)().dpdu).to_world(local);
+                let n = n.try_normalize().unwrap_or(frame.n);
+                self.collect(
+                    *inner,
+                    Frame::from_normal_tangent(n, (self.tangents)().dpdu),
+                    weight,
+                    out,
+                );
+            }
+            _ => {
+                if let Some(lobe) = lobe(prepared, uv) {
+                    out.push(Component { lobe, frame: self.oriented(prepared, frame), weight });
+                }
+            }
+        }
+    }
+
+    /// Turn the frame along the texture coordinates where the lobe is not the same all round.
+    #[inline]
+    fn oriented(&self, prepared: &PreparedMaterial, frame: Frame) -> Frame {
+        if prepared.needs_tangents {
+            Frame::from_normal_tangent(frame.n, (self.tangents)().dpdu)
+        } else {
+            frame
+        }
+    }
+
+    /// Bend the normal by the slope of a height field [Blinn78].
+    fn bumped(&self, frame: Frame, height: &Texture) -> Frame {
+        let Tangents { dpdu, dpdv } = (self.tangents)();
+        let slope = height.scalar_gradient(self.surface.uv);
+        let raised = |dp: Vec3, slope: f32| dp + frame.n * (slope - frame.n.dot(dp));
+        let (u, v) = (raised(dpdu, slope.x), raised(dpdv, slope.y));
+        let Some(n) = u.cross(v).try_normalize() else { return frame };
+        let n = if n.dot(frame.n) < 0.0 { -n } else { n };
+        Frame::from_normal_tangent(n, u)
+    }
+}
+
+impl<'a> Collected<'a> {
+    fn push(&mut self, component: Component<'a>) {
+        if component.weight > 0.0 && self.count < MAX_COMPONENTS {
+            self.components[self.count] = component;
+            self.count += 1;
+        }
+    }
+}
+
+/// The side of a two-sided material that `wo` sees, and the frame with its normal on that side.
+#[inline]
+fn side(front: usize, back: usize, frame: Frame, wo: Vec3) -> (usize, Frame) {
+    if wo.dot(frame.n) >= 0.0 {
+        (front, frame)
+    } else {
+        (back, Frame { s: frame.s, t: -frame.t, n: -frame.n })
+    }
+}
+
+/// The lobe of a material without children.
+#[inline]
+fn lobe(prepared: &PreparedMaterial, uv: Vec2) -> Option<Lobe<'_>> {
+    let facets = |r: &Roughness| {
+        Microfacets::new(r.distribution, Vec2::new(r.alpha_u.scalar(uv), r.alpha_v.scalar(uv)))
+    };
+    Some(match &prepared.material {
+        Material::Diffuse { reflectance } => Lobe::Diffuse { albedo: reflectance.eval(uv) },
+        Material::RoughDiffuse { reflectance, alpha } => {
+            Lobe::OrenNayar { albedo: reflectance.eval(uv), sigma_sq: sqr(alpha.scalar(uv)) * 0.5 }
+        }
+        Material::Conductor { eta, k, reflectance, roughness } => {
+            let (eta, k, tint) = (*eta, *k, reflectance.eval(uv));
+            match roughness {
+                None => Lobe::Conductor { eta, k, tint },
+                Some(r) => Lobe::RoughConductor { eta, k, tint, facets: facets(r) },
+            }
+        }
+        Material::Dielectric { eta, reflectance, transmittance, roughness } => {
+            let (eta, reflect, transmit) = (*eta, reflectance.eval(uv), transmittance.eval(uv));
+            match roughness {
+                None => Lobe::Dielectric { eta, reflect, transmit },
+                Some(r) => Lobe::RoughDielectric { eta, reflect, transmit, facets: facets(r) },
+            }
+        }
+        Material::ThinDielectric { eta, reflectance, transmittance } => Lobe::ThinDielectric {
+            eta: *eta,
+            reflect: reflectance.eval(uv),
+            transmit: transmittance.eval(uv),
+        },
+        Material::Plastic { diffuse, specular, .. } => Lobe::Plastic {
+            coat: prepared.coat.as_ref()?,
+            diffuse: diffuse.eval(uv),
+            specular: specular.eval(uv),
+        },
+        Material::Phong { diffuse, specular, exponent } => Lobe::Phong {
+            diffuse: diffuse.eval(uv),
+            specular: specular.eval(uv),
+            exponent: exponent.scalar(uv).max(0.0),
+        },
+        Material::Null => Lobe::Null,
+        Material::Mask { .. }
+        | Material::TwoSided { .. }
+        | Material::Blend { .. }
+        | Material::Bump { .. }
+        | Material::NormalMap { .. } => return None,
+    })
+}

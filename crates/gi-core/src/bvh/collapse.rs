@@ -1,0 +1,158 @@
+//! From the binary tree to the wide one: which nodes to merge into one of eight children, by dynamic programming
+//! over the surface-area cost [Ylitie17].
+
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use super::input::{Input, PrimRef};
+use super::layout::{LANES, LEAF_BLOCKS, WIDTH};
+use super::optimise::BinaryNode;
+
+/// Cost of testing one block of triangles, in units of testing a node's eight boxes; measured.
+const BLOCK_COST: f32 = 0.6;
+/// Cost of testing one solid.
+const SOLID_COST: f32 = 1.0;
+/// Triangles that one leaf may hold.
+const LEAF_TRIANGLES: u32 = 8;
+/// Levels on which both children become tasks of their own.
+const TASK_DEPTH: u32 = 12;
+const _: () = assert!(LEAF_TRIANGLES as usize <= LANES * LEAF_BLOCKS);
+
+/// For every binary node, how it is best cut into j pieces.
+pub(super) struct Plan<'a> {
+    nodes: &'a [BinaryNode],
+    refs: &'a [PrimRef],
+    input: &'a Input<'a>,
+    /// Three bits for each j = 2..=8: how many pieces come from the left child, 0 if one piece fewer is better;
+    /// and [`AS_LEAF`].
+    choice: Vec<AtomicU32>,
+}
+
+/// Set where a single piece is a leaf, not a wide node.
+const AS_LEAF: u32 = 1 << 31;
+
+/// What a subtree costs at its best.
+#[derive(Clone, Copy)]
+struct Best {
+    /// `cost[j - 1]`: as at most j pieces, j = 1..=7.
+    cost: [f32; WIDTH - 1],
+    triangles: u32,
+    solids: u32,
+}
+
+impl<'a> Plan<'a> {
+    pub(super) fn new(nodes: &'a [BinaryNode], input: &'a Input<'a>) -> Self {
+        let choice = nodes.iter().map(|_| AtomicU32::new(0)).collect();
+        let plan = Plan { nodes, refs: &input.refs, input, choice };
+        if !nodes.is_empty() {
+            plan.solve(0, 0);
+        }
+        plan
+    }
+
+    fn solve(&self, i: u32, depth: u32) -> Best {
+        let node = &self.nodes[i as usize];
+        let area = half_area(node);
+        if node.prim_count > 0 {
+            let solid = self.input.is_solid(&self.refs[node.first_index as usize]);
+            let (triangles, solids) =
+                if solid { (0, node.prim_count) } else { (node.prim_count, 0) };
+            self.choice[i as usize].store(AS_LEAF, Ordering::Relaxed);
+            return Best {
+                cost: [leaf_cost(area, triangles, solids); WIDTH - 1],
+                triangles,
+                solids,
+            };
+        }
+        let child = node.first_index;
+        let (left, right) = if depth < TASK_DEPTH {
+            rayon::join(|| self.solve(child, depth + 1), || self.solve(child + 1, depth + 1))
+        } else {
+            (self.solve(child, depth + 1), self.solve(child + 1, depth + 1))
+        };
+        let (best, choice) = merge(area, &left, &right);
+        self.choice[i as usize].store(choice, Ordering::Relaxed);
+        best
+    }
+
+    /// Whether node `i` on its own becomes a leaf.
+    pub(super) fn is_leaf(&self, i: u32) -> bool {
+        self.choice[i as usize].load(Ordering::Relaxed) & AS_LEAF != 0
+    }
+
+    /// The children of wide node `i`.
+    pub(super) fn children(&self, i: u32, out: &mut Vec<u32>) {
+        out.clear();
+        self.cut(i, WIDTH, true, out);
+    }
+
+    fn cut(&self, i: u32, pieces: usize, whole: bool, out: &mut Vec<u32>) {
+        let choice = self.choice[i as usize].load(Ordering::Relaxed);
+        let from_left = |j: usize| (choice >> (3 * (j - 2)) & 7) as usize;
+        let mut j = pieces;
+        while j > 1 && (self.nodes[i as usize].prim_count > 0 || from_left(j) == 0) {
+            j -= 1;
+        }
+        if j == 1 {
+            debug_assert!(!whole);
+            out.push(i);
+            return;
+        }
+        let (child, k) = (self.nodes[i as usize].first_index, from_left(j));
+        self.cut(child, k, false, out);
+        self.cut(child + 1, j - k, false, out);
+    }
+
+    /// The references below node `i`.
+    pub(super) fn gather(&self, i: u32, out: &mut Vec<PrimRef>) {
+        let node = &self.nodes[i as usize];
+        if node.prim_count > 0 {
+            let first = node.first_index as usize;
+            out.extend_from_slice(&self.refs[first..first + node.prim_count as usize]);
+        } else {
+            self.gather(node.first_index, out);
+            self.gather(node.first_index + 1, out);
+        }
+    }
+}
+
+fn half_area(node: &BinaryNode) -> f32 {
+    let d = node.max - node.min;
+    d.x * d.y + (d.x + d.y) * d.z
+}
+
+fn leaf_cost(area: f32, triangles: u32, solids: u32) -> f32 {
+    area * (BLOCK_COST * triangles.div_ceil(LANES as u32) as f32 + SOLID_COST * solids as f32)
+}
+
+/// The best cuts of a node from those of its children.
+fn merge(area: f32, left: &Best, right: &Best) -> (Best, u32) {
+    let (triangles, solids) = (left.triangles + right.triangles, left.solids + right.solids);
+    // Share j pieces among the two children.
+    let mut choice = 0;
+    let mut shared = [f32::INFINITY; WIDTH + 1];
+    for (j, shared) in shared.iter_mut().enumerate().skip(2) {
+        let mut best = (f32::INFINITY, 1);
+        for k in j.saturating_sub(WIDTH - 1).max(1)..=(j - 1).min(WIDTH - 1) {
+            let c = left.cost[k - 1] + right.cost[j - k - 1];
+            best = if c < best.0 { (c, k) } else { best };
+        }
+        *shared = best.0;
+        choice |= (best.1 as u32) << (3 * (j - 2));
+    }
+    // As one piece: a wide node of eight, or a leaf if it may be one.
+    let leaf_allowed =
+        if solids == 0 { triangles <= LEAF_TRIANGLES } else { triangles == 0 && solids <= 2 };
+    let node_cost = area + shared[WIDTH];
+    let leaf_cost = if leaf_allowed { leaf_cost(area, triangles, solids) } else { f32::INFINITY };
+    if leaf_allowed && leaf_cost <= node_cost {
+        choice |= AS_LEAF;
+    }
+    let mut cost = [node_cost.min(leaf_cost); WIDTH - 1];
+    for j in 2..WIDTH {
+        cost[j - 1] = cost[j - 2].min(shared[j]);
+        if shared[j] >= cost[j - 2] {
+            choice &= !(7 << (3 * (j - 2)));
+        }
+    }
+    (Best { cost, triangles, solids }, choice)
+}

@@ -1,0 +1,104 @@
+//! Which kernel walks a tree: chosen from what this processor can do.
+
+use super::kernel_portable;
+#[cfg(target_arch = "x86_64")]
+use super::kernel_x86;
+use super::layout::Tree;
+use crate::ray::{Hit, Ray};
+
+/// An instruction set that there is a kernel for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Isa {
+    /// Plain Rust.
+    Portable,
+    /// AVX2 and FMA.
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    /// AVX-512 on 256-bit vectors.
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+impl Isa {
+    /// What this processor can run, the fastest last.
+    #[cfg(target_arch = "x86_64")]
+    pub(super) fn available() -> Vec<Isa> {
+        let mut found = vec![Isa::Portable];
+        let avx2 = is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("fma")
+            && is_x86_feature_detected!("bmi1")
+            && is_x86_feature_detected!("bmi2")
+            && is_x86_feature_detected!("lzcnt")
+            && is_x86_feature_detected!("popcnt");
+        if avx2 {
+            found.push(Isa::Avx2);
+        }
+        let avx512 = is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512vl")
+            && is_x86_feature_detected!("avx512dq");
+        if avx2 && avx512 {
+            found.push(Isa::Avx512);
+        }
+        found
+    }
+
+    /// What this processor can run, the fastest last.
+    #[cfg(not(target_arch = "x86_64"))]
+    pub(super) fn available() -> Vec<Isa> {
+        vec![Isa::Portable]
+    }
+}
+
+type Trace = unsafe fn(&Tree, &Ray) -> Option<Hit>;
+
+/// The pair of functions that walk one tree.
+#[derive(Clone, Copy)]
+pub(super) struct Kernel {
+    closest: Trace,
+    any: Trace,
+}
+
+impl Kernel {
+    /// The kernel for an available instruction set; trees without solids get one that knows none.
+    pub(super) fn new(isa: Isa, solids: bool) -> Self {
+        assert!(Isa::available().contains(&isa), "this processor has no {isa:?}");
+        let (closest, any): (Trace, Trace) = match (isa, solids) {
+            (Isa::Portable, _) => (kernel_portable::trace::<false>, kernel_portable::trace::<true>),
+            #[cfg(target_arch = "x86_64")]
+            (Isa::Avx2, false) => {
+                (kernel_x86::trace_avx2::<false, false>, kernel_x86::trace_avx2::<true, false>)
+            }
+            #[cfg(target_arch = "x86_64")]
+            (Isa::Avx2, true) => {
+                (kernel_x86::trace_avx2::<false, true>, kernel_x86::trace_avx2::<true, true>)
+            }
+            #[cfg(target_arch = "x86_64")]
+            (Isa::Avx512, false) => {
+                (kernel_x86::trace_avx512::<false, false>, kernel_x86::trace_avx512::<true, false>)
+            }
+            #[cfg(target_arch = "x86_64")]
+            (Isa::Avx512, true) => {
+                (kernel_x86::trace_avx512::<false, true>, kernel_x86::trace_avx512::<true, true>)
+            }
+        };
+        Kernel { closest, any }
+    }
+
+    /// The kernel for the best available instruction set.
+    pub(super) fn best(solids: bool) -> Self {
+        let isa = Isa::available().pop().unwrap_or(Isa::Portable);
+        Kernel::new(isa, solids)
+    }
+
+    #[inline]
+    pub(super) fn closest(&self, tree: &Tree, ray: &Ray) -> Option<Hit> {
+        // SAFETY: `new` only hands out kernels whose instructions this processor has.
+        unsafe { (self.closest)(tree, ray) }
+    }
+
+    #[inline]
+    pub(super) fn occluded(&self, tree: &Tree, ray: &Ray) -> bool {
+        // SAFETY: `new` only hands out kernels whose instructions this processor has.
+        unsafe { (self.any)(tree, ray).is_some() }
+    }
+}

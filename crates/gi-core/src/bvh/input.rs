@@ -1,0 +1,161 @@
+//! What comes in: refused where it is not finite, turned into boxes with a tag.
+
+use glam::{Vec3, Vec4};
+use rayon::prelude::*;
+
+use super::layout::MAX_LEAF_INDEX;
+use super::solid::PlacedSolid;
+use super::{BuildError, Solid, Triangle};
+use crate::math::Bounds;
+
+/// Coordinates beyond this overflow the products of the triangle test.
+const LARGEST: f32 = 1e12;
+/// Most primitives, counting the pieces of split triangles.
+const MOST: usize = MAX_LEAF_INDEX;
+/// Set in every tag, to make it the bits of an ordinary float: denormals are slow to carry through arithmetic.
+const TAG_BIT: u32 = 0x4000_0000;
+/// Items that one task handles at least.
+const GRAIN: usize = 1 << 13;
+
+/// A box in SIMD-friendly form; the fourth lanes mean nothing.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Box4 {
+    pub min: Vec4,
+    pub max: Vec4,
+}
+
+impl Box4 {
+    pub(super) const EMPTY: Box4 = Box4 { min: Vec4::INFINITY, max: Vec4::NEG_INFINITY };
+
+    #[inline(always)]
+    pub(super) fn grow(&mut self, min: Vec4, max: Vec4) {
+        self.min = min_of(self.min, min);
+        self.max = max_of(self.max, max);
+    }
+
+    /// Half the surface area.
+    #[inline(always)]
+    pub(super) fn half_area(&self) -> f32 {
+        let d = self.max - self.min;
+        d.x * d.y + (d.x + d.y) * d.z
+    }
+}
+
+#[inline(always)]
+pub(super) fn min_of(a: Vec4, b: Vec4) -> Vec4 {
+    a.min(b)
+}
+
+#[inline(always)]
+pub(super) fn max_of(a: Vec4, b: Vec4) -> Vec4 {
+    a.max(b)
+}
+
+/// The box of a primitive, or of a piece of one; which primitive stands in `max.w`.
+#[derive(Clone, Copy)]
+pub(super) struct PrimRef {
+    pub min: Vec4,
+    pub max: Vec4,
+}
+
+impl PrimRef {
+    pub(super) fn new(min: Vec3, max: Vec3, primitive: usize) -> Self {
+        debug_assert!(primitive < TAG_BIT as usize);
+        PrimRef {
+            min: min.extend(0.0),
+            max: max.extend(f32::from_bits(primitive as u32 | TAG_BIT)),
+        }
+    }
+
+    /// Which primitive: triangles count first, then solids.
+    #[inline(always)]
+    pub(super) fn primitive(&self) -> usize {
+        (self.max.w.to_bits() & !TAG_BIT) as usize
+    }
+
+    /// Twice the centre.
+    #[inline(always)]
+    pub(super) fn center2(&self) -> Vec4 {
+        self.min + self.max
+    }
+}
+
+/// The checked primitives of a tree under construction.
+pub(super) struct Input<'a> {
+    pub triangles: &'a [Triangle],
+    /// Solids that hold points, each with its place in the counting of [`PrimRef::primitive`].
+    pub solids: Vec<Option<PlacedSolid>>,
+    pub refs: Vec<PrimRef>,
+    pub bounds: Bounds,
+}
+
+impl<'a> Input<'a> {
+    pub(super) fn new(
+        triangles: &'a [Triangle],
+        solids: &[(Solid, u32)],
+    ) -> Result<Self, BuildError> {
+        if triangles.len() + solids.len() > MOST {
+            return Err(BuildError::TooMany);
+        }
+        let mut refs = triangle_refs(triangles)?;
+        let mut placed = Vec::with_capacity(solids.len());
+        for (i, (solid, id)) in solids.iter().enumerate() {
+            let (solid, bounds) = PlacedSolid::new(solid, *id)?.unzip();
+            if let Some(b) = bounds {
+                check(b.min, b.max, *id)?;
+                refs.push(PrimRef::new(b.min, b.max, triangles.len() + i));
+            }
+            placed.push(solid);
+        }
+        let all = extent(&refs);
+        let bounds = Bounds { min: all.min.truncate(), max: all.max.truncate() };
+        Ok(Input { triangles, solids: placed, refs, bounds })
+    }
+
+    /// Whether a reference means a solid.
+    #[inline]
+    pub(super) fn is_solid(&self, r: &PrimRef) -> bool {
+        r.primitive() >= self.triangles.len()
+    }
+}
+
+/// The boxes of all triangles, of which the first that is not finite or too large is reported.
+fn triangle_refs(triangles: &[Triangle]) -> Result<Vec<PrimRef>, BuildError> {
+    let refs: Vec<PrimRef> = triangles
+        .par_iter()
+        .with_min_len(GRAIN)
+        .enumerate()
+        .map(|(i, t)| {
+            PrimRef::new(t.v[0].min(t.v[1]).min(t.v[2]), t.v[0].max(t.v[1]).max(t.v[2]), i)
+        })
+        .collect();
+    let fits = |t: &Triangle| t.v.iter().all(|p| p.abs().cmple(Vec3::splat(LARGEST)).all());
+    match triangles.par_iter().with_min_len(GRAIN).find_first(|t| !fits(t)) {
+        Some(t) if t.v.iter().all(|p| p.is_finite()) => Err(BuildError::TooLarge { id: t.id }),
+        Some(t) => Err(BuildError::NonFinite { id: t.id }),
+        None => Ok(refs),
+    }
+}
+
+fn check(min: Vec3, max: Vec3, id: u32) -> Result<(), BuildError> {
+    if !(min.is_finite() && max.is_finite()) {
+        return Err(BuildError::NonFinite { id });
+    }
+    let fits = min.abs().max(max.abs()).max_element() <= LARGEST;
+    if fits { Ok(()) } else { Err(BuildError::TooLarge { id }) }
+}
+
+/// The box round some references.
+pub(super) fn extent(refs: &[PrimRef]) -> Box4 {
+    let merge = |mut a: Box4, b: Box4| {
+        a.grow(b.min, b.max);
+        a
+    };
+    refs.par_chunks(GRAIN)
+        .map(|chunk| {
+            let mut b = Box4::EMPTY;
+            chunk.iter().for_each(|r| b.grow(r.min, r.max));
+            b
+        })
+        .reduce(|| Box4::EMPTY, merge)
+}

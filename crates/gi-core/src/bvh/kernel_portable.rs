@@ -1,0 +1,118 @@
+//! The walk in plain Rust: for processors without a kernel of their own, and to test the others against.
+
+use super::layout::{
+    Block, LANES, Node, SENTINEL, STACK, Tree, WIDTH, is_leaf, is_solid, leaf_range,
+};
+use super::walk::Walk;
+use crate::ray::{Hit, Ray};
+
+/// The nearest hit, or with `ANY` the first one found.
+pub(super) fn trace<const ANY: bool>(tree: &Tree, ray: &Ray) -> Option<Hit> {
+    let walk = Walk::new(ray);
+    let mut ray = *ray;
+    let mut hit = None;
+    let mut stack = [(SENTINEL, f32::NEG_INFINITY); STACK];
+    let mut top = 0;
+    let mut word = 0;
+    loop {
+        if !is_leaf(word) {
+            let node = &tree.nodes[word as usize];
+            let (near, mask) = slabs(node, &ray, &walk);
+            // Push the children that are hit, the nearest last.
+            for order in node.order {
+                let slot = (order >> walk.order_shift & 7) as usize;
+                stack[top + 1] = (node.child[slot], near[slot]);
+                top += usize::from(mask[slot]);
+            }
+        } else if is_solid(word) {
+            let (first, count) = leaf_range(word);
+            for solid in &tree.solids[first..first + count] {
+                if ANY {
+                    if solid.occluded(&ray) {
+                        return Some(FOUND);
+                    }
+                } else if let Some(h) = solid.closest(&ray) {
+                    ray.tmax = h.t;
+                    hit = Some(h);
+                }
+            }
+        } else {
+            let (first, count) = leaf_range(word);
+            for block in &tree.blocks[first..first + count] {
+                if let Some(h) = triangles(block, &ray, &walk) {
+                    if ANY {
+                        return Some(h);
+                    }
+                    ray.tmax = h.t;
+                    hit = Some(h);
+                }
+            }
+        }
+        // Pop the next child that is not behind the nearest hit.
+        while stack[top].1 > ray.tmax {
+            top -= 1;
+        }
+        if top == 0 {
+            return hit;
+        }
+        word = stack[top].0;
+        top -= 1;
+    }
+}
+
+/// What an any-hit walk reports when a solid stands in the way.
+pub(super) const FOUND: Hit =
+    Hit { t: 0.0, u: 0.0, v: 0.0, prim: u32::MAX, instance: Hit::NO_INSTANCE };
+
+/// Where the ray enters each child, and whether it meets it within its interval.
+fn slabs(node: &Node, ray: &Ray, walk: &Walk) -> ([f32; WIDTH], [bool; WIDTH]) {
+    let mut near = [ray.tmin; WIDTH];
+    let mut far = [ray.tmax; WIDTH];
+    for axis in 0..3 {
+        let (o, inv) = (ray.o[axis], walk.inv[axis]);
+        let entry = &node.bounds[2 * axis + walk.negative[axis]];
+        let exit = &node.bounds[2 * axis + 1 - walk.negative[axis]];
+        for s in 0..WIDTH {
+            let (a, b) = ((entry[s] - o) * inv, (exit[s] - o) * inv);
+            near[s] = if a > near[s] { a } else { near[s] };
+            far[s] = if b < far[s] { b } else { far[s] };
+        }
+    }
+    (near, std::array::from_fn(|s| near[s] <= far[s]))
+}
+
+/// The nearest hit of four triangles, watertight [Woop13].
+fn triangles(block: &Block, ray: &Ray, walk: &Walk) -> Option<Hit> {
+    let [kx, ky, kz] = walk.axes;
+    let [sx, sy, sz] = walk.shear;
+    let mut best: Option<Hit> = None;
+    for lane in 0..LANES {
+        // Move the vertices to where the ray is the z axis.
+        let vertex = |v: usize| {
+            let at = |axis: usize| block.rows[3 * v + axis][lane] - ray.o[axis];
+            let z = at(kz);
+            [at(kx) - sx * z, at(ky) - sy * z, z]
+        };
+        let (a, b, c) = (vertex(0), vertex(1), vertex(2));
+        // Edge functions: exactly opposite for the two triangles of an edge.
+        let u = c[0] * b[1] - c[1] * b[0];
+        let v = a[0] * c[1] - a[1] * c[0];
+        let w = b[0] * a[1] - b[1] * a[0];
+        let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
+        let det = u + (v + w);
+        if !inside || det == 0.0 {
+            continue;
+        }
+        let t = (u * a[2] + (v * b[2] + w * c[2])) * sz / det;
+        if t > ray.tmin && t <= best.map_or(ray.tmax, |h| h.t) {
+            best = Some(Hit {
+                t,
+                u: v / det,
+                v: w / det,
+                prim: block.id[lane],
+                instance: Hit::NO_INSTANCE,
+            });
+        }
+    }
+    best
+}

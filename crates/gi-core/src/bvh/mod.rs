@@ -1,0 +1,218 @@
+//! Rays against geometry: an 8-wide bounding volume hierarchy of full-precision boxes over blocks of four triangles.
+//!
+//! Built once: binned surface-area splits (`sah`), large triangles cut and subtrees reinserted (`optimise`),
+//! collapsed to eight children by dynamic programming (`collapse`) and written out (`emit`). Walked by a kernel
+//! for the processor at hand (`dispatch`). Triangles are watertight: no ray slips through a shared edge. Every box
+//! is padded by a sliver of the scene, more than what the rounding of box and triangle test can differ by.
+//!
+//! Spheres, disks, cylinders and instances are leaves of the same tree; a scene of triangles does not pay for them.
+
+mod collapse;
+mod dispatch;
+mod emit;
+mod input;
+#[cfg_attr(target_arch = "x86_64", allow(dead_code))]
+mod kernel_portable;
+#[cfg(target_arch = "x86_64")]
+mod kernel_x86;
+mod layout;
+mod offset;
+mod optimise;
+mod sah;
+mod solid;
+mod tame;
+#[cfg(test)]
+mod tests;
+mod walk;
+
+use std::fmt;
+
+use glam::Vec3;
+
+pub use solid::Solid;
+
+use crate::math::Bounds;
+use crate::ray::{Hit, Ray};
+use dispatch::Kernel;
+use input::Input;
+use layout::{Block, MAX_DEPTH, Node, Tree};
+use sah::Method;
+use tame::{REACH, Tamed, is_tame};
+
+/// How much every box is grown, relative to the largest coordinate: covers the rounding of slab and triangle test for
+/// origins within [`REACH`] times that coordinate.
+const PAD: f32 = 1.0 / 1_048_576.0;
+
+/// A triangle for the tree.
+#[derive(Clone, Copy, Debug)]
+pub struct Triangle {
+    /// Its corners; a hit's u and v weigh the second and the third.
+    pub v: [Vec3; 3],
+    /// Comes back as [`Hit::prim`].
+    pub id: u32,
+}
+
+/// Why a tree cannot be built.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BuildError {
+    /// A coordinate is infinite or not a number.
+    NonFinite {
+        /// The primitive's identifier.
+        id: u32,
+    },
+    /// A coordinate is larger than 1e12, too large for single precision.
+    TooLarge {
+        /// The primitive's identifier.
+        id: u32,
+    },
+    /// More primitives than the tree can address.
+    TooMany,
+    /// An instance of a tree that holds instances itself.
+    NestedInstance {
+        /// The primitive's identifier.
+        id: u32,
+    },
+    /// An instance whose placement has no inverse.
+    Singular {
+        /// The primitive's identifier.
+        id: u32,
+    },
+}
+
+impl fmt::Display for BuildError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            BuildError::NonFinite { id } => {
+                write!(f, "primitive {id} has a coordinate that is not finite")
+            }
+            BuildError::TooLarge { id } => {
+                write!(f, "primitive {id} has a coordinate larger than 1e12")
+            }
+            BuildError::TooMany => write!(f, "too many primitives"),
+            BuildError::NestedInstance { id } => {
+                write!(f, "instance {id} is of a tree that holds instances itself")
+            }
+            BuildError::Singular { id } => {
+                write!(f, "instance {id} is placed by a map without inverse")
+            }
+        }
+    }
+}
+
+impl std::error::Error for BuildError {}
+
+/// A bounding volume hierarchy, ready for rays.
+pub struct Bvh {
+    tree: Tree,
+    kernel: Kernel,
+    bounds: Bounds,
+    /// How far from the world's origin a ray may start to be walked as it is.
+    reach: f32,
+    depth: u32,
+}
+
+impl Bvh {
+    /// Build a tree, the same for any number of threads. Primitives without points to hit (triangles without area,
+    /// spheres of radius 0) are harmless; no primitives at all make a tree that is never hit.
+    pub fn build(triangles: &[Triangle], solids: &[(Solid, u32)]) -> Result<Bvh, BuildError> {
+        let bvh = Self::build_by(Method::Cheapest, triangles, solids)?;
+        if bvh.depth <= MAX_DEPTH {
+            return Ok(bvh);
+        }
+        // Too deep for the stack of a walk: only reinsertion can do that, on strange input.
+        let bvh = Self::build_by(Method::Halves, triangles, solids)?;
+        assert!(bvh.depth <= MAX_DEPTH, "a balanced tree is {} deep", bvh.depth);
+        Ok(bvh)
+    }
+
+    fn build_by(
+        method: Method,
+        triangles: &[Triangle],
+        solids: &[(Solid, u32)],
+    ) -> Result<Bvh, BuildError> {
+        let mut input = Input::new(triangles, solids)?;
+        let bounds = input.bounds;
+        optimise::split_large(&mut input.refs, triangles);
+        let mut nodes = sah::build(&mut input, method);
+        if method == Method::Cheapest {
+            nodes = optimise::reinsert(nodes);
+        }
+        let largest = if bounds.is_empty() {
+            0.0
+        } else {
+            bounds.min.abs().max(bounds.max.abs()).max_element()
+        };
+        let tree = emit::emit(&nodes, &mut input, largest * PAD)?;
+        let (depth, kernel) = (tree.checked_depth(), Kernel::best(!tree.solids.is_empty()));
+        Ok(Bvh { tree, kernel, bounds, reach: largest * REACH, depth })
+    }
+
+    /// The nearest primitive that the ray meets in (tmin, tmax].
+    #[inline]
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        if is_tame(ray, self.reach) {
+            self.kernel.closest(&self.tree, ray)
+        } else {
+            self.closest_wild(ray)
+        }
+    }
+
+    /// Whether the ray meets anything in (tmin, tmax].
+    #[inline]
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        if is_tame(ray, self.reach) {
+            self.kernel.occluded(&self.tree, ray)
+        } else {
+            self.occluded_wild(ray)
+        }
+    }
+
+    #[cold]
+    fn closest_wild(&self, ray: &Ray) -> Option<Hit> {
+        let tamed = Tamed::new(ray, self.bounds)?;
+        let hit = self.kernel.closest(&self.tree, &tamed.ray)?;
+        Some(Hit { t: tamed.untame(hit.t), ..hit })
+    }
+
+    #[cold]
+    fn occluded_wild(&self, ray: &Ray) -> bool {
+        Tamed::new(ray, self.bounds)
+            .is_some_and(|tamed| self.kernel.occluded(&self.tree, &tamed.ray))
+    }
+
+    /// The box round everything in the tree.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// What the tree occupies, without the trees that it instances.
+    pub fn memory_bytes(&self) -> usize {
+        size_of::<Self>()
+            + size_of_val(&self.tree.nodes[..])
+            + size_of_val(&self.tree.blocks[..])
+            + size_of_val(&self.tree.solids[..])
+    }
+
+    /// How many wide nodes the tree has.
+    pub fn node_count(&self) -> usize {
+        self.tree.nodes.len()
+    }
+
+    /// How many nodes the longest way from the root passes.
+    pub fn depth(&self) -> u32 {
+        self.depth
+    }
+}
+
+impl fmt::Debug for Bvh {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Bvh")
+            .field("nodes", &self.tree.nodes.len())
+            .field("blocks", &self.tree.blocks.len())
+            .field("solids", &self.tree.solids.len())
+            .field("depth", &self.depth)
+            .finish_non_exhaustive()
+    }
+}
+
+const _: () = assert!(size_of::<Node>() == 256 && size_of::<Block>() == 160);

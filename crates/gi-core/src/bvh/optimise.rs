@@ -1,0 +1,115 @@
+//! What `obvhs` does for the tree: its compact binary node, splitting of large triangles, and reinsertion.
+
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::splits::split_aabbs_preset;
+use obvhs::triangle::Triangle as Corners;
+use rayon::prelude::*;
+
+use super::Triangle;
+use super::input::{Box4, PrimRef};
+
+/// A node of the binary tree, 32 bytes: an inner node when `prim_count` is 0, its children at `first_index` and the
+/// place after; else a leaf with `prim_count` references from `first_index` on.
+pub(super) type BinaryNode = obvhs::bvh2::node::Bvh2Node;
+
+/// As many zeroed nodes as a binary tree over `leaves` single leaves has.
+pub(super) fn zeroed_nodes(leaves: usize) -> Vec<BinaryNode> {
+    Bvh2::zeroed(leaves).nodes
+}
+
+/// Triangles with boxes above this multiple of the mean half area are looked at for splitting: obvhs's own threshold.
+const LARGE: f32 = 3.0;
+/// Summands of one partial sum; a fixed number, so that the mean does not depend on the number of threads.
+const CHUNK: usize = 1 << 13;
+
+/// Cut the boxes of large triangles into tighter pieces; one reference becomes several.
+pub(super) fn split_large(refs: &mut Vec<PrimRef>, triangles: &[Triangle]) {
+    let triangle_count = triangles.len();
+    if triangle_count < 2 {
+        return;
+    }
+    let area = |r: &PrimRef| Box4 { min: r.min, max: r.max }.half_area();
+    let partial = |chunk: &[PrimRef]| {
+        chunk.iter().map(area).fold((0.0, 0.0f32), |(s, m), a| (s + f64::from(a), m.max(a)))
+    };
+    let sums: Vec<(f64, f32)> = refs[..triangle_count].par_chunks(CHUNK).map(partial).collect();
+    let (sum, largest) = sums.into_iter().fold((0.0, 0.0f32), |(s, m), (a, b)| (s + a, m.max(b)));
+    let mean = (sum / triangle_count as f64) as f32;
+    if !mean.is_finite() {
+        return;
+    }
+    let large: Vec<usize> =
+        (0..triangle_count).filter(|&i| area(&refs[i]) > LARGE * mean).collect();
+    let mut boxes: Vec<Aabb> = large.iter().map(|&i| to_aabb(&refs[i])).collect();
+    let corners: Vec<Corners> = large.iter().map(|&i| to_corners(&triangles[i])).collect();
+    let mut owner: Vec<u32> = (0..large.len() as u32).collect();
+    split_aabbs_preset(&mut boxes, &mut owner, &corners, mean, largest);
+    for (k, (b, &o)) in boxes.iter().zip(&owner).enumerate() {
+        let primitive = large[o as usize];
+        let piece = PrimRef::new(b.min.into(), b.max.into(), primitive);
+        if k < large.len() {
+            refs[primitive] = piece;
+        } else {
+            refs.push(piece);
+        }
+    }
+}
+
+fn to_aabb(r: &PrimRef) -> Aabb {
+    Aabb::new(r.min.truncate().into(), r.max.truncate().into())
+}
+
+fn to_corners(t: &Triangle) -> Corners {
+    Corners { v0: t.v[0].into(), v1: t.v[1].into(), v2: t.v[2].into() }
+}
+
+/// Share of the nodes that the first round tries to move.
+const REINSERTED: f32 = 0.05;
+/// Rounds, each with a smaller share: 1, 1/3, 1/5 ...
+const ROUNDS: usize = 16;
+
+/// Move subtrees to better places [Meister18], the largest first. The candidates come from here and not from the
+/// optimiser, which would look for them at the front of the array.
+pub(super) fn reinsert(nodes: Vec<BinaryNode>) -> Vec<BinaryNode> {
+    let all = (1..nodes.len() as u32).filter(|&i| !is_hole(&nodes[i as usize]));
+    let mut ranked: Vec<u64> = all.map(|i| rank(&nodes, i)).collect();
+    let first_round = (ranked.len() as f32 * REINSERTED) as usize;
+    keep_first(&mut ranked, 2 * first_round);
+    let pool: Vec<u32> = ranked.iter().map(|&r| r as u32).collect();
+    let mut tree = Bvh2 { nodes, ..Bvh2::default() };
+    let mut optimizer = ReinsertionOptimizer::default();
+    for round in 0..ROUNDS {
+        ranked.clear();
+        ranked.extend(pool.iter().map(|&i| rank(&tree.nodes, i)));
+        keep_first(&mut ranked, (first_round / (2 * round + 1)).max(1));
+        ranked.sort_unstable();
+        let candidates: Vec<u32> = ranked.iter().map(|&r| r as u32).collect();
+        optimizer.run_with_candidates(&mut tree, &candidates, 1);
+    }
+    tree.nodes
+}
+
+/// Drop all but the smallest `count`.
+fn keep_first(ranked: &mut Vec<u64>, count: usize) {
+    if count < ranked.len() {
+        ranked.select_nth_unstable(count);
+        ranked.truncate(count);
+    }
+}
+
+/// A key that orders nodes from large to small, without ties; its low half is the index.
+fn rank(nodes: &[BinaryNode], i: u32) -> u64 {
+    let area = nodes[i as usize].aabb().half_area();
+    u64::from(!area.to_bits()) << 32 | u64::from(i)
+}
+
+/// What fills the places that a leaf of several references leaves unused.
+pub(super) fn hole() -> BinaryNode {
+    BinaryNode::new(Aabb::INVALID, 1, u32::MAX)
+}
+
+fn is_hole(node: &BinaryNode) -> bool {
+    node.prim_count != 0 && node.first_index == u32::MAX
+}

@@ -1,0 +1,52 @@
+//! What a kernel computes once per ray.
+
+use crate::ray::Ray;
+
+/// Direction components below this count as this, so that their reciprocal stays finite.
+const SMALLEST_STEP: f32 = 1e-18;
+
+/// The ray's reciprocal direction, octant, and the shear of the watertight triangle test [Woop13].
+pub(super) struct Walk {
+    pub inv: [f32; 3],
+    /// 1 where the ray runs toward smaller coordinates.
+    pub negative: [usize; 3],
+    /// Where this ray's octant stands in [`Node::order`](super::layout::Node::order).
+    pub order_shift: u32,
+    /// Axes permuted so that the ray runs mostly along the last.
+    pub axes: [usize; 3],
+    /// What takes the ray to (0, 0, 1) in the permuted axes.
+    pub shear: [f32; 3],
+}
+
+impl Walk {
+    #[inline(always)]
+    pub(super) fn new(ray: &Ray) -> Self {
+        let d = ray.d.to_array();
+        let inv = d.map(reciprocal);
+        // Take signs from the reciprocal's bits: -0.0 must choose the same side everywhere.
+        let negative = inv.map(|x| (x.to_bits() >> 31) as usize);
+        let a = d.map(f32::abs);
+        let kz = if a[0] > a[1] {
+            if a[0] > a[2] { 0 } else { 2 }
+        } else if a[1] > a[2] {
+            1
+        } else {
+            2
+        };
+        let kx = if kz == 2 { 0 } else { kz + 1 };
+        let ky = if kx == 2 { 0 } else { kx + 1 };
+        let sz = 1.0 / d[kz];
+        Walk {
+            inv,
+            negative,
+            order_shift: 3 * (negative[0] | negative[1] << 1 | negative[2] << 2) as u32,
+            axes: [kx, ky, kz],
+            shear: [d[kx] * sz, d[ky] * sz, sz],
+        }
+    }
+}
+
+#[inline(always)]
+fn reciprocal(x: f32) -> f32 {
+    if x.abs() < SMALLEST_STEP { (1.0 / SMALLEST_STEP).copysign(x) } else { 1.0 / x }
+}

@@ -1,0 +1,205 @@
+//! Shapes that shine: sampling them from a point, by solid angle where that is stable.
+
+use std::f32::consts::PI;
+
+use glam::{Vec2, Vec3};
+
+use crate::math::{Frame, sqr};
+use crate::warp;
+
+/// One shining primitive. Light leaves on the side of the normal only.
+#[derive(Clone, Copy, Debug)]
+pub enum Emitter {
+    /// A triangle.
+    Triangle {
+        /// Corners.
+        v: [Vec3; 3],
+        /// Unit normal of the shining side.
+        normal: Vec3,
+    },
+    /// A sphere, shining outward (or inward).
+    Sphere {
+        /// Middle.
+        center: Vec3,
+        /// Radius.
+        radius: f32,
+        /// Whether it shines outward.
+        outward: bool,
+    },
+    /// An ellipse.
+    Disk {
+        /// Middle.
+        center: Vec3,
+        /// Half axes.
+        axes: [Vec3; 2],
+        /// Unit normal of the shining side.
+        normal: Vec3,
+    },
+    /// The side of a cylinder.
+    Cylinder {
+        /// Ends of the axis.
+        ends: [Vec3; 2],
+        /// Radius.
+        radius: f32,
+        /// Whether it shines outward.
+        outward: bool,
+    },
+}
+
+/// A point on an emitter.
+#[derive(Clone, Copy, Debug)]
+pub struct EmitterPoint {
+    /// Position.
+    pub p: Vec3,
+    /// Unit normal on the shining side.
+    pub normal: Vec3,
+    /// Parameters as [`crate::ray::Hit`]'s u and v.
+    pub uv: Vec2,
+}
+
+/// Solid angles outside of this range lose too many digits in spherical trigonometry; such triangles are
+/// sampled by area. (At the lower end the two differ by less than a part in a thousand.)
+const SOLID_ANGLES: std::ops::Range<f32> = 3e-4..6.2;
+
+impl Emitter {
+    /// Area, world units squared.
+    pub fn area(&self) -> f32 {
+        match *self {
+            Emitter::Triangle { v: [a, b, c], .. } => 0.5 * (b - a).cross(c - a).length(),
+            Emitter::Sphere { radius, .. } => 4.0 * PI * sqr(radius),
+            Emitter::Disk { axes: [du, dv], .. } => PI * du.cross(dv).length(),
+            Emitter::Cylinder { ends: [p0, p1], radius, .. } => 2.0 * PI * radius * p0.distance(p1),
+        }
+    }
+
+    /// A point uniform in area; its density is one over [`Emitter::area`].
+    pub fn sample_area(&self, u: [f32; 2]) -> EmitterPoint {
+        match *self {
+            Emitter::Triangle { v: [a, b, c], normal } => {
+                let [s, t] = warp::triangle(u);
+                EmitterPoint { p: a * (1.0 - s - t) + b * s + c * t, normal, uv: Vec2::new(s, t) }
+            }
+            Emitter::Sphere { center, radius, outward } => {
+                let n = warp::sphere(u);
+                EmitterPoint {
+                    p: center + n * radius,
+                    normal: if outward { n } else { -n },
+                    uv: Vec2::ZERO,
+                }
+            }
+            Emitter::Disk { center, axes: [du, dv], normal } => {
+                let q = warp::disk(u);
+                EmitterPoint { p: center + du * q.x + dv * q.y, normal, uv: q }
+            }
+            Emitter::Cylinder { ends: [p0, p1], radius, outward } => {
+                let frame = Frame::from_normal((p1 - p0).normalize());
+                let (sin, cos) = (2.0 * PI * u[0]).sin_cos();
+                let n = frame.s * cos + frame.t * sin;
+                let normal = if outward { n } else { -n };
+                EmitterPoint { p: p0.lerp(p1, u[1]) + n * radius, normal, uv: Vec2::new(u[1], 0.0) }
+            }
+        }
+    }
+
+    /// A point seen from `p` and its density per solid angle at `p`; `None` where the emitter turns its back.
+    pub fn sample_from(&self, p: Vec3, u: [f32; 2]) -> Option<(EmitterPoint, f32)> {
+        match *self {
+            Emitter::Triangle { v, normal } => {
+                if normal.dot(p - v[0]) <= 0.0 {
+                    return None;
+                }
+                if let Some([a, b, c]) = directions(p, v) {
+                    let omega = warp::solid_angle(a, b, c);
+                    if SOLID_ANGLES.contains(&omega) {
+                        let w = warp::spherical_triangle(u, a, b, c)?;
+                        let point = on_triangle(p, w, v, normal)?;
+                        return Some((point, 1.0 / omega));
+                    }
+                }
+            }
+            Emitter::Sphere { center, radius, outward } => {
+                if let Some((frame, one_minus_cos)) = cone_of(p, center, radius) {
+                    if !outward {
+                        return None; // every point that is seen turns its back
+                    }
+                    let w = frame.to_world(warp::cone(u, one_minus_cos));
+                    let normal = sphere_normal(p, w, center, radius);
+                    let point =
+                        EmitterPoint { p: center + normal * radius, normal, uv: Vec2::ZERO };
+                    return Some((point, warp::cone_pdf(one_minus_cos)));
+                }
+            }
+            Emitter::Disk { .. } | Emitter::Cylinder { .. } => {}
+        }
+        let point = self.sample_area(u);
+        let to = point.p - p;
+        let cos = -point.normal.dot(to) / to.length();
+        (cos > 0.0).then(|| (point, to.length_squared() / (cos * self.area())))
+    }
+
+    /// Density per solid angle at `p` with which [`Emitter::sample_from`] returns the point `q` with normal `normal`.
+    pub fn pdf_w(&self, p: Vec3, q: Vec3, normal: Vec3) -> f32 {
+        match *self {
+            Emitter::Triangle { v, .. } => {
+                if let Some([a, b, c]) = directions(p, v) {
+                    let omega = warp::solid_angle(a, b, c);
+                    if SOLID_ANGLES.contains(&omega) {
+                        return 1.0 / omega;
+                    }
+                }
+            }
+            Emitter::Sphere { center, radius, .. } => {
+                if let Some((_, one_minus_cos)) = cone_of(p, center, radius) {
+                    return warp::cone_pdf(one_minus_cos);
+                }
+            }
+            Emitter::Disk { .. } | Emitter::Cylinder { .. } => {}
+        }
+        let to = q - p;
+        let cos = -normal.dot(to) / to.length();
+        if cos > 0.0 { to.length_squared() / (cos * self.area()) } else { 0.0 }
+    }
+}
+
+/// Unit directions to the corners; `None` for a corner at `p`.
+#[inline]
+fn directions(p: Vec3, v: [Vec3; 3]) -> Option<[Vec3; 3]> {
+    let [a, b, c] = v.map(|v| (v - p).try_normalize());
+    Some([a?, b?, c?])
+}
+
+/// Where the ray from `p` along `w` meets the triangle's plane, as a point of the triangle.
+fn on_triangle(p: Vec3, w: Vec3, v: [Vec3; 3], normal: Vec3) -> Option<EmitterPoint> {
+    let t = normal.dot(v[0] - p) / normal.dot(w);
+    let q = p + w * t - v[0];
+    // Barycentric coordinates in the plane, brought back inside after rounding.
+    let (e1, e2) = (v[1] - v[0], v[2] - v[0]);
+    let (d11, d12, d22) = (e1.dot(e1), e1.dot(e2), e2.dot(e2));
+    let (q1, q2) = (q.dot(e1), q.dot(e2));
+    let det = d11 * d22 - d12 * d12;
+    let s = ((d22 * q1 - d12 * q2) / det).clamp(0.0, 1.0);
+    let r = ((d11 * q2 - d12 * q1) / det).clamp(0.0, 1.0 - s);
+    let point = EmitterPoint { p: v[0] + e1 * s + e2 * r, normal, uv: Vec2::new(s, r) };
+    (t > 0.0 && point.p.is_finite()).then_some(point)
+}
+
+/// The cone that a sphere fills as seen from `p`: a frame along its axis and 1 - cos of its half angle.
+/// `None` from inside, or where the cone is as wide as the hemisphere.
+fn cone_of(p: Vec3, center: Vec3, radius: f32) -> Option<(Frame, f32)> {
+    let to = center - p;
+    let distance_sq = to.length_squared();
+    let sin_sq = sqr(radius) / distance_sq;
+    // 1 - cos = sin^2 / (1 + cos), which keeps its digits for small spheres.
+    (sin_sq < 0.9999).then(|| {
+        (Frame::from_normal(to / distance_sq.sqrt()), sin_sq / (1.0 + (1.0 - sin_sq).sqrt()))
+    })
+}
+
+/// Normal where the ray from `p` along `w` first meets the sphere, the nearest point if rounding makes it miss.
+fn sphere_normal(p: Vec3, w: Vec3, center: Vec3, radius: f32) -> Vec3 {
+    let to = center - p;
+    let along = to.dot(w);
+    let across = w * along - to; // from the middle to the point of the ray that is nearest
+    let half_chord = (sqr(radius) - across.length_squared()).max(0.0).sqrt();
+    (across - w * half_chord).normalize()
+}

@@ -1,0 +1,137 @@
+//! Discrete and piecewise constant distributions.
+
+/// Indices drawn in proportion to weights, by inversion: neighbouring numbers give neighbouring indices,
+/// so that stratified numbers stay stratified.
+#[derive(Clone, Debug, Default)]
+pub struct Discrete {
+    /// Distribution function at the end of each index's step; the last is exactly one.
+    cdf: Vec<f32>,
+    /// Sum of the weights.
+    total: f64,
+}
+
+impl Discrete {
+    /// A distribution over the given weights, each finite and not negative.
+    /// Empty, or with nothing but zeros, it draws nothing.
+    pub fn new(weights: impl IntoIterator<Item = f32>) -> Self {
+        let mut total = 0.0f64;
+        let sums: Vec<f64> = weights
+            .into_iter()
+            .map(|w| {
+                total += f64::from(w);
+                total
+            })
+            .collect();
+        let mut cdf: Vec<f32> =
+            sums.iter().map(|s| if total > 0.0 { (s / total) as f32 } else { 0.0 }).collect();
+        // Rounding must not leave the last index with weight short of one.
+        if total > 0.0 {
+            let last = sums.iter().position(|&s| s == total).unwrap_or(0);
+            cdf[last..].fill(1.0);
+        }
+        Discrete { cdf, total }
+    }
+
+    /// Sum of the weights.
+    pub fn total(&self) -> f64 {
+        self.total
+    }
+
+    /// Number of indices.
+    pub fn len(&self) -> usize {
+        self.cdf.len()
+    }
+
+    /// Whether there is nothing to draw from.
+    pub fn is_empty(&self) -> bool {
+        self.total <= 0.0
+    }
+
+    /// An index and its probability, for `u` in [0, 1); and `u` stretched to its place within the index's step.
+    #[inline]
+    pub fn sample(&self, u: f32) -> Option<(usize, f32, f32)> {
+        if self.is_empty() {
+            return None;
+        }
+        let k = self.cdf.partition_point(|&c| c <= u);
+        let (low, high) = (if k == 0 { 0.0 } else { self.cdf[k - 1] }, *self.cdf.get(k)?);
+        let p = high - low;
+        Some((k, p, ((u - low) / p).clamp(0.0, 1.0 - f32::EPSILON)))
+    }
+
+    /// Probability of an index.
+    #[inline]
+    pub fn probability(&self, k: usize) -> f32 {
+        self.cdf[k] - if k == 0 { 0.0 } else { self.cdf[k - 1] }
+    }
+}
+
+/// A piecewise constant density over the unit square, cell by cell.
+#[derive(Clone, Debug)]
+pub struct Grid {
+    width: usize,
+    rows: Discrete,
+    columns: Vec<Discrete>,
+}
+
+impl Grid {
+    /// A density in proportion to `weights`, given row by row.
+    pub fn new(width: usize, weights: &[f32]) -> Self {
+        let columns: Vec<Discrete> =
+            weights.chunks(width).map(|row| Discrete::new(row.iter().copied())).collect();
+        let rows = Discrete::new(columns.iter().map(|c| c.total() as f32));
+        Grid { width, rows, columns }
+    }
+
+    /// A point and its density per unit area.
+    #[inline]
+    pub fn sample(&self, [u, v]: [f32; 2]) -> Option<([f32; 2], f32)> {
+        let (y, p_y, v) = self.rows.sample(v)?;
+        let (x, p_x, u) = self.columns[y].sample(u)?;
+        let (w, h) = (self.width as f32, self.columns.len() as f32);
+        Some(([(x as f32 + u) / w, (y as f32 + v) / h], p_x * p_y * w * h))
+    }
+
+    /// Density per unit area at a point.
+    #[inline]
+    pub fn pdf(&self, [u, v]: [f32; 2]) -> f32 {
+        let (w, h) = (self.width as f32, self.columns.len() as f32);
+        let x = ((u * w) as usize).min(self.width - 1);
+        let y = ((v * h) as usize).min(self.columns.len() - 1);
+        if self.rows.is_empty() || self.columns[y].is_empty() {
+            return 0.0;
+        }
+        self.rows.probability(y) * self.columns[y].probability(x) * w * h
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn zero_weights_are_never_drawn() {
+        let d = Discrete::new([0.0, 2.0, 0.0, 6.0, 0.0]);
+        for i in 0..1000 {
+            let (k, p, within) = d.sample(i as f32 / 1000.0).expect("not empty");
+            assert!((k == 1 && p == 0.25) || (k == 3 && p == 0.75), "{k} {p}");
+            assert!((0.0..1.0).contains(&within));
+        }
+        assert_eq!(d.sample(1.0 - f32::EPSILON / 2.0).expect("not empty").0, 3);
+        assert!(Discrete::new([0.0, 0.0]).sample(0.3).is_none());
+        assert!(Discrete::new([]).sample(0.3).is_none());
+    }
+
+    #[test]
+    fn grid_density_is_what_it_draws() {
+        let g = Grid::new(3, &[1.0, 0.0, 3.0, 0.0, 0.0, 4.0]);
+        let n = 120;
+        for i in 0..n * n {
+            let u = [((i % n) as f32 + 0.5) / n as f32, ((i / n) as f32 + 0.5) / n as f32];
+            let (p, pdf) = g.sample(u).expect("not empty");
+            assert!((g.pdf(p) - pdf).abs() < 1e-5, "{p:?}");
+        }
+        assert_eq!(g.pdf([0.5, 0.2]), 0.0);
+        assert!((g.pdf([0.9, 0.7]) - 3.0).abs() < 1e-5);
+    }
+}

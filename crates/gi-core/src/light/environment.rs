@@ -1,0 +1,90 @@
+//! A picture at infinity.
+
+use std::f32::consts::PI;
+
+use glam::{Mat3, Vec2, Vec3};
+
+use super::distribution::Grid;
+use crate::math::{INV_PI, Rgb, safe_sqrt};
+use crate::texture::Bitmap;
+
+/// An environment map ready to be sampled.
+#[derive(Clone, Debug)]
+pub struct Environment {
+    image: Bitmap,
+    scale: f32,
+    to_world: Mat3,
+    to_local: Mat3,
+    density: Grid,
+    /// Integral of the luminance over all directions.
+    flux: f32,
+}
+
+impl Environment {
+    /// Make `image` (u = atan2(x, -z) / 2 pi, v = acos(y) / pi of local directions) ready; `to_world` is a rotation.
+    pub(crate) fn new(image: Bitmap, scale: f32, to_world: Mat3) -> Self {
+        let (w, h) = (image.width(), image.height());
+        let luminance: Vec<f32> =
+            (0..w * h).map(|i| image.texel(i % w, i / w).luminance().max(0.0)).collect();
+        let at = |x: usize, y: usize| luminance[y * w + x];
+        let mut weights = Vec::with_capacity(w * h);
+        for y in 0..h {
+            let sin = row_measure(y, h);
+            for x in 0..w {
+                // Interpolation reaches into the eight neighbours: where one of them shines, so does the cell's border.
+                let columns = [(x + w - 1) % w, x, (x + 1) % w];
+                let rows = [y.saturating_sub(1), y, (y + 1).min(h - 1)];
+                let around: f32 = rows.iter().flat_map(|&y| columns.map(|x| at(x, y))).sum();
+                weights.push(sin * (0.5 * at(x, y) + 0.5 * around / 9.0));
+            }
+        }
+        let density = Grid::new(w, &weights);
+        let flux =
+            (0..h).map(|y| row_measure(y, h) * (0..w).map(|x| at(x, y)).sum::<f32>()).sum::<f32>();
+        let flux = scale * flux * 2.0 * PI / w as f32;
+        Environment { image, scale, to_world, to_local: to_world.transpose(), density, flux }
+    }
+
+    /// Radiance from direction `d` (unit, pointing to where the light comes from).
+    #[inline]
+    pub fn radiance(&self, d: Vec3) -> Rgb {
+        self.image.eval(Vec2::from_array(self.to_uv(d))) * self.scale
+    }
+
+    /// A direction and its density per solid angle.
+    #[inline]
+    pub fn sample(&self, u: [f32; 2]) -> Option<(Vec3, f32)> {
+        let ([u, v], pdf) = self.density.sample(u)?;
+        let (sin_theta, cos_theta) = (v * PI).sin_cos();
+        let (sin_phi, cos_phi) = (u * 2.0 * PI).sin_cos();
+        let local = Vec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta);
+        (sin_theta > 0.0).then(|| (self.to_world * local, pdf / (2.0 * PI * PI * sin_theta)))
+    }
+
+    /// Density per solid angle with which [`Environment::sample`] returns `d`.
+    #[inline]
+    pub fn pdf_w(&self, d: Vec3) -> f32 {
+        let uv = self.to_uv(d);
+        let cos = (self.to_local * d).y;
+        let sin_theta = safe_sqrt(1.0 - cos * cos);
+        if sin_theta > 0.0 { self.density.pdf(uv) / (2.0 * PI * PI * sin_theta) } else { 0.0 }
+    }
+
+    /// Integral of the luminance over all directions.
+    pub(crate) fn flux(&self) -> f32 {
+        self.flux
+    }
+
+    #[inline]
+    fn to_uv(&self, d: Vec3) -> [f32; 2] {
+        let l = self.to_local * d;
+        let u = l.x.atan2(-l.z) * 0.5 * INV_PI;
+        [if u < 0.0 { u + 1.0 } else { u }, l.y.clamp(-1.0, 1.0).acos() * INV_PI]
+    }
+}
+
+/// Difference of the cosines at a row's borders: its share of the sphere is half of that.
+fn row_measure(y: usize, h: usize) -> f32 {
+    let cos = |y: usize| (PI * y as f32 / h as f32).cos();
+    cos(y) - cos(y + 1)
+}

@@ -1,0 +1,323 @@
+use std::f32::consts::PI;
+
+use glam::{Mat3, Vec2, Vec3};
+
+use super::{Discrete, Emitter, Environment, LightSource};
+use crate::geometry::{Geometry, Shape};
+use crate::math::{Frame, Rgb, sqr};
+use crate::warp;
+
+/// A light, ready to be sampled.
+#[derive(Clone, Debug)]
+pub enum Light {
+    /// A primitive of a shape.
+    Area {
+        /// Its geometry.
+        emitter: Emitter,
+        /// The shape whose emission it has.
+        shape: u32,
+        /// Which primitive of the shape.
+        primitive: u32,
+    },
+    /// A point.
+    Point {
+        /// Position.
+        position: Vec3,
+        /// Power per steradian.
+        intensity: Rgb,
+    },
+    /// A cone of light from a point.
+    Spot {
+        /// Position.
+        position: Vec3,
+        /// Frame whose normal is the axis.
+        frame: Frame,
+        /// Power per steradian inside of the beam.
+        intensity: Rgb,
+        /// Half angle of the cone, radians.
+        cutoff: f32,
+        /// Half angle of full intensity, radians.
+        beam: f32,
+    },
+    /// Parallel light.
+    Directional {
+        /// Frame whose normal is the way the light travels.
+        frame: Frame,
+        /// Irradiance across it.
+        irradiance: Rgb,
+    },
+    /// The same radiance from everywhere.
+    Constant {
+        /// Radiance.
+        radiance: Rgb,
+    },
+    /// A picture at infinity.
+    Environment(Box<Environment>),
+    /// A disc at infinity.
+    DistantDisc {
+        /// Frame whose normal points to its middle.
+        frame: Frame,
+        /// 1 - cos of its angular radius.
+        one_minus_cos: f32,
+        /// Radiance.
+        radiance: Rgb,
+    },
+}
+
+/// Light that arrives at a point from a light that was drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct LightSample {
+    /// Unit direction toward the light.
+    pub wi: Vec3,
+    /// Where the light is; `None` at infinity.
+    pub p: Option<Vec3>,
+    /// Radiance that arrives if nothing is in between. For point and directional lights, irradiance across `wi`.
+    pub radiance: Rgb,
+    /// Density per solid angle, the choice of the light included; for point and directional lights
+    /// the probability of the choice.
+    pub pdf_w: f32,
+    /// Whether no other way of sampling can find this light.
+    pub delta: bool,
+}
+
+/// All lights of a scene.
+#[derive(Clone, Debug, Default)]
+pub struct Lights {
+    lights: Vec<Light>,
+    by_power: Discrete,
+    /// For each shape its first light, if it shines.
+    first_of_shape: Vec<Option<u32>>,
+    /// Those at infinity.
+    distant: Vec<u32>,
+    /// Middle and radius of the scene, for light that comes from outside.
+    pub(super) sphere: (Vec3, f32),
+}
+
+impl Lights {
+    pub(crate) fn new(shapes: &[Shape], sources: Vec<LightSource>, sphere: (Vec3, f32)) -> Self {
+        let mut lights = Vec::new();
+        let mut first_of_shape = Vec::with_capacity(shapes.len());
+        for (k, shape) in shapes.iter().enumerate() {
+            let shines = shape.emission.as_ref().is_some_and(|e| !e.is_black());
+            first_of_shape.push(shines.then_some(lights.len() as u32));
+            if shines {
+                push_area(&mut lights, k as u32, shape);
+            }
+        }
+        let mut distant = Vec::new();
+        for source in sources {
+            let light = Light::from_source(source);
+            if light.is_distant() {
+                distant.push(lights.len() as u32);
+            }
+            lights.push(light);
+        }
+        let by_power = Discrete::new(lights.iter().map(|l| l.power(shapes, sphere.1)));
+        Lights { lights, by_power, first_of_shape, distant, sphere }
+    }
+
+    /// All lights in order.
+    pub fn all(&self) -> &[Light] {
+        &self.lights
+    }
+
+    /// Probability with which a light is drawn.
+    pub fn probability(&self, light: usize) -> f32 {
+        self.by_power.probability(light)
+    }
+
+    /// Whether nothing shines.
+    pub fn is_empty(&self) -> bool {
+        self.by_power.is_empty()
+    }
+
+    /// Draw a light in proportion to its power: its number, the probability, and `u` stretched for further use.
+    #[inline]
+    pub(crate) fn choose(&self, u: f32) -> Option<(usize, f32, f32)> {
+        self.by_power.sample(u)
+    }
+
+    /// The lights at infinity.
+    pub(crate) fn distant(&self) -> impl Iterator<Item = (usize, &Light)> {
+        self.distant.iter().map(|&k| (k as usize, &self.lights[k as usize]))
+    }
+
+    /// The light that primitive `primitive` of shape `shape` is, if it shines.
+    #[inline]
+    pub fn of_primitive(&self, shape: u32, primitive: u32) -> Option<usize> {
+        self.first_of_shape[shape as usize].map(|first| (first + primitive) as usize)
+    }
+
+    /// Light that arrives at `p` from light number `light`, with density per solid angle given the light.
+    /// `emission` reads a shape's radiance at a point of one of its primitives.
+    #[inline]
+    pub(crate) fn sample_light(
+        &self,
+        light: usize,
+        p: Vec3,
+        u: [f32; 2],
+        emission: impl Fn(u32, u32, Vec2) -> Rgb,
+    ) -> Option<LightSample> {
+        let delta = |position: Vec3, intensity: Rgb| {
+            let to = position - p;
+            let distance_sq = to.length_squared();
+            let radiance = intensity / distance_sq;
+            let wi = to / distance_sq.sqrt();
+            (distance_sq > 0.0).then_some(LightSample {
+                wi,
+                p: Some(position),
+                radiance,
+                pdf_w: 1.0,
+                delta: true,
+            })
+        };
+        let distant =
+            |wi, radiance, pdf_w| LightSample { wi, p: None, radiance, pdf_w, delta: false };
+        match &self.lights[light] {
+            Light::Area { emitter, shape, primitive } => {
+                let (point, pdf_w) = emitter.sample_from(p, u)?;
+                let wi = (point.p - p).try_normalize()?;
+                let radiance = emission(*shape, *primitive, point.uv);
+                Some(LightSample { wi, p: Some(point.p), radiance, pdf_w, delta: false })
+            }
+            Light::Point { position, intensity } => delta(*position, *intensity),
+            Light::Spot { position, frame, intensity, cutoff, beam } => {
+                let fade =
+                    spot_fade(frame.n.dot((p - *position).normalize_or_zero()), *cutoff, *beam);
+                delta(*position, *intensity * fade)
+            }
+            Light::Directional { frame, irradiance } => Some(LightSample {
+                wi: -frame.n,
+                p: None,
+                radiance: *irradiance,
+                pdf_w: 1.0,
+                delta: true,
+            }),
+            Light::Constant { radiance } => {
+                Some(distant(warp::sphere(u), *radiance, warp::sphere_pdf()))
+            }
+            Light::Environment(map) => {
+                let (wi, pdf_w) = map.sample(u)?;
+                Some(distant(wi, map.radiance(wi), pdf_w))
+            }
+            Light::DistantDisc { frame, one_minus_cos, radiance } => {
+                let wi = frame.to_world(warp::cone(u, *one_minus_cos));
+                Some(distant(wi, *radiance, warp::cone_pdf(*one_minus_cos)))
+            }
+        }
+    }
+}
+
+impl Light {
+    fn from_source(source: LightSource) -> Self {
+        match source {
+            LightSource::Point { position, intensity } => Light::Point { position, intensity },
+            LightSource::Spot { position, direction, intensity, cutoff, beam } => Light::Spot {
+                position,
+                frame: Frame::from_normal(direction),
+                intensity,
+                cutoff,
+                beam,
+            },
+            LightSource::Directional { direction, irradiance } => {
+                Light::Directional { frame: Frame::from_normal(direction), irradiance }
+            }
+            LightSource::Constant { radiance } => Light::Constant { radiance },
+            LightSource::Environment { image, scale, to_world } => {
+                // Only the rotation of the map counts: light at infinity knows no scale.
+                let m = Mat3::from(to_world.matrix3);
+                let rotation = Mat3::from_cols(
+                    m.x_axis.normalize(),
+                    m.y_axis.normalize(),
+                    m.z_axis.normalize(),
+                );
+                Light::Environment(Box::new(Environment::new(image, scale, rotation)))
+            }
+            LightSource::DistantDisc { direction, angular_radius, radiance } => {
+                let one_minus_cos = 2.0 * sqr((0.5 * angular_radius).sin());
+                Light::DistantDisc { frame: Frame::from_normal(direction), one_minus_cos, radiance }
+            }
+        }
+    }
+
+    /// Whether the light is at infinity and seen by rays that escape.
+    fn is_distant(&self) -> bool {
+        matches!(self, Light::Constant { .. } | Light::Environment(_) | Light::DistantDisc { .. })
+    }
+
+    /// Radiance from direction `d` and the density per solid angle of drawing it, of a light at infinity.
+    #[inline]
+    pub(crate) fn escaped(&self, d: Vec3) -> (Rgb, f32) {
+        match self {
+            Light::Constant { radiance } => (*radiance, warp::sphere_pdf()),
+            Light::Environment(map) => (map.radiance(d), map.pdf_w(d)),
+            // 1 - cos as half the squared distance of unit vectors, which keeps the digits of a narrow disc.
+            Light::DistantDisc { frame, one_minus_cos, radiance }
+                if 0.5 * d.distance_squared(frame.n) <= *one_minus_cos =>
+            {
+                (*radiance, warp::cone_pdf(*one_minus_cos))
+            }
+            _ => (Rgb::BLACK, 0.0),
+        }
+    }
+
+    /// Emitted power as luminance; for distant lights what falls on the scene's bounding sphere.
+    fn power(&self, shapes: &[Shape], scene_radius: f32) -> f32 {
+        let disc = PI * sqr(scene_radius);
+        match self {
+            Light::Area { emitter, shape, .. } => {
+                let radiance =
+                    shapes[*shape as usize].emission.as_ref().map_or(Rgb::BLACK, |e| e.mean());
+                PI * emitter.area() * radiance.luminance().max(0.0)
+            }
+            Light::Point { intensity, .. } => 4.0 * PI * intensity.luminance(),
+            Light::Spot { intensity, cutoff, beam, .. } => {
+                2.0 * PI * intensity.luminance() * (1.0 - 0.5 * (cutoff.cos() + beam.cos()))
+            }
+            Light::Directional { irradiance, .. } => disc * irradiance.luminance(),
+            Light::Constant { radiance } => disc * 4.0 * PI * radiance.luminance(),
+            Light::Environment(map) => disc * map.flux(),
+            Light::DistantDisc { one_minus_cos, radiance, .. } => {
+                disc * 2.0 * PI * one_minus_cos * radiance.luminance()
+            }
+        }
+    }
+}
+
+/// Full within the beam, then falling linearly in the angle to zero at the cutoff.
+#[inline]
+pub(super) fn spot_fade(cos: f32, cutoff: f32, beam: f32) -> f32 {
+    let angle = cos.clamp(-1.0, 1.0).acos();
+    if angle <= beam {
+        1.0
+    } else if angle >= cutoff {
+        0.0
+    } else {
+        (cutoff - angle) / (cutoff - beam)
+    }
+}
+
+/// Add one light for each primitive of a shining shape.
+fn push_area(lights: &mut Vec<Light>, k: u32, shape: &Shape) {
+    let outward = !shape.flip_normals;
+    let oriented = |n: Vec3| if outward { n } else { -n };
+    let mut push = |emitter, primitive| lights.push(Light::Area { emitter, shape: k, primitive });
+    match &shape.geometry {
+        Geometry::Mesh(mesh) => {
+            for t in 0..mesh.triangles.len() {
+                let face = mesh.oriented_normal(t);
+                push(Emitter::Triangle { v: mesh.corners(t), normal: oriented(face) }, t as u32);
+            }
+        }
+        Geometry::Sphere { center, radius, .. } => {
+            push(Emitter::Sphere { center: *center, radius: *radius, outward }, 0);
+        }
+        Geometry::Disk { center, du, dv } => {
+            let normal = oriented(du.cross(*dv).normalize_or_zero());
+            push(Emitter::Disk { center: *center, axes: [*du, *dv], normal }, 0);
+        }
+        Geometry::Cylinder { p0, p1, radius } => {
+            push(Emitter::Cylinder { ends: [*p0, *p1], radius: *radius, outward }, 0);
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! Next-event estimation: light sampled from a surface point, weighted against BSDF sampling.
+
+use glam::Vec3;
+
+use crate::bsdf::Bsdf;
+use crate::geometry::Surface;
+use crate::math::{Rgb, sqr};
+use crate::sampler::Sampler;
+use crate::scene::Scene;
+
+/// Weight of a sample drawn with density `pdf` that the other strategy draws with density `other`:
+/// the power heuristic with exponent 2 [Veach97, 9.2.4].
+#[inline]
+pub fn power_heuristic(pdf: f32, other: f32) -> f32 {
+    // Divided through by pdf^2, so that large densities do not overflow.
+    1.0 / (1.0 + sqr(other / pdf))
+}
+
+/// Radiance scattered along `wo` of light that comes straight from a light, one light sampled.
+/// Weighted against BSDF sampling: the rest is what [`emitter_weight`] leaves for rays that meet the light.
+#[inline]
+pub fn direct_light(
+    scene: &Scene,
+    surface: &Surface,
+    bsdf: &Bsdf,
+    wo: Vec3,
+    sampler: &mut Sampler,
+) -> Rgb {
+    let (u_light, u) = (sampler.next_1d(), sampler.next_2d());
+    if bsdf.is_delta() {
+        return Rgb::BLACK;
+    }
+    let Some(light) = scene.sample_light(surface.p, u_light, u) else { return Rgb::BLACK };
+    let (f_cos, pdf_bsdf) = bsdf.f_cos_pdf(wo, light.wi);
+    let arriving = f_cos * light.radiance;
+    if arriving.is_black() {
+        return Rgb::BLACK;
+    }
+    let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf_w, pdf_bsdf) };
+    arriving * scene.visibility(surface, &light) * (weight / light.pdf_w)
+}
+
+/// Weight of light met by a BSDF ray drawn with density `pdf_bsdf` that light sampling draws with `pdf_light`.
+/// `None` stands for a delta lobe or the camera, which light sampling cannot compete with.
+#[inline]
+pub fn emitter_weight(pdf_bsdf: Option<f32>, pdf_light: f32) -> f32 {
+    pdf_bsdf.map_or(1.0, |pdf| power_heuristic(pdf, pdf_light))
+}

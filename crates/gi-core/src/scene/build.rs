@@ -1,0 +1,226 @@
+use std::fmt;
+use std::sync::Arc;
+
+use glam::Mat3;
+
+use super::{PreparedInstance, Scene, SceneParts};
+use crate::bsdf::{MAX_COMPONENTS, PreparedMaterial, check_children, component_count};
+use crate::bvh::{BuildError, Bvh, Solid, Triangle};
+use crate::geometry::{Geometry, Shape};
+use crate::light::Lights;
+
+/// Why a scene could not be made ready.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SceneError {
+    /// A shape or instance names a material, medium or group that is not there, or a child after its parent.
+    Dangling(String),
+    /// A shape whose points no tree can hold.
+    Shape {
+        /// The shape's name.
+        name: String,
+        /// What is wrong with it.
+        cause: String,
+    },
+    /// A material that blends more than [`MAX_COMPONENTS`] lobes.
+    TooManyLobes {
+        /// The name of a shape that has it.
+        shape: String,
+        /// How many it blends.
+        lobes: usize,
+    },
+    /// A shining shape in a group: its copies would have to be lights.
+    ShiningGroup {
+        /// The shape's name.
+        shape: String,
+    },
+}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            SceneError::Dangling(what) => write!(f, "{what}"),
+            SceneError::Shape { name, cause } => write!(f, "shape \"{name}\": {cause}"),
+            SceneError::TooManyLobes { shape, lobes } => {
+                write!(
+                    f,
+                    "the material of shape \"{shape}\" blends {lobes} lobes; {MAX_COMPONENTS} are the most"
+                )
+            }
+            SceneError::ShiningGroup { shape } => {
+                write!(f, "shape \"{shape}\" shines, which shapes of a group may not")
+            }
+        }
+    }
+}
+
+impl std::error::Error for SceneError {}
+
+impl Scene {
+    /// Make a scene ready: build its trees and tables.
+    ///
+    /// # Errors
+    /// See [`SceneError`]. An empty scene is fine.
+    pub fn new(parts: SceneParts) -> Result<Self, SceneError> {
+        check(&parts)?;
+        let SceneParts { shapes, groups, instances, materials, media, lights } = parts;
+        let own_shapes = shapes.len();
+        let group_starts: Vec<usize> = groups
+            .iter()
+            .scan(own_shapes, |next, g| {
+                let start = *next;
+                *next += g.len();
+                Some(start)
+            })
+            .collect();
+        let shapes: Vec<Shape> = shapes.into_iter().chain(groups.into_iter().flatten()).collect();
+        let (first_primitive, shape_of) = number_primitives(&shapes)?;
+
+        // One tree a group, then the tree of the whole with the instances in it.
+        let ends = group_starts.iter().copied().skip(1).chain([shapes.len()]);
+        let group_trees: Vec<Arc<Bvh>> = group_starts
+            .iter()
+            .zip(ends)
+            .map(|(&start, end)| {
+                tree(&shapes, &first_primitive, &shape_of, start..end, &[]).map(Arc::new)
+            })
+            .collect::<Result<_, _>>()?;
+        let copies: Vec<(Solid, u32)> = instances
+            .iter()
+            .enumerate()
+            .map(|(k, i)| {
+                let tree = Arc::clone(&group_trees[i.group]);
+                (Solid::Instance { tree, to_world: i.to_world, index: k as u32 }, k as u32)
+            })
+            .collect();
+        let tree = tree(&shapes, &first_primitive, &shape_of, 0..own_shapes, &copies)?;
+
+        let mut prepared: Vec<PreparedMaterial> = Vec::with_capacity(materials.len());
+        for material in materials {
+            prepared.push(PreparedMaterial::new(material, &prepared));
+        }
+        let has_null = shapes.iter().any(|s| prepared[s.material].has_null);
+        let bounds = tree.bounds();
+        let sphere = if bounds.is_empty() {
+            (glam::Vec3::ZERO, 1.0)
+        } else {
+            // A little wider, so that light from outside starts outside.
+            (bounds.center(), 0.5 * bounds.extent().length() * 1.001)
+        };
+        let lights = Lights::new(&shapes[..own_shapes], lights, sphere);
+        let instances = instances
+            .iter()
+            .map(|i| PreparedInstance {
+                to_world: i.to_world,
+                to_local: i.to_world.inverse(),
+                normal_to_world: Mat3::from(i.to_world.matrix3).inverse().transpose(),
+            })
+            .collect();
+        let materials = prepared;
+        Ok(Scene {
+            shapes,
+            first_primitive,
+            shape_of,
+            instances,
+            materials,
+            media,
+            lights,
+            tree,
+            bounds,
+            has_null,
+        })
+    }
+}
+
+/// Check that every index points at something.
+fn check(parts: &SceneParts) -> Result<(), SceneError> {
+    if !check_children(&parts.materials) {
+        return Err(SceneError::Dangling("a material stands before one that it is made of".into()));
+    }
+    for shape in parts.shapes.iter().chain(parts.groups.iter().flatten()) {
+        let name = &shape.name;
+        if shape.material >= parts.materials.len() {
+            return Err(SceneError::Dangling(format!(
+                "shape \"{name}\" has a material that is not there"
+            )));
+        }
+        if [shape.interior, shape.exterior].into_iter().flatten().any(|m| m >= parts.media.len()) {
+            return Err(SceneError::Dangling(format!(
+                "shape \"{name}\" has a medium that is not there"
+            )));
+        }
+        let lobes = component_count(&parts.materials, shape.material);
+        if lobes > MAX_COMPONENTS {
+            return Err(SceneError::TooManyLobes { shape: name.clone(), lobes });
+        }
+        if let Geometry::Mesh(mesh) = &shape.geometry {
+            let n = mesh.positions.len();
+            let fits = |len: usize| len == 0 || len == n;
+            let inside = mesh.triangles.iter().flatten().all(|&i| (i as usize) < n);
+            if !inside || !fits(mesh.normals.len()) || !fits(mesh.uvs.len()) {
+                let cause = "its arrays do not fit together".to_string();
+                return Err(SceneError::Shape { name: name.clone(), cause });
+            }
+        }
+    }
+    if let Some(shape) = parts.groups.iter().flatten().find(|s| s.emission.is_some()) {
+        return Err(SceneError::ShiningGroup { shape: shape.name.clone() });
+    }
+    if parts.instances.iter().any(|i| i.group >= parts.groups.len()) {
+        return Err(SceneError::Dangling("an instance copies a group that is not there".into()));
+    }
+    Ok(())
+}
+
+/// Count primitives through all shapes.
+fn number_primitives(shapes: &[Shape]) -> Result<(Vec<u32>, Vec<u32>), SceneError> {
+    let mut first = Vec::with_capacity(shapes.len());
+    let mut shape_of = Vec::new();
+    for (k, shape) in shapes.iter().enumerate() {
+        first.push(shape_of.len() as u32);
+        let end = shape_of.len() + shape.geometry.primitive_count();
+        if end >= u32::MAX as usize {
+            let cause = "more than 4 billion primitives in the scene".to_string();
+            return Err(SceneError::Shape { name: shape.name.clone(), cause });
+        }
+        shape_of.resize(end, k as u32);
+    }
+    Ok((first, shape_of))
+}
+
+/// Build the tree of a range of shapes and some instances.
+fn tree(
+    shapes: &[Shape],
+    first: &[u32],
+    shape_of: &[u32],
+    range: std::ops::Range<usize>,
+    instances: &[(Solid, u32)],
+) -> Result<Bvh, SceneError> {
+    let mut triangles = Vec::new();
+    let mut solids = instances.to_vec();
+    for k in range {
+        match &shapes[k].geometry {
+            Geometry::Mesh(mesh) => {
+                let corners =
+                    (0..mesh.triangles.len()).map(|t| (mesh.corners(t), first[k] + t as u32));
+                triangles.extend(corners.map(|(v, id)| Triangle { v, id }));
+            }
+            Geometry::Sphere { center, radius, .. } => {
+                solids.push((Solid::Sphere { center: *center, radius: *radius }, first[k]));
+            }
+            Geometry::Disk { center, du, dv } => {
+                solids.push((Solid::Disk { center: *center, du: *du, dv: *dv }, first[k]));
+            }
+            Geometry::Cylinder { p0, p1, radius } => {
+                solids.push((Solid::Cylinder { p0: *p0, p1: *p1, radius: *radius }, first[k]));
+            }
+        }
+    }
+    Bvh::build(&triangles, &solids).map_err(|error| {
+        let id = match error {
+            BuildError::NonFinite { id } | BuildError::TooLarge { id } => shape_of.get(id as usize),
+            _ => None,
+        };
+        let name = id.map_or("scene".to_string(), |&s| shapes[s as usize].name.clone());
+        SceneError::Shape { name, cause: error.to_string() }
+    })
+}

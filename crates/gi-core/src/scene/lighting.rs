@@ -1,0 +1,107 @@
+//! What shines at a point, and what is in between.
+
+use glam::{Vec2, Vec3};
+
+use super::Scene;
+use crate::bsdf::Transport;
+use crate::geometry::Surface;
+use crate::light::{Emission, Light, LightSample};
+use crate::math::Rgb;
+use crate::ray::Ray;
+
+impl Scene {
+    /// Radiance that `surface` itself sends along `wo`.
+    #[inline]
+    pub fn emitted(&self, surface: &Surface, wo: Vec3) -> Rgb {
+        match &self.shapes[surface.shape as usize].emission {
+            Some(emission) if wo.dot(surface.ng) > 0.0 => emission.eval(surface.uv),
+            _ => Rgb::BLACK,
+        }
+    }
+
+    /// Radiance from infinity along `-d`, of all distant lights.
+    pub fn background(&self, d: Vec3) -> Rgb {
+        self.lights.distant().map(|(_, light)| light.escaped(d).0).sum()
+    }
+
+    /// What each distant light sends along `-d`, with the density per solid angle of [`Scene::sample_light`]
+    /// drawing it.
+    pub fn escaped(&self, d: Vec3) -> impl Iterator<Item = (Rgb, f32)> {
+        self.lights.distant().map(move |(k, light)| {
+            let (radiance, pdf_w) = light.escaped(d);
+            (radiance, pdf_w * self.lights.probability(k))
+        })
+    }
+
+    /// Draw light that arrives at `p`, shadows not yet looked at. `u_light` chooses the light, `u` the point on it.
+    #[inline]
+    pub fn sample_light(&self, p: Vec3, u_light: f32, u: [f32; 2]) -> Option<LightSample> {
+        let (light, probability, _) = self.lights.choose(u_light)?;
+        let mut sample =
+            self.lights.sample_light(light, p, u, |s, k, uv| self.emission_at(s, k, uv))?;
+        sample.pdf_w *= probability;
+        Some(sample)
+    }
+
+    /// Density per solid angle at `p` with which [`Scene::sample_light`] draws the shining point `surface`.
+    #[inline]
+    pub fn light_pdf_w(&self, p: Vec3, surface: &Surface) -> f32 {
+        let primitive = surface.prim - self.first_primitive[surface.shape as usize];
+        let Some(k) = self.lights.of_primitive(surface.shape, primitive) else { return 0.0 };
+        match &self.lights.all()[k] {
+            Light::Area { emitter, .. } => {
+                self.lights.probability(k) * emitter.pdf_w(p, surface.p, surface.ng)
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// Begin a light path, see [`Emission`].
+    pub fn emit(&self, u_light: f32, u_p: [f32; 2], u_d: [f32; 2]) -> Option<Emission> {
+        self.lights.emit(u_light, u_p, u_d, |s, k, uv| self.emission_at(s, k, uv))
+    }
+
+    /// Radiance of a shining primitive at parameters `uv`.
+    #[inline]
+    fn emission_at(&self, shape: u32, primitive: u32, uv: Vec2) -> Rgb {
+        match &self.shapes[shape as usize].emission {
+            Some(emission) if emission.is_constant() => emission.eval(Vec2::ZERO),
+            Some(emission) => emission.eval(self.texture_coordinates(shape, primitive, uv)),
+            None => Rgb::BLACK,
+        }
+    }
+
+    /// The share of light that reaches `surface` from where a light sample says.
+    #[inline]
+    pub fn visibility(&self, surface: &Surface, light: &LightSample) -> Rgb {
+        let ray = match light.p {
+            Some(q) => self.tree.shadow_ray(surface.p, surface.ng, q),
+            None => self.spawn(surface, light.wi),
+        };
+        self.transmittance(ray)
+    }
+
+    /// The share of light that passes along a ray segment: 0 or 1, or what masks and panes leave.
+    #[inline]
+    pub fn transmittance(&self, ray: Ray) -> Rgb {
+        if !self.has_null {
+            return if self.tree.occluded(&ray) { Rgb::BLACK } else { Rgb::WHITE };
+        }
+        self.transmittance_through(ray)
+    }
+
+    fn transmittance_through(&self, mut ray: Ray) -> Rgb {
+        let mut left = Rgb::WHITE;
+        let toward = -ray.d.normalize();
+        while let Some((surface, t)) = self.intersect(&ray) {
+            left *= self.bsdf(&surface, toward, Transport::Radiance).straight_through(toward);
+            if left.is_black() {
+                return Rgb::BLACK;
+            }
+            // Go on behind the surface; the part of the segment that is left shrinks by what was passed.
+            let o = self.tree.offset_origin(surface.p, surface.ng, ray.d);
+            ray = Ray { o, tmin: 0.0, d: ray.d, tmax: ray.tmax - t };
+        }
+        left
+    }
+}

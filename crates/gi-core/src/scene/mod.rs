@@ -1,0 +1,94 @@
+//! The scene: what a file gives ([`SceneParts`]), made ready for rays ([`Scene`]).
+
+mod build;
+mod lighting;
+mod parts;
+mod surface;
+
+use glam::{Affine3A, Mat3, Vec3};
+
+use crate::bsdf::{Bsdf, PreparedMaterial, Transport};
+use crate::bvh::Bvh;
+use crate::geometry::{Shape, Surface};
+use crate::light::Lights;
+use crate::math::Bounds;
+use crate::medium::Medium;
+use crate::ray::Ray;
+pub use build::SceneError;
+pub use parts::SceneParts;
+
+/// A scene ready for rays. It does not change once made.
+pub struct Scene {
+    shapes: Vec<Shape>,
+    /// Number of the first primitive of each shape; primitives are counted through all shapes.
+    first_primitive: Vec<u32>,
+    /// Shape of each primitive.
+    shape_of: Vec<u32>,
+    instances: Vec<PreparedInstance>,
+    materials: Vec<PreparedMaterial>,
+    media: Vec<Medium>,
+    lights: Lights,
+    tree: Bvh,
+    bounds: Bounds,
+    /// Whether anything lets light straight through, so that shadow rays must look.
+    has_null: bool,
+}
+
+/// An instance with what its surfaces need.
+struct PreparedInstance {
+    to_world: Affine3A,
+    to_local: Affine3A,
+    normal_to_world: Mat3,
+}
+
+impl Scene {
+    /// All shapes, those of groups after the others.
+    pub fn shapes(&self) -> &[Shape] {
+        &self.shapes
+    }
+
+    /// All lights.
+    pub fn lights(&self) -> &Lights {
+        &self.lights
+    }
+
+    /// All media.
+    pub fn media(&self) -> &[Medium] {
+        &self.media
+    }
+
+    /// The tree that rays are traced in.
+    pub fn tree(&self) -> &Bvh {
+        &self.tree
+    }
+
+    /// The box round all surfaces.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// Radius of the scene's bounding sphere: the unit of relative lengths.
+    pub fn radius(&self) -> f32 {
+        0.5 * self.bounds.extent().length()
+    }
+
+    /// The first surface that a ray meets, and the ray parameter there.
+    #[inline]
+    pub fn intersect(&self, ray: &Ray) -> Option<(Surface, f32)> {
+        let hit = self.tree.closest(ray)?;
+        Some((self.surface(ray, &hit), hit.t))
+    }
+
+    /// The ray that leaves `surface` along `d`, lifted off it.
+    #[inline]
+    pub fn spawn(&self, surface: &Surface, d: Vec3) -> Ray {
+        Ray::new(self.tree.offset_origin(surface.p, surface.ng, d), d)
+    }
+
+    /// How light scatters at `surface` for paths that came from `wo`.
+    #[inline]
+    pub fn bsdf(&self, surface: &Surface, wo: Vec3, transport: Transport) -> Bsdf<'_> {
+        let id = self.shapes[surface.shape as usize].material;
+        Bsdf::resolve(&self.materials, id, surface, &|| self.tangents(surface), wo, transport)
+    }
+}

@@ -1,0 +1,162 @@
+//! The one light walk: paths from the lights, vertex by vertex. Light tracing, photon maps, progressive photon
+//! mapping and virtual point lights all take their light from here.
+
+use glam::Vec3;
+
+use crate::bsdf::{Bsdf, Transport};
+use crate::geometry::Surface;
+use crate::light::Emission;
+use crate::math::Rgb;
+use crate::ray::Ray;
+use crate::sampler::Sampler;
+use crate::scene::Scene;
+
+/// A surface point that light has reached.
+pub struct LightVertex<'a> {
+    /// The point.
+    pub surface: Surface,
+    /// Unit direction back to where the light came from.
+    pub wo: Vec3,
+    /// How the light scatters here ([`Transport::Power`]).
+    pub bsdf: Bsdf<'a>,
+    /// Power that arrives, before this surface takes its share; already divided by all densities, not by
+    /// the number of paths.
+    pub power: Rgb,
+    /// Scatterings before this point, straight passes not counted.
+    pub depth: u32,
+    /// Scatterings by other than delta lobes before this point.
+    pub rough: u32,
+    /// Whether the last scattering, if any, was by a delta lobe.
+    pub after_delta: bool,
+}
+
+/// A light path that is being walked.
+pub struct LightWalk<'a> {
+    scene: &'a Scene,
+    sampler: Sampler,
+    emission: Emission,
+    ray: Ray,
+    power: Rgb,
+    /// Surface points met, straight passes counted: each has dimensions of its own.
+    met: u32,
+    depth: u32,
+    rough: u32,
+    after_delta: bool,
+}
+
+/// Dimensions of the sampler that emission uses, and that one scattering may use.
+const EMISSION_DIMENSIONS: u32 = 3;
+const VERTEX_DIMENSIONS: u32 = 8;
+const SCATTER_DIMENSIONS: u32 = 3;
+
+impl<'a> LightWalk<'a> {
+    /// Begin a path at a light; `None` where nothing shines.
+    pub fn begin(scene: &'a Scene, mut sampler: Sampler) -> Option<Self> {
+        let (u_light, u_p, u_d) = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
+        let emission = scene.emit(u_light, u_p, u_d)?;
+        let o = scene.tree().offset_origin(emission.p, emission.ng, emission.d);
+        let ray = Ray::new(o, emission.d);
+        let power = emission.power;
+        Some(LightWalk {
+            scene,
+            sampler,
+            emission,
+            ray,
+            power,
+            met: 0,
+            depth: 0,
+            rough: 0,
+            after_delta: false,
+        })
+    }
+
+    /// Where the path began.
+    pub fn emission(&self) -> &Emission {
+        &self.emission
+    }
+
+    /// The sampler, for what a visitor draws at a vertex (a lens point, say): at most
+    /// five dimensions a vertex.
+    pub fn sampler(&mut self) -> &mut Sampler {
+        &mut self.sampler
+    }
+
+    /// Walk to the next surface, straight through what lets light pass.
+    pub fn next_vertex(&mut self) -> Option<LightVertex<'a>> {
+        if self.power.is_black() {
+            return None;
+        }
+        self.sampler.jump_to(EMISSION_DIMENSIONS + self.met * VERTEX_DIMENSIONS);
+        let (surface, _) = self.scene.intersect(&self.ray)?;
+        let wo = -self.ray.d;
+        let bsdf = self.scene.bsdf(&surface, wo, Transport::Power);
+        let (power, depth) = (self.power, self.depth);
+        Some(LightVertex {
+            surface,
+            wo,
+            bsdf,
+            power,
+            depth,
+            rough: self.rough,
+            after_delta: self.after_delta,
+        })
+    }
+
+    /// Scatter at a vertex that [`LightWalk::next_vertex`] gave. Returns whether the path goes on.
+    pub fn scatter(&mut self, vertex: &LightVertex<'a>, roulette: Roulette) -> bool {
+        self.sampler
+            .jump_to(EMISSION_DIMENSIONS + (self.met + 1) * VERTEX_DIMENSIONS - SCATTER_DIMENSIONS);
+        self.met += 1;
+        let (u_choice, u, u_roulette) =
+            (self.sampler.next_1d(), self.sampler.next_2d(), self.sampler.next_1d());
+        let Some(s) = vertex.bsdf.sample(vertex.wo, u_choice, u) else { return false };
+        let surface = &vertex.surface;
+        let mut factor = s.weight;
+        if !s.delta {
+            factor *= adjoint_correction(surface, vertex.wo, s.wi);
+        }
+        // A path that passes straight through has not met anything.
+        if !s.null {
+            if let Roulette::ByAlbedo { from } = roulette
+                && vertex.depth + 1 >= from
+            {
+                let survival = factor.max().min(1.0);
+                if u_roulette >= survival {
+                    return false;
+                }
+                factor = factor / survival;
+            }
+            self.depth += 1;
+            self.rough += u32::from(!s.delta);
+            self.after_delta = s.delta;
+        }
+        self.power = vertex.power * factor;
+        self.ray = self.scene.spawn(surface, s.wi);
+        !self.power.is_black()
+    }
+}
+
+/// When a light path may end early.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Roulette {
+    /// Never.
+    Off,
+    /// In proportion to what the surface absorbs, from this scattering on (1 is the first): powers then
+    /// stay nearly equal [Jensen01].
+    ByAlbedo {
+        /// The first scattering that may end the path.
+        from: u32,
+    },
+}
+
+/// Factor by which power changes where shading normals differ from geometric ones:
+/// |cos(wo, ns) cos(wi, ng)| / |cos(wo, ng) cos(wi, ns)| [Veach97, 5.3.2].
+#[inline]
+pub fn adjoint_correction(surface: &Surface, wo: Vec3, wi: Vec3) -> f32 {
+    let (ns, ng) = (surface.ns(), surface.ng);
+    if ns == ng {
+        return 1.0;
+    }
+    let denominator = (wo.dot(ng) * wi.dot(ns)).abs();
+    if denominator > 0.0 { (wo.dot(ns) * wi.dot(ng)).abs() / denominator } else { 0.0 }
+}

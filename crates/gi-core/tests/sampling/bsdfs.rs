@@ -1,0 +1,243 @@
+//! BSDFs: drawn as their density says, weighed as f says, reciprocal, and never making light.
+
+use gi_core::bsdf::{Bsdf, Transport};
+use gi_core::geometry::{Geometry, Mesh, Shape, Surface};
+use gi_core::material::{Distribution, Material, Roughness};
+use gi_core::math::Rgb;
+use gi_core::ray::Ray;
+use gi_core::rng::Pcg;
+use gi_core::scene::{Scene, SceneParts};
+use gi_core::texture::Texture;
+use gi_core::warp;
+use glam::Vec3;
+
+use crate::grid::check;
+
+fn rough(distribution: Distribution, u: f32, v: f32) -> Option<Roughness> {
+    Some(Roughness { distribution, alpha_u: Texture::grey(u), alpha_v: Texture::grey(v) })
+}
+
+fn white() -> Texture {
+    Texture::grey(1.0)
+}
+
+fn metal(roughness: Option<Roughness>) -> Material {
+    let (eta, k) = (Rgb::new(0.2, 0.9, 1.1), Rgb::new(3.9, 2.4, 2.2));
+    Material::Conductor { eta, k, reflectance: white(), roughness }
+}
+
+fn glass(roughness: Option<Roughness>) -> Material {
+    Material::Dielectric { eta: 1.5, reflectance: white(), transmittance: white(), roughness }
+}
+
+fn plastic(nonlinear: bool, roughness: Option<Roughness>) -> Material {
+    let diffuse = Texture::Constant(Rgb::new(0.7, 0.4, 0.1));
+    Material::Plastic { eta: 1.49, diffuse, specular: white(), nonlinear, roughness }
+}
+
+/// Name, table of materials whose last is the one to test, and whether its albedo must be one.
+fn materials() -> Vec<(&'static str, Vec<Material>, bool)> {
+    use Distribution::{Beckmann, Ggx};
+    let diffuse = Material::Diffuse { reflectance: Texture::grey(0.8) };
+    let phong = |exponent| Material::Phong {
+        diffuse: Texture::grey(0.3),
+        specular: Texture::grey(0.5),
+        exponent: Texture::grey(exponent),
+    };
+    let mask = |inner| Material::Mask { opacity: Texture::grey(0.7), inner };
+    let bump =
+        Material::NormalMap { normals: Texture::Constant(Rgb::new(0.6, 0.45, 0.95)), inner: 0 };
+    let blend = Material::Blend { weight: Texture::grey(0.4), first: 0, second: 1 };
+    let metal_2 = metal(rough(Ggx, 0.2, 0.2));
+    vec![
+        ("diffuse", vec![diffuse.clone()], false),
+        (
+            "diffuse, two-sided",
+            vec![diffuse.clone(), Material::TwoSided { front: 0, back: 0 }],
+            false,
+        ),
+        (
+            "Oren-Nayar",
+            vec![Material::RoughDiffuse {
+                reflectance: Texture::grey(0.8),
+                alpha: Texture::grey(0.4),
+            }],
+            false,
+        ),
+        ("conductor", vec![metal(None)], false),
+        ("GGX conductor 0.1", vec![metal(rough(Ggx, 0.1, 0.1))], false),
+        ("GGX conductor 0.5", vec![metal(rough(Ggx, 0.5, 0.5))], false),
+        ("GGX conductor 0.4, 0.1", vec![metal(rough(Ggx, 0.4, 0.1))], false),
+        ("Beckmann conductor 0.3", vec![metal(rough(Beckmann, 0.3, 0.3))], false),
+        ("Beckmann conductor 0.15, 0.5", vec![metal(rough(Beckmann, 0.15, 0.5))], false),
+        ("dielectric", vec![glass(None)], true),
+        ("GGX dielectric 0.3", vec![glass(rough(Ggx, 0.3, 0.3))], false),
+        ("Beckmann dielectric 0.2", vec![glass(rough(Beckmann, 0.2, 0.2))], false),
+        (
+            "pane",
+            vec![Material::ThinDielectric {
+                eta: 1.5,
+                reflectance: white(),
+                transmittance: white(),
+            }],
+            true,
+        ),
+        ("plastic", vec![plastic(false, None)], false),
+        ("plastic, nonlinear", vec![plastic(true, None)], false),
+        ("GGX plastic 0.2", vec![plastic(true, rough(Ggx, 0.2, 0.2))], false),
+        ("Beckmann plastic 0.1", vec![plastic(false, rough(Beckmann, 0.1, 0.1))], false),
+        ("phong 10", vec![phong(10.0)], false),
+        ("phong 200", vec![phong(200.0)], false),
+        ("null", vec![Material::Null], true),
+        ("mask", vec![diffuse.clone(), mask(0)], false),
+        ("normal map", vec![diffuse.clone(), bump], false),
+        ("blend", vec![diffuse.clone(), metal_2.clone(), blend.clone()], false),
+        (
+            "masked blend, two-sided",
+            vec![diffuse, metal_2, blend, mask(2), Material::TwoSided { front: 3, back: 3 }],
+            false,
+        ),
+    ]
+}
+
+/// A floor with the last of the materials, seen from above.
+fn floor(materials: Vec<Material>) -> (Scene, Surface) {
+    let mesh = Mesh {
+        positions: [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
+            .map(|[x, y]| Vec3::new(x, y, 0.0))
+            .to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    };
+    let shapes = vec![Shape::new("floor", Geometry::Mesh(mesh), materials.len() - 1)];
+    let scene =
+        Scene::new(SceneParts { shapes, materials, ..SceneParts::default() }).expect("a scene");
+    let (surface, _) =
+        scene.intersect(&Ray::new(Vec3::new(0.3, 0.1, 1.0), -Vec3::Z)).expect("a hit");
+    (scene, surface)
+}
+
+/// Directions to look from: high, grazing, and from below.
+fn views() -> [Vec3; 4] {
+    [
+        Vec3::new(0.1, 0.2, 1.0),
+        Vec3::new(-0.7, 0.3, 0.5),
+        Vec3::new(0.9, 0.4, 0.15),
+        Vec3::new(0.5, -0.4, -0.7),
+    ]
+    .map(Vec3::normalize)
+}
+
+fn each(mut test: impl FnMut(&str, &Bsdf, Vec3, bool)) {
+    for (name, table, whole) in materials() {
+        let (scene, surface) = floor(table);
+        for wo in views() {
+            let bsdf = scene.bsdf(&surface, wo, Transport::Radiance);
+            test(&format!("{name} from {wo:.2}"), &bsdf, wo, whole);
+        }
+    }
+}
+
+#[test]
+fn directions_are_drawn_as_the_density_says() {
+    let mut seed = 100;
+    each(|name, bsdf, wo, _| {
+        seed += 1;
+        // Delta samples have no density: they are counted as not drawn, and their share is left out of it.
+        let mut delta = 0u32;
+        let mut total = 0u32;
+        let draw = |r: &mut Pcg| {
+            let s = bsdf.sample(wo, r.next_f32(), r.next_2d());
+            total += 1;
+            delta += u32::from(s.is_some_and(|s| s.delta));
+            s.filter(|s| !s.delta).map(|s| s.wi)
+        };
+        check(name, seed, draw, |wi| bsdf.pdf_w(wo, wi));
+    });
+}
+
+#[test]
+fn samples_are_weighed_as_f_and_the_density_say() {
+    let mut rng = Pcg::new(5, 5);
+    each(|name, bsdf, wo, _| {
+        for _ in 0..2000 {
+            let Some(s) = bsdf.sample(wo, rng.next_f32(), rng.next_2d()) else { continue };
+            assert!(s.weight.is_finite() && s.pdf_w > 0.0, "{name}: {s:?}");
+            if s.delta {
+                assert!(bsdf.f_cos(wo, s.wi).max() * 0.0 == 0.0, "{name}: f is not finite");
+                continue;
+            }
+            let (f_cos, pdf_w) = bsdf.f_cos_pdf(wo, s.wi);
+            let close = |a: f32, b: f32| (a - b).abs() <= 2e-3 * (a.abs() + b.abs()) + 1e-6;
+            assert!(close(pdf_w, s.pdf_w), "{name}: density {pdf_w}, sampled with {}", s.pdf_w);
+            let expected = f_cos / pdf_w;
+            assert!(
+                close(expected.r, s.weight.r) && close(expected.b, s.weight.b),
+                "{name}: {expected:?}, {:?}",
+                s.weight
+            );
+        }
+    });
+}
+
+#[test]
+fn reflection_is_reciprocal() {
+    let mut rng = Pcg::new(6, 6);
+    for (name, table, _) in materials() {
+        // A bent normal is reciprocal only in the bent frame, and refraction up to the squared index.
+        if name == "normal map" {
+            continue;
+        }
+        let (scene, surface) = floor(table);
+        for _ in 0..500 {
+            // At grazing angles the half vector has few digits.
+            let [wo, wi] =
+                [0; 2].map(|_| (warp::hemisphere(rng.next_2d()) + 0.05 * Vec3::Z).normalize());
+            let f = |a: Vec3, b: Vec3| scene.bsdf(&surface, a, Transport::Radiance).f(a, b);
+            let (there, back) = (f(wo, wi), f(wi, wo));
+            let close = |a: f32, b: f32| (a - b).abs() <= 1e-3 * (a.abs() + b.abs()) + 1e-5;
+            assert!(
+                close(there.r, back.r) && close(there.g, back.g),
+                "{name}: {there:?} against {back:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn refraction_is_reciprocal_up_to_the_squared_index() {
+    for distribution in [Distribution::Ggx, Distribution::Beckmann] {
+        let (scene, surface) = floor(vec![glass(rough(distribution, 0.3, 0.3))]);
+        let mut rng = Pcg::new(7, 7);
+        for _ in 0..500 {
+            let (above, below) =
+                (warp::hemisphere(rng.next_2d()), -warp::hemisphere(rng.next_2d()));
+            let power = |a, b| scene.bsdf(&surface, a, Transport::Power).f(a, b).r;
+            let radiance = |a, b| scene.bsdf(&surface, a, Transport::Radiance).f(a, b).r;
+            // f(wo, wi) / eta_i^2 = f(wi, wo) / eta_o^2 [Veach97, 5.2], and power is radiance turned round.
+            let (down, up) = (radiance(above, below), radiance(below, above));
+            assert!((down * 1.5 * 1.5 - up).abs() <= 1e-3 * up + 1e-5, "{down} {up}");
+            assert!((power(above, below) - up).abs() <= 1e-3 * up + 1e-5);
+        }
+    }
+}
+
+#[test]
+fn no_material_makes_light_and_smooth_glass_loses_none() {
+    let mut rng = Pcg::new(8, 8);
+    each(|name, bsdf, wo, whole| {
+        let n = 20_000;
+        let mut sum = 0.0f64;
+        for _ in 0..n {
+            if let Some(s) = bsdf.sample(wo, rng.next_f32(), rng.next_2d()) {
+                // Radiance is squeezed by refraction; the power that leaves is not.
+                sum += f64::from(s.weight.max() * s.eta * s.eta);
+            }
+        }
+        let albedo = sum / n as f64;
+        assert!(albedo < 1.01, "{name}: albedo {albedo}");
+        if whole {
+            assert!((albedo - 1.0).abs() < 1e-3, "{name}: albedo {albedo}");
+        }
+    });
+}

@@ -1,0 +1,161 @@
+//! Paths from the lights.
+
+use gi_core::bsdf::Transport;
+use gi_core::camera::Connection;
+use gi_core::film::{Components, Film, Sample};
+use gi_core::light::Light;
+use gi_core::math::Rgb;
+use gi_core::ray::Ray;
+use gi_core::sampler::Sampler;
+use gi_core::walk::{LightVertex, LightWalk, Roulette, adjoint_correction};
+use glam::Vec3;
+use rayon::prelude::*;
+
+use crate::PathTracer;
+
+/// Paths that one task walks; their splats are joined in order.
+const CHUNK: u64 = 4096;
+
+/// Light that falls on a pixel.
+struct Splat {
+    pixel: u32,
+    rough: u32,
+    after_delta: bool,
+    power: Rgb,
+}
+
+impl PathTracer<'_> {
+    /// As many light paths as there are pixels; every vertex is connected to the eye.
+    pub(crate) fn light_pass(&mut self, index: u32, film: &mut Film) {
+        let [w, h] = film.size();
+        let paths = (w * h) as u64;
+        let chunks: Vec<Vec<Splat>> = (0..paths.div_ceil(CHUNK) as usize)
+            .into_par_iter()
+            .with_max_len(1)
+            .map(|chunk| {
+                let mut splats = Vec::new();
+                let chunk = chunk as u64;
+                for path in chunk * CHUNK..((chunk + 1) * CHUNK).min(paths) {
+                    self.light_path(index, path, &mut splats);
+                }
+                splats
+            })
+            .collect();
+        // Join in the order of the paths: the same sums for any number of threads.
+        let mut picture = vec![Components::default(); w * h];
+        for splat in chunks.iter().flatten() {
+            *picture[splat.pixel as usize].of_path(splat.rough, splat.after_delta) +=
+                splat.power * (1.0 / paths as f32);
+        }
+        film.add_pass(|[x, y]| {
+            let mut sample = self.look([x, y], index);
+            let light = &picture[y * w + x];
+            sample.radiance.direct += light.direct;
+            sample.radiance.indirect += light.indirect;
+            sample.radiance.caustic += light.caustic;
+            sample
+        });
+        self.light_paths += paths;
+    }
+
+    /// Walk one path and connect its vertices.
+    fn light_path(&self, pass: u32, path: u64, splats: &mut Vec<Splat>) {
+        let scene = self.setting.scene;
+        // Passes are streams; within one, paths are the points of a sequence.
+        let sampler = Sampler::new(self.setting.seed ^ 0x6c69_6768, pass, path as u32);
+        let Some(mut walk) = LightWalk::begin(scene, sampler) else { return };
+        let roulette = Roulette::ByAlbedo { from: self.params.rr_depth };
+        // Seen directly: connect the point on the light itself.
+        let emission = *walk.emission();
+        if let Light::Area { .. } = &scene.lights().all()[emission.light as usize]
+            && let Some((c, pixel)) = self.connect(emission.p, walk.sampler())
+        {
+            // The power of a cosine-distributed direction is pi times radiance per density of the point.
+            let radiance = emission.power * std::f32::consts::FRAC_1_PI;
+            let power = radiance * (c.wi.dot(emission.ng).max(0.0) * c.importance);
+            let power = if power.is_black() {
+                power
+            } else {
+                power * self.visibility(emission.p, emission.ng, &c)
+            };
+            splats.push(Splat { pixel, rough: 0, after_delta: false, power });
+        }
+        while let Some(vertex) = walk.next_vertex() {
+            // Segments from the light to here; the connection would be one more.
+            if !self.params.goes_on(vertex.depth + 1) {
+                return;
+            }
+            if !vertex.bsdf.is_delta() {
+                self.connect_vertex(&vertex, walk.sampler(), splats);
+            }
+            if !walk.scatter(&vertex, roulette) {
+                return;
+            }
+        }
+    }
+
+    fn connect_vertex(&self, vertex: &LightVertex, sampler: &mut Sampler, splats: &mut Vec<Splat>) {
+        let Some((c, pixel)) = self.connect(vertex.surface.p, sampler) else { return };
+        let f_cos = vertex.bsdf.f_cos(vertex.wo, c.wi);
+        let power = vertex.power
+            * f_cos
+            * (c.importance * adjoint_correction(&vertex.surface, vertex.wo, c.wi));
+        if !power.is_black() {
+            let power = power * self.visibility(vertex.surface.p, vertex.surface.ng, &c);
+            splats.push(Splat {
+                pixel,
+                rough: vertex.rough + 1,
+                after_delta: vertex.after_delta,
+                power,
+            });
+        }
+    }
+}
+
+impl PathTracer<'_> {
+    /// How a point meets the camera, and the pixel that its light falls on; the filter's weight is in the importance.
+    fn connect(&self, p: Vec3, sampler: &mut Sampler) -> Option<(Connection, u32)> {
+        let (u_lens, u_filter) = (sampler.next_2d(), sampler.next_2d());
+        let margin = self.setting.filter.filter().radius();
+        let mut c = self.setting.camera.connect(p, u_lens, margin)?;
+        let ([x, y], weight) = self.setting.filter.splat(c.film, u_filter);
+        c.importance *= weight;
+        let [w, h] = self.setting.camera.size();
+        let inside = (0..w as i32).contains(&x) && (0..h as i32).contains(&y);
+        (inside && weight != 0.0).then_some((c, (y as usize * w + x as usize) as u32))
+    }
+
+    /// The share of light that passes from a point to the camera.
+    fn visibility(&self, p: Vec3, ng: Vec3, c: &Connection) -> Rgb {
+        let scene = self.setting.scene;
+        let ray = match c.lens {
+            Some(lens) => scene.tree().shadow_ray(p, ng, lens),
+            None => Ray::new(scene.tree().offset_origin(p, ng, c.wi), c.wi),
+        };
+        scene.transmittance(ray)
+    }
+
+    /// What only the eye can find: light from infinity seen directly, and the layers of the first surface.
+    fn look(&self, [x, y]: [usize; 2], index: u32) -> Sample {
+        let (scene, camera) = (self.setting.scene, self.setting.camera);
+        let mut sampler = Sampler::new(self.setting.seed, (y * camera.size()[0] + x) as u32, index);
+        let ([dx, dy], weight) = self.setting.filter.sample(sampler.next_2d());
+        let mut ray = camera.ray([x as f32 + 0.5 + dx, y as f32 + 0.5 + dy], sampler.next_2d());
+        let mut sample = Sample { weight: 1.0, ..Sample::default() };
+        let mut left = Rgb::grey(weight);
+        while !left.is_black() {
+            let Some((surface, t)) = scene.intersect(&ray) else {
+                sample.radiance.direct = left * scene.background(ray.d);
+                break;
+            };
+            let bsdf = scene.bsdf(&surface, -ray.d, Transport::Radiance);
+            if sample.normal == Vec3::ZERO {
+                (sample.albedo, sample.normal, sample.depth) =
+                    (bsdf.albedo_hint(-ray.d), surface.ns(), t);
+            }
+            left *= bsdf.straight_through(-ray.d);
+            ray = scene.spawn(&surface, ray.d);
+        }
+        sample
+    }
+}
