@@ -20,7 +20,7 @@ use crate::textures::BitmapFile;
 pub(crate) struct Assets {
     bitmap_of: HashMap<ObjectId, usize>,
     bitmaps: Vec<(BitmapFile, Option<Arc<Bitmap>>)>,
-    meshes: HashMap<ObjectId, (MeshFile, Mesh)>,
+    meshes: HashMap<ObjectId, (MeshFile, bool, Mesh)>,
     /// Hash of all bytes read.
     pub(crate) hash: Hash,
 }
@@ -83,19 +83,20 @@ impl Assets {
 
     fn read_meshes(&mut self, wanted: Vec<Wanted<MeshFile>>, doc: &Document, report: &Report) {
         let (keys, index) = unique(&wanted);
-        let read: Vec<Result<(Mesh, u64), String>> = keys
+        let read: Vec<Result<(Mesh, bool, u64), String>> = keys
             .par_iter()
             .map(|key| {
                 let bytes = files::read_bytes(&key.path)?;
-                Ok((key.parse(&bytes)?, hash_of(&bytes)))
+                let (mesh, portable) = key.parse(&bytes)?;
+                Ok((mesh, portable, hash_of(&bytes)))
             })
             .collect();
         let mut raw = Vec::new();
         for (i, (key, result)) in keys.iter().zip(read).enumerate() {
             let first = index.iter().position(|&k| k == i).expect("each key was wanted");
             let read = note_failure(result, &key.path, wanted[first].span, report);
-            self.hash.word(read.as_ref().map_or(0, |r| r.1));
-            raw.push(read.map(|r| r.0));
+            self.hash.word(read.as_ref().map_or(0, |r| r.2));
+            raw.push(read.map(|(mesh, portable, _)| (mesh, portable)));
         }
         // Each shape gets its copy, moved to its place; the last that wants a file takes it.
         let mut last = vec![0; raw.len()];
@@ -105,16 +106,16 @@ impl Assets {
             .zip(index)
             .enumerate()
             .filter_map(|(w, (want, i))| {
-                let mesh = if last[i] == w { raw[i].take() } else { raw[i].clone() }?;
+                let (mesh, portable) = if last[i] == w { raw[i].take() } else { raw[i].clone() }?;
                 let place = Placement::of(Node { doc, report, id: want.object });
-                Some((want, mesh, place))
+                Some((want, portable, mesh, place))
             })
             .collect();
         let done: Vec<_> = jobs
             .into_par_iter()
-            .map(|(want, mut mesh, place)| {
+            .map(|(want, portable, mut mesh, place)| {
                 place.apply(&mut mesh);
-                (want.object, (want.key, mesh))
+                (want.object, (want.key, portable, mesh))
             })
             .collect();
         self.meshes = done.into_iter().collect();
@@ -130,8 +131,9 @@ impl Assets {
         Some(&self.bitmaps[*self.bitmap_of.get(&object)?].0)
     }
 
-    /// The mesh that a shape names, in world space; a second time there is none.
-    pub(crate) fn take_mesh(&mut self, object: ObjectId) -> Option<(MeshFile, Mesh)> {
+    /// The mesh that a shape names, in world space, and whether Mitsuba 3 reads the file too;
+    /// a second time there is none.
+    pub(crate) fn take_mesh(&mut self, object: ObjectId) -> Option<(MeshFile, bool, Mesh)> {
         self.meshes.remove(&object)
     }
 }

@@ -77,6 +77,8 @@ pub(crate) struct Builder<'a> {
     pub(crate) assets: Assets,
     pub(crate) parts: SceneParts,
     pub(crate) origins: Origins,
+    /// Of each material, whether light can pass through it.
+    pub(crate) transmits: Vec<bool>,
     pub(crate) material_of: HashMap<ObjectId, usize>,
     /// Bsdfs being made, outermost first.
     pub(crate) open_materials: Vec<ObjectId>,
@@ -96,6 +98,7 @@ impl<'a> Builder<'a> {
             assets,
             parts: SceneParts::default(),
             origins: Origins::default(),
+            transmits: Vec::new(),
             material_of: HashMap::new(),
             open_materials: Vec::new(),
             black: None,

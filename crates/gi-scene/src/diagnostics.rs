@@ -184,7 +184,9 @@ impl Report {
 
     /// The warnings, or the problems if there are any.
     pub(crate) fn finish(self) -> Result<Vec<String>, Diagnostics> {
-        let inner = self.inner.into_inner();
+        let mut inner = self.inner.into_inner();
+        // In the order of the text, whatever the order of the reading.
+        inner.problems.sort_by_key(|p| p.span.map_or((usize::MAX, 0), |s| (s.file, s.start)));
         if inner.problems.is_empty() { Ok(self.warnings.into_inner()) } else { Err(inner) }
     }
 }

@@ -82,11 +82,12 @@ fn point(node: Node<'_>) -> LightSource {
 /// A unit direction: the local +z axis, or `name` if given.
 fn direction(node: Node<'_>, name: &'static str) -> Option<Vec3> {
     let axis = node.vector(name).unwrap_or(Vec3::Z);
-    let unit = node.transform("to_world").transform_vector3(axis).try_normalize();
-    if unit.is_none() {
+    let (unit, length) = crate::transform::unit(node.transform("to_world").transform_vector3(axis));
+    if !(length > 0.0 && length.is_finite()) {
         node.error("the direction is zero", "");
+        return None;
     }
-    unit
+    Some(unit)
 }
 
 fn spot(node: Node<'_>) -> Option<LightSource> {

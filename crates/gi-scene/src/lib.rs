@@ -12,6 +12,7 @@ mod bytes;
 mod diagnostics;
 mod document;
 mod emitters;
+mod export;
 mod files;
 mod hash;
 mod load;
@@ -27,4 +28,5 @@ mod transform;
 mod value;
 
 pub use diagnostics::Diagnostics;
+pub use export::{ExportError, export_mitsuba};
 pub use load::{CameraOverride, Loaded, Options, load};

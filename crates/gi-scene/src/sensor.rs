@@ -2,7 +2,7 @@
 
 use gi_core::camera::{CameraSpec, Projection};
 use gi_core::filter::Filter;
-use glam::{Affine3A, Mat3, Vec2, Vec3};
+use glam::{Affine3A, Mat3, Vec2};
 
 use crate::diagnostics::Report;
 use crate::document::{Class, Document, Node};
@@ -72,8 +72,8 @@ fn projection(sensor: Node<'_>, size: [usize; 2]) -> Option<(Projection, Affine3
     let fov_x = fov_x(sensor, size[0] as f32 / size[1] as f32)?;
     let focus_distance = if lens > 0.0 { sensor.float("focus_distance", 1.0) } else { 1.0 };
     // A perspective camera has no size: only where it stands, how it is turned and whether it is mirrored count.
-    let columns =
-        [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis].map(|c| Vec3::from(c).normalize());
+    let columns = [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis]
+        .map(|c| crate::transform::unit(c.into()).0);
     let rotation = Mat3::from_cols(columns[0], columns[1], columns[2]);
     let to_world = Affine3A::from_mat3_translation(rotation, m.translation.into());
     Some((Projection::Perspective { fov_x, aperture_radius: lens, focus_distance }, to_world))
@@ -95,6 +95,9 @@ fn fov_x(sensor: Node<'_>, aspect: f32) -> Option<f32> {
         }
         None => (FILM_DIAGONAL / (2.0 * focal_length(sensor)?), "diagonal"),
     };
+    if axis == "x" && sensor.has("fov") {
+        return Some(sensor.float("fov", 0.0).to_radians()); // spared the rounding of tan and atan
+    }
     // From the half extent along the named axis to that along x.
     let to_x = match axis {
         "x" => 1.0,

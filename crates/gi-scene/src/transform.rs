@@ -67,6 +67,14 @@ fn matrix(m: &[f32]) -> Result<Affine3A, String> {
     ))
 }
 
+/// A vector's direction and length; lengths that are one but for rounding are one, so that what was
+/// normalised once stays as it is.
+pub(crate) fn unit(v: Vec3) -> (Vec3, f32) {
+    const ROUNDING: f32 = 1e-6;
+    let length = v.length();
+    if (length - 1.0).abs() < ROUNDING { (v, 1.0) } else { (v / length, length) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -10,14 +10,13 @@ use crate::value;
 
 impl Builder<'_> {
     /// Ward's lobe falls as exp(-tan^2 / alpha^2) about the half vector, Phong's as cos^n about the mirror
-    /// direction, which turns twice as fast: n = 2 / alpha^2 / 4 - 2 would be exact near the peak
-    /// for alpha = sqrt(2 / (n + 2)) about the half vector; the latter, usual, match is used.
+    /// direction, which turns twice as fast: near the peak they agree for n = 1 / (2 alpha^2).
     pub(super) fn ward(&mut self, node: Node<'_>) -> Material {
         node.ignore(&["variant"]);
         node.warn("`ward` is approximated by `phong`");
         let alpha = node.float("alpha", 0.1);
         let (u, v) = (node.float("alpha_u", alpha), node.float("alpha_v", alpha));
-        let exponent = (2.0 / (u * v).max(1e-6) - 2.0).max(0.0);
+        let exponent = 0.5 / (u * v).max(1e-6);
         Material::Phong {
             diffuse: self.reflectance(node, "diffuse_reflectance", 0.5),
             specular: self.reflectance(node, "specular_reflectance", 0.2),
@@ -129,6 +128,7 @@ impl Builder<'_> {
         if is_last && matches!(top, Material::Blend { .. }) {
             self.parts.materials.pop();
             self.origins.materials.pop();
+            self.transmits.pop();
             return Some(top);
         }
         Some(Material::Blend { weight: Texture::grey(0.0), first: material, second: material })

@@ -68,6 +68,16 @@ impl Builder<'_> {
 
     /// Add a material to the table.
     pub(crate) fn push_material(&mut self, material: Material, id: Option<String>) -> usize {
+        let of = |index: &usize| self.transmits[*index];
+        let transmits = match &material {
+            Material::Dielectric { .. } | Material::ThinDielectric { .. } | Material::Null => true,
+            Material::Mask { .. } => true,
+            Material::TwoSided { front, back } => of(front) || of(back),
+            Material::Blend { first, second, .. } => of(first) || of(second),
+            Material::Bump { inner, .. } | Material::NormalMap { inner, .. } => of(inner),
+            _ => false,
+        };
+        self.transmits.push(transmits);
         self.parts.materials.push(material);
         self.origins.materials.push(id);
         self.parts.materials.len() - 1
@@ -215,19 +225,30 @@ impl Builder<'_> {
         Some(Roughness { distribution, alpha_u, alpha_v })
     }
 
+    /// A material that transmits light has two sides already; a mask round one that does not changes places
+    /// with `twosided`, which Mitsuba 3 wants innermost.
     fn twosided(&mut self, node: Node<'_>) -> Option<Material> {
-        match node.children(Class::Bsdf).as_slice() {
-            [both] => {
-                let front = self.material(*both);
-                Some(Material::TwoSided { front, back: front })
-            }
-            [front, back] => Some(Material::TwoSided {
-                front: self.material(*front),
-                back: self.material(*back),
-            }),
+        let children = node.children(Class::Bsdf);
+        let sides: Vec<usize> = children.iter().map(|n| self.material(*n)).collect();
+        let (front, back) = match sides.as_slice() {
+            [both] => (*both, *both),
+            [front, back] => (*front, *back),
             other => {
                 node.error(format!("`twosided` has {} bsdfs", other.len()), "expected one or two");
-                None
+                return None;
+            }
+        };
+        if !self.transmits[front] && !self.transmits[back] {
+            return Some(Material::TwoSided { front, back });
+        }
+        match self.parts.materials[front].clone() {
+            Material::Mask { opacity, inner } if front == back && !self.transmits[inner] => {
+                let solid = Material::TwoSided { front: inner, back: inner };
+                Some(Material::Mask { opacity, inner: self.push_material(solid, None) })
+            }
+            inside => {
+                node.warn("`twosided` round a bsdf that transmits light is ignored");
+                Some(inside)
             }
         }
     }

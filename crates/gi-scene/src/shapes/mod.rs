@@ -66,15 +66,16 @@ impl MeshFile {
         MeshFile { path, kind }
     }
 
-    /// Read the mesh. Its vertices are finite and its indices in range.
-    pub(crate) fn parse(&self, bytes: &[u8]) -> Result<Mesh, String> {
-        let mesh = match self.kind {
-            MeshKind::Obj { flip } => obj::parse(bytes, flip),
-            MeshKind::Ply { flip } => ply::parse(bytes, flip),
-            MeshKind::Serialized { index } => serialized::parse(bytes, index),
-        }?;
+    /// Read the mesh, and say whether Mitsuba 3 reads the same from this file.
+    /// Its vertices are finite and its indices in range.
+    pub(crate) fn parse(&self, bytes: &[u8]) -> Result<(Mesh, bool), String> {
+        let (mesh, portable) = match self.kind {
+            MeshKind::Obj { flip } => obj::parse(bytes, flip)?,
+            MeshKind::Ply { flip } => (ply::parse(bytes, flip)?, true),
+            MeshKind::Serialized { index } => (serialized::parse(bytes, index)?, false),
+        };
         check(&mesh)?;
-        Ok(mesh)
+        Ok((mesh, portable))
     }
 }
 
@@ -191,11 +192,12 @@ impl Builder<'_> {
             }
             "cylinder" => (solids::cylinder(node, &to_world)?, ShapeOrigin::Itself, false),
             _ => {
-                let (file, mesh) = self.assets.take_mesh(node.id)?;
-                let plain = !matches!(file.kind, MeshKind::Serialized { .. })
-                    && !node.has("max_smooth_angle");
-                let origin =
-                    if plain { ShapeOrigin::File(file, to_world) } else { ShapeOrigin::Itself };
+                let (file, portable, mesh) = self.assets.take_mesh(node.id)?;
+                let origin = if portable && !node.has("max_smooth_angle") {
+                    ShapeOrigin::File(file, to_world)
+                } else {
+                    ShapeOrigin::Itself
+                };
                 (Geometry::Mesh(mesh), origin, false)
             }
         })

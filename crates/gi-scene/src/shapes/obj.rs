@@ -16,12 +16,15 @@ pub(crate) struct Contents {
     /// One mesh a material (the first `usemtl` that names it opens it; `""` before any), without normals
     /// where not every corner has one.
     pub(crate) meshes: Vec<(String, Mesh)>,
+    /// Whether Mitsuba 3 reads the file as we do: it refuses indices that count from the end.
+    pub(crate) portable: bool,
 }
 
-/// Read all faces as one mesh.
-pub(crate) fn parse(bytes: &[u8], flip: bool) -> Result<Mesh, String> {
+/// Read all faces as one mesh, and say whether Mitsuba 3 reads the same.
+pub(crate) fn parse(bytes: &[u8], flip: bool) -> Result<(Mesh, bool), String> {
     let mut contents = parse_by_material(bytes, flip, false)?;
-    contents.meshes.pop().map(|m| m.1).ok_or_else(|| "it holds no faces".into())
+    let (_, mesh) = contents.meshes.pop().ok_or("it holds no faces")?;
+    Ok((mesh, contents.portable))
 }
 
 /// Read the faces of each material as a mesh of its own, or all as one.
@@ -55,6 +58,7 @@ pub(crate) fn parse_by_material(
             _ => {}
         }
     }
+    contents.portable = !reader.from_end;
     let all = std::mem::take(&mut reader.parts);
     contents.meshes = all
         .into_iter()
@@ -83,6 +87,8 @@ struct Reader {
     parts: Vec<Part>,
     current: usize,
     flip: bool,
+    /// Whether any index counts from the end.
+    from_end: bool,
 }
 
 impl Reader {
@@ -122,7 +128,7 @@ impl Reader {
         Ok(())
     }
 
-    fn corner(&self, word: &str) -> Result<Corner, String> {
+    fn corner(&mut self, word: &str) -> Result<Corner, String> {
         let mut out = [ABSENT; 3];
         let counts = [self.positions.len(), self.uvs.len(), self.normals.len()];
         for (k, text) in word.split('/').enumerate() {
@@ -134,6 +140,7 @@ impl Reader {
             }
             let index: i64 =
                 text.parse().map_err(|_| format!("`{word}` is no corner of a face"))?;
+            self.from_end |= index < 0;
             let count = counts[k] as i64;
             // One is the first, -1 the last so far.
             let at = if index < 0 { count + index } else { index - 1 };
@@ -180,4 +187,48 @@ fn texture_coordinate(text: &str) -> Result<Vec2, String> {
     };
     let (u, v) = (next(0.0)?, next(0.0)?);
     Ok(Vec2::new(if u.is_finite() { u } else { 0.0 }, if v.is_finite() { v } else { 0.0 }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "# a square, then a triangle that counts from the end\nmtllib a b.mtl\no x\n\
+        v 0 0 0\r\nv 1 0 0 1 1 1\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0 0\nvn 0 0 2\n\
+        g one\nusemtl red\nf 1/1/1 2/2/1 3/2/1 4/1/1\ng two\nusemtl blue\nf -4//-1 -3//1 -1//1\nl 1 2\n";
+
+    #[test]
+    fn polygons_groups_and_negative_indices_are_understood() {
+        let (mesh, portable) = parse(TEXT.as_bytes(), true).unwrap();
+        assert!(!portable, "Mitsuba 3 refuses indices from the end");
+        assert_eq!(mesh.triangles.len(), 3);
+        assert_eq!(mesh.positions.len(), 7, "corners with other indices are other vertices");
+        assert_eq!(mesh.triangles[1], [0, 2, 3]);
+        assert_eq!(mesh.uvs[1], Vec2::new(1.0, 1.0), "v is turned round");
+        assert!(mesh.normals.iter().all(|n| *n == Vec3::Z));
+        let parts = parse_by_material(TEXT.as_bytes(), false, true).unwrap();
+        let names: Vec<_> =
+            parts.meshes.iter().map(|(n, m)| (n.as_str(), m.triangles.len())).collect();
+        assert_eq!(names, [("red", 2), ("blue", 1)]);
+        assert_eq!(parts.libraries, ["a b.mtl"]);
+    }
+
+    #[test]
+    fn mistakes_are_named_with_their_line() {
+        let fails = |text: &str| parse(text.as_bytes(), true).unwrap_err();
+        assert_eq!(fails("v 0 0 0\nf 1 2 3\n"), "line 2: vertex 2 of 1");
+        assert_eq!(fails("v 0 0 0\nf 1 1\n"), "line 2: a face of 2 corners");
+        assert_eq!(fails("v 0 0\n"), "line 1: `0 0` where 3 numbers belong");
+        assert_eq!(fails("v 0 0 inf\n"), "line 1: vertex 0 is not finite: 0 0 inf");
+        assert_eq!(fails("v 0 0 0\nf 0 0 0\n"), "line 2: vertex 0 of 1");
+        assert_eq!(fails("v 0 0 0\nf -9223372036854775808 1 1\n").split(':').count(), 2);
+        assert_eq!(fails(""), "it holds no faces");
+    }
+
+    #[test]
+    fn a_file_cut_at_any_byte_never_panics() {
+        for end in 0..TEXT.len() {
+            let _ = parse(&TEXT.as_bytes()[..end], true);
+        }
+    }
 }

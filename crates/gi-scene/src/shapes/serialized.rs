@@ -156,3 +156,109 @@ impl Stream<'_> {
         self.records(n, 4, |b| u32::from_le_bytes(b.try_into().expect("four bytes")))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use flate2::Compression;
+    use flate2::write::ZlibEncoder;
+
+    use super::*;
+
+    /// A file of meshes: (flags, name, vertices, triangles).
+    fn file(version: u16, meshes: &[(u32, &str, u64, u64)]) -> Vec<u8> {
+        let (mut out, mut offsets) = (Vec::new(), Vec::new());
+        for (k, &(flags, name, vertices, triangles)) in meshes.iter().enumerate() {
+            offsets.push(out.len() as u64);
+            out.extend(MAGIC.to_le_bytes());
+            out.extend(version.to_le_bytes());
+            let mut zip = ZlibEncoder::new(&mut out, Compression::fast());
+            let mut put = |bytes: &[u8]| zip.write_all(bytes).unwrap();
+            put(&flags.to_le_bytes());
+            if version == 4 {
+                put(name.as_bytes());
+                put(&[0]);
+            }
+            put(&vertices.to_le_bytes());
+            put(&triangles.to_le_bytes());
+            let mut numbers = 3;
+            for (flag, n) in [(HAS_NORMALS, 3), (HAS_UVS, 2), (HAS_COLORS, 3)] {
+                numbers += if flags & flag != 0 { n } else { 0 };
+            }
+            for i in 0..numbers * vertices.min(100) {
+                let x = (i + k as u64) as f64 + 0.5;
+                match flags & DOUBLE {
+                    0 => put(&(x as f32).to_le_bytes()),
+                    _ => put(&x.to_le_bytes()),
+                }
+            }
+            for i in 0..3 * triangles.min(100) {
+                put(&((i % vertices.max(1)) as u32).to_le_bytes());
+            }
+            zip.finish().unwrap();
+        }
+        for o in &offsets {
+            match version {
+                4 => out.extend(o.to_le_bytes()),
+                _ => out.extend((*o as u32).to_le_bytes()),
+            }
+        }
+        out.extend((offsets.len() as u32).to_le_bytes());
+        out
+    }
+
+    #[test]
+    fn each_mesh_of_each_version_and_precision_is_found() {
+        for version in [3, 4] {
+            for precision in [SINGLE, DOUBLE] {
+                let all = precision | HAS_NORMALS | HAS_UVS | HAS_COLORS;
+                let bytes = file(version, &[(precision, "a", 3, 1), (all, "b\u{e9}", 5, 2)]);
+                let (a, b) = (parse(&bytes, 0).unwrap(), parse(&bytes, 1).unwrap());
+                assert_eq!((a.positions.len(), a.normals.len(), a.uvs.len()), (3, 0, 0));
+                assert_eq!(a.positions[1], Vec3::new(3.5, 4.5, 5.5));
+                assert_eq!((b.positions.len(), b.normals.len(), b.uvs.len()), (5, 5, 5));
+                assert_eq!(b.uvs[0], Vec2::new(31.5, 32.5));
+                assert_eq!(b.triangles, [[0, 1, 2], [3, 4, 0]]);
+                assert!(parse(&bytes, 2).unwrap_err().contains("holds 2 meshes"));
+            }
+        }
+    }
+
+    #[test]
+    fn a_file_cut_or_damaged_at_any_byte_never_panics() {
+        let whole = file(4, &[(SINGLE | HAS_UVS, "a", 4, 2), (SINGLE, "b", 3, 1)]);
+        for end in 0..whole.len() {
+            assert!(parse(&whole[..end], 1).is_err());
+        }
+        for at in 0..whole.len() {
+            for value in [0, 1, 0x7f, 0xff] {
+                let mut bytes = whole.clone();
+                bytes[at] = value;
+                let _ = parse(&bytes, 1);
+            }
+        }
+    }
+
+    #[test]
+    fn counts_that_lie_end_where_the_data_ends() {
+        let bytes = file(4, &[(SINGLE, "a", u64::MAX, 1)]);
+        assert!(parse(&bytes, 0).unwrap_err().contains("claims"));
+        let bytes = file(4, &[(SINGLE, "a", 100_000_000, 1)]);
+        assert_eq!(parse(&bytes, 0).unwrap_err(), TRUNCATED);
+    }
+
+    #[test]
+    fn a_bomb_is_not_inflated() {
+        // A name of a gigabyte of blanks would go on for ever without a limit.
+        let mut zip = ZlibEncoder::new(Vec::new(), Compression::best());
+        zip.write_all(&SINGLE.to_le_bytes()).unwrap();
+        zip.write_all(&(u64::from(u32::MAX) / 64).to_le_bytes()).unwrap();
+        zip.write_all(&[0; 1 << 20]).unwrap();
+        let mut bytes = [MAGIC.to_le_bytes(), 3u16.to_le_bytes()].concat();
+        bytes.extend(zip.finish().unwrap());
+        bytes.extend(0u32.to_le_bytes());
+        bytes.extend(1u32.to_le_bytes());
+        assert_eq!(parse(&bytes, 0).unwrap_err(), TRUNCATED);
+    }
+}

@@ -67,13 +67,13 @@ pub(crate) fn sphere(node: Node<'_>, to_world: &Affine3A) -> Option<(Geometry, b
     }
     let m =
         *to_world * Affine3A::from_translation(center) * Affine3A::from_scale(Vec3::splat(radius));
-    let axes = [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis].map(Vec3::from);
-    let size = axes.map(Vec3::length);
+    let axes = [to_world.matrix3.x_axis, to_world.matrix3.y_axis, to_world.matrix3.z_axis];
+    let [(x, a), (y, b), (z, c)] = axes.map(|axis| crate::transform::unit(axis.into()));
+    let size = [a, b, c];
     if !size.iter().all(|s| s.is_finite() && *s > 0.0) {
         node.error("the sphere has no volume", "");
         return None;
     }
-    let [x, y, z] = [axes[0] / size[0], axes[1] / size[1], axes[2] / size[2]];
     let even = size.iter().all(|s| (s / size[0] - 1.0).abs() < UNIFORM);
     if !even || [x.dot(y), y.dot(z), z.dot(x)].iter().any(|d| d.abs() > UNIFORM) {
         node.warn("a sphere that is squeezed becomes a mesh");
@@ -82,7 +82,8 @@ pub(crate) fn sphere(node: Node<'_>, to_world: &Affine3A) -> Option<(Geometry, b
     let mirrored = mirrors(&m);
     // A right-handed frame; u of a mirrored sphere runs the other way round in Mitsuba, here it does not.
     let axes = Frame { s: x, t: z.cross(x), n: z };
-    Some((Geometry::Sphere { center: m.translation.into(), radius: size[0], axes }, mirrored))
+    let (center, radius) = (m.translation.into(), radius * size[0]);
+    Some((Geometry::Sphere { center, radius, axes }, mirrored))
 }
 
 /// The image of the unit sphere as triangles.

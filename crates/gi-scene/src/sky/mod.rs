@@ -73,10 +73,11 @@ impl SunSky {
             albedo.unwrap_or(Rgb::grey(if old { 0.15 } else { 0.3 })).map(|v| v.clamp(0.0, 1.0));
         let local = sun::direction(&moment(node)).as_vec3();
         let sun_direction = match node.vector("sun_direction") {
-            Some(world) => world.try_normalize().or_else(|| {
+            Some(Vec3::ZERO) => {
                 node.error("the direction to the sun is zero", "");
-                None
-            })?,
+                return None;
+            }
+            Some(world) => crate::transform::unit(world).0,
             None => to_world.transform_vector3(local).normalize(),
         };
         let scale = node.float("scale", 1.0);

@@ -1,0 +1,81 @@
+use gi_core::light::LightSource;
+use gi_core::math::{Frame, Rgb};
+use glam::{Affine3A, Mat3};
+
+use super::{Exporter, degrees, numbers};
+use crate::build::LightOrigin;
+use crate::sky::SunSky;
+
+impl Exporter<'_> {
+    /// All lights that are no surfaces.
+    pub(super) fn lights(&mut self) -> Result<(), String> {
+        let loaded = self.loaded;
+        for (light, origin) in loaded.parts.lights.iter().zip(&loaded.origins.lights) {
+            match origin {
+                LightOrigin::SunSky(sky) => self.sun_and_sky(sky),
+                LightOrigin::SameAsBefore => {}
+                LightOrigin::Picture(path) => {
+                    let file = self.file_name(path);
+                    self.light(light, Some(&file))?;
+                }
+                LightOrigin::Itself => self.light(light, None)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn light(&mut self, light: &LightSource, file: Option<&str>) -> Result<(), String> {
+        let xml = &mut self.xml;
+        match light {
+            LightSource::Point { position, intensity } => {
+                xml.open("emitter", &[("type", "point")]);
+                xml.value("point", "position", &numbers(&position.to_array()));
+                xml.color("intensity", *intensity);
+            }
+            LightSource::Spot { position, direction, intensity, cutoff, beam } => {
+                xml.open("emitter", &[("type", "spot")]);
+                let f = Frame::from_normal(*direction);
+                let rotation = Mat3::from_cols(f.s, f.t, f.n);
+                xml.transform("to_world", &Affine3A::from_mat3_translation(rotation, *position));
+                xml.color("intensity", *intensity);
+                xml.value("float", "cutoff_angle", &degrees(*cutoff));
+                xml.value("float", "beam_width", &degrees(*beam));
+            }
+            LightSource::Directional { direction, irradiance } => {
+                xml.open("emitter", &[("type", "directional")]);
+                xml.value("vector", "direction", &numbers(&direction.to_array()));
+                xml.color("irradiance", *irradiance);
+            }
+            LightSource::Constant { radiance } => {
+                xml.open("emitter", &[("type", "constant")]);
+                xml.color("radiance", *radiance);
+            }
+            LightSource::Environment { scale, to_world, .. } => {
+                let file = file.ok_or("an environment of no file")?;
+                xml.open("emitter", &[("type", "envmap")]);
+                xml.value("string", "filename", file);
+                xml.value("float", "scale", &scale.to_string());
+                xml.transform("to_world", to_world);
+            }
+            LightSource::DistantDisc { .. } => return Err("a sun of no `sunsky`".into()),
+        }
+        self.xml.close();
+        Ok(())
+    }
+
+    fn sun_and_sky(&mut self, sky: &SunSky) {
+        if sky.extend {
+            self.warn("`extend` is not exported: Mitsuba 3's sky ends at the horizon");
+        }
+        let xml = &mut self.xml;
+        xml.open("emitter", &[("type", "sunsky")]);
+        xml.value("float", "turbidity", &sky.turbidity.to_string());
+        xml.color("albedo", Rgb::clone(&sky.albedo));
+        xml.value("vector", "sun_direction", &numbers(&sky.sun_direction.to_array()));
+        xml.value("float", "sun_scale", &sky.sun_scale.to_string());
+        xml.value("float", "sky_scale", &sky.sky_scale.to_string());
+        xml.value("float", "sun_aperture", &degrees(2.0 * sky.angular_radius));
+        xml.transform("to_world", &sky.to_world);
+        xml.close();
+    }
+}

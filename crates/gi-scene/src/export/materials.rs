@@ -1,0 +1,291 @@
+use std::collections::HashSet;
+
+use gi_core::image_io::{ImageFile, Layers, write_file};
+use gi_core::material::{Distribution, Material, Roughness};
+use gi_core::math::Rgb;
+use gi_core::texture::{Bitmap, Lookup, Texture, Wrap};
+use glam::{Affine2, Affine3A, Mat3, Vec2, Vec3};
+
+use super::{Exporter, channels, free_name};
+use crate::load::Loaded;
+
+/// The materials that are written at the top level: those with a name in the file and those that several use.
+pub(super) fn names(loaded: &Loaded, taken: &mut HashSet<String>) -> Vec<Option<String>> {
+    let materials = &loaded.parts.materials;
+    let mut uses = vec![0usize; materials.len()];
+    for material in materials {
+        let mut of_parent = children(material);
+        of_parent.dedup(); // both sides of `twosided` are written once
+        of_parent.into_iter().for_each(|c| uses[c] += 1);
+    }
+    let shapes = loaded.parts.shapes.iter().chain(loaded.parts.groups.iter().flatten());
+    shapes.for_each(|s| uses[s.material] += 1);
+    let name = |(i, id): (usize, &Option<String>)| match id {
+        Some(id) => Some(free_name(id, i, taken)),
+        None if uses[i] > 1 => Some(free_name("material", i, taken)),
+        None => None,
+    };
+    loaded.origins.materials.iter().enumerate().map(name).collect()
+}
+
+fn children(material: &Material) -> Vec<usize> {
+    match material {
+        Material::Mask { inner, .. }
+        | Material::Bump { inner, .. }
+        | Material::NormalMap { inner, .. } => vec![*inner],
+        Material::TwoSided { front, back } => vec![*front, *back],
+        Material::Blend { first, second, .. } => vec![*first, *second],
+        _ => vec![],
+    }
+}
+
+impl Exporter<'_> {
+    /// A material where it is used: a reference to it if it has a name.
+    pub(super) fn material(&mut self, index: usize) -> Result<(), String> {
+        match &self.names[index] {
+            Some(name) => {
+                self.xml.empty("ref", &[("id", name)]);
+                Ok(())
+            }
+            None => self.material_itself(index),
+        }
+    }
+
+    /// A material in full.
+    pub(super) fn material_itself(&mut self, index: usize) -> Result<(), String> {
+        let loaded = self.loaded;
+        let name = self.names[index].clone();
+        let open = |this: &mut Self, kind: &str| match &name {
+            Some(id) => this.xml.open("bsdf", &[("type", kind), ("id", id)]),
+            None => this.xml.open("bsdf", &[("type", kind)]),
+        };
+        let rough = |plain: &'static str, rough: &'static str, r: &Option<Roughness>| {
+            if r.is_some() { rough } else { plain }
+        };
+        match &loaded.parts.materials[index] {
+            Material::Diffuse { reflectance } => {
+                open(self, "diffuse");
+                self.texture("reflectance", reflectance)?;
+            }
+            Material::RoughDiffuse { reflectance, .. } => {
+                self.warn("`roughdiffuse` is exported as `diffuse`: Mitsuba 3 has no such bsdf");
+                open(self, "diffuse");
+                self.texture("reflectance", reflectance)?;
+            }
+            Material::Conductor { eta, k, reflectance, roughness } => {
+                open(self, rough("conductor", "roughconductor", roughness));
+                self.xml.color("eta", *eta);
+                self.xml.color("k", *k);
+                self.factor("specular_reflectance", reflectance)?;
+                self.roughness(roughness.as_ref())?;
+            }
+            Material::Dielectric { eta, reflectance, transmittance, roughness } => {
+                open(self, rough("dielectric", "roughdielectric", roughness));
+                self.ior(*eta);
+                self.factor("specular_reflectance", reflectance)?;
+                self.factor("specular_transmittance", transmittance)?;
+                self.roughness(roughness.as_ref())?;
+            }
+            Material::ThinDielectric { eta, reflectance, transmittance } => {
+                open(self, "thindielectric");
+                self.ior(*eta);
+                self.factor("specular_reflectance", reflectance)?;
+                self.factor("specular_transmittance", transmittance)?;
+            }
+            Material::Plastic { eta, diffuse, specular, nonlinear, roughness } => {
+                open(self, rough("plastic", "roughplastic", roughness));
+                self.ior(*eta);
+                self.texture("diffuse_reflectance", diffuse)?;
+                self.factor("specular_reflectance", specular)?;
+                self.xml.value("boolean", "nonlinear", &nonlinear.to_string());
+                if let Some(Roughness { distribution, alpha_u, .. }) = roughness {
+                    self.xml.value("string", "distribution", distribution_name(*distribution));
+                    self.xml.value("float", "alpha", &alpha_u.scalar(Vec2::ZERO).to_string());
+                }
+            }
+            Material::Phong { diffuse, specular, exponent } => {
+                self.phong(&open, diffuse, specular, exponent)?;
+            }
+            Material::Null => open(self, "null"),
+            Material::Mask { opacity, inner } => {
+                open(self, "mask");
+                self.scalar("opacity", opacity)?;
+                self.material(*inner)?;
+            }
+            Material::TwoSided { front, back } => {
+                open(self, "twosided");
+                self.material(*front)?;
+                if back != front {
+                    self.material(*back)?;
+                }
+            }
+            Material::Blend { weight, first, second } => {
+                open(self, "blendbsdf");
+                self.scalar("weight", weight)?;
+                self.material(*first)?;
+                self.material(*second)?;
+            }
+            Material::Bump { height, inner } => {
+                open(self, "bumpmap");
+                self.map("bump", height)?;
+                self.material(*inner)?;
+            }
+            Material::NormalMap { normals, inner } => {
+                open(self, "normalmap");
+                self.map("normalmap", normals)?;
+                self.material(*inner)?;
+            }
+        }
+        self.xml.close();
+        Ok(())
+    }
+
+    /// Mitsuba 3 has no Phong: a mixture of Lambert and a rough mirror of the same albedos. The lobe cos^n about
+    /// the mirror direction is a Beckmann lobe of alpha = sqrt(1 / 2n) about the half vector near its peak.
+    fn phong(
+        &mut self,
+        open: &dyn Fn(&mut Self, &str),
+        diffuse: &Texture,
+        specular: &Texture,
+        exponent: &Texture,
+    ) -> Result<(), String> {
+        self.warn("`phong` is exported as a blend of `diffuse` and `roughconductor`");
+        let (d, s) = (diffuse.mean().max(), specular.mean().max());
+        let weight = if d + s > 0.0 { s / (d + s) } else { 0.0 };
+        let alpha = (2.0 / (4.0 * exponent.mean().mean() + 2.0)).sqrt();
+        let rescale = |t: &Texture, by: f32| {
+            let factor = if by > 0.0 { 1.0 / by } else { 0.0 };
+            t.clone().scaled(Rgb::grey(factor))
+        };
+        open(self, "blendbsdf");
+        self.xml.value("float", "weight", &weight.to_string());
+        self.xml.open("bsdf", &[("type", "diffuse")]);
+        self.texture("reflectance", &clamped(rescale(diffuse, 1.0 - weight)))?;
+        self.xml.close();
+        self.xml.open("bsdf", &[("type", "roughconductor")]);
+        self.xml.value("string", "material", "none");
+        self.texture("specular_reflectance", &clamped(rescale(specular, weight)))?;
+        self.xml.value("string", "distribution", "beckmann");
+        self.xml.value("float", "alpha", &alpha.to_string());
+        self.xml.close();
+        Ok(())
+    }
+
+    fn ior(&mut self, eta: f32) {
+        self.xml.value("float", "int_ior", &eta.to_string());
+        self.xml.value("float", "ext_ior", "1");
+    }
+
+    fn roughness(&mut self, roughness: Option<&Roughness>) -> Result<(), String> {
+        let Some(Roughness { distribution, alpha_u, alpha_v }) = roughness else { return Ok(()) };
+        self.xml.value("string", "distribution", distribution_name(*distribution));
+        self.scalar("alpha_u", alpha_u)?;
+        self.scalar("alpha_v", alpha_v)
+    }
+
+    /// A factor that is one unless said.
+    fn factor(&mut self, name: &str, texture: &Texture) -> Result<(), String> {
+        match texture {
+            Texture::Constant(c) if *c == Rgb::WHITE => Ok(()),
+            _ => self.texture(name, texture),
+        }
+    }
+
+    /// A parameter that is a number where it is constant.
+    fn scalar(&mut self, name: &str, texture: &Texture) -> Result<(), String> {
+        match texture {
+            Texture::Constant(c) => {
+                let v = if c.r == c.g && c.g == c.b { c.r } else { c.luminance() };
+                self.xml.value("float", name, &v.to_string());
+                Ok(())
+            }
+            _ => self.texture(name, texture),
+        }
+    }
+
+    /// A parameter that must be a texture.
+    fn map(&mut self, name: &str, texture: &Texture) -> Result<(), String> {
+        let Texture::Constant(c) = texture else { return self.texture(name, texture) };
+        // A checkerboard of one colour is Mitsuba's way to say a constant texture.
+        self.xml.open("texture", &[("type", "checkerboard"), ("name", name)]);
+        self.xml.value("rgb", "color0", &channels(*c));
+        self.xml.value("rgb", "color1", &channels(*c));
+        self.xml.close();
+        Ok(())
+    }
+
+    /// A colour or a texture.
+    pub(super) fn texture(&mut self, name: &str, texture: &Texture) -> Result<(), String> {
+        match texture {
+            Texture::Constant(c) => self.xml.color(name, *c),
+            Texture::Checkerboard { color0, color1, to_uv } => {
+                self.xml.open("texture", &[("type", "checkerboard"), ("name", name)]);
+                self.texture("color0", color0)?;
+                self.texture("color1", color1)?;
+                self.xml.transform("to_uv", &spatial(to_uv));
+                self.xml.close();
+            }
+            Texture::Bitmap { bitmap, to_uv, scale } => {
+                let origin = self.loaded.origins.bitmap_file(bitmap);
+                let (file, raw) = match origin.filter(|_| *scale == Rgb::WHITE) {
+                    Some(file) => (self.file_name(&file.path), file.raw),
+                    None => (self.bake(bitmap, *scale)?, true),
+                };
+                self.xml.open("texture", &[("type", "bitmap"), ("name", name)]);
+                self.xml.value("string", "filename", &file);
+                if raw {
+                    self.xml.value("boolean", "raw", "true");
+                }
+                if origin.is_some_and(|o| o.lookup == Lookup::Nearest) {
+                    self.xml.value("string", "filter_type", "nearest");
+                }
+                match origin.map(|o| o.wrap) {
+                    Some(Wrap::Mirror) => self.xml.value("string", "wrap_mode", "mirror"),
+                    Some(Wrap::Clamp) => self.xml.value("string", "wrap_mode", "clamp"),
+                    Some(Wrap::Repeat) | None => {}
+                }
+                self.xml.transform("to_uv", &spatial(to_uv));
+                self.xml.close();
+            }
+        }
+        Ok(())
+    }
+
+    /// Mitsuba 3 cannot multiply a picture: write the product.
+    fn bake(&mut self, bitmap: &Bitmap, scale: Rgb) -> Result<String, String> {
+        let (width, height) = (bitmap.width(), bitmap.height());
+        let mut planes = [const { Vec::new() }; 3];
+        for y in 0..height {
+            for x in 0..width {
+                let texel = (bitmap.texel(x, y) * scale).to_array();
+                (0..3).for_each(|k| planes[k].push(texel[k]));
+            }
+        }
+        let channels =
+            ["R", "G", "B"].into_iter().zip(planes).map(|(n, p)| (n.to_owned(), p)).collect();
+        let layers = Layers { width, height, channels, metadata: Vec::new() };
+        self.side_file("exr", |path| write_file(path, ImageFile::Exr, &layers))
+    }
+}
+
+fn distribution_name(distribution: Distribution) -> &'static str {
+    match distribution {
+        Distribution::Ggx => "ggx",
+        Distribution::Beckmann => "beckmann",
+    }
+}
+
+/// No reflectance above one, which Mitsuba 3 refuses.
+fn clamped(texture: Texture) -> Texture {
+    match texture {
+        Texture::Constant(c) => Texture::Constant(c.map(|v| v.clamp(0.0, 1.0))),
+        other => other,
+    }
+}
+
+/// A map of texture coordinates as the map of space that Mitsuba wants.
+fn spatial(m: &Affine2) -> Affine3A {
+    let (x, y) = (m.matrix2.x_axis, m.matrix2.y_axis);
+    let linear = Mat3::from_cols(x.extend(0.0), y.extend(0.0), Vec3::Z);
+    Affine3A::from_mat3_translation(linear, m.translation.extend(0.0))
+}

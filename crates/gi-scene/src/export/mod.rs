@@ -1,0 +1,254 @@
+//! A scene as it was understood, written as clean Mitsuba 3 XML: so that anybody can check us against Mitsuba,
+//! and see what became of a file.
+
+mod lights;
+mod materials;
+mod shapes;
+mod xml;
+
+use std::collections::HashSet;
+use std::fmt;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use gi_core::camera::{CameraSpec, Projection};
+use gi_core::filter::Filter;
+use gi_core::math::Rgb;
+use gi_core::medium::{Medium, Phase};
+
+use crate::diagnostics::Diagnostics;
+use crate::load::{Loaded, Options, load};
+use xml::{Xml, degrees, numbers};
+
+/// Why an export failed.
+#[derive(Clone, Debug)]
+pub enum ExportError {
+    /// The scene has problems.
+    Scene(Diagnostics),
+    /// A file could not be written.
+    Write(String),
+}
+
+impl fmt::Display for ExportError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            ExportError::Scene(problems) => problems.fmt(f),
+            ExportError::Write(why) => f.write_str(why),
+        }
+    }
+}
+
+impl std::error::Error for ExportError {}
+
+/// Read a scene and write it as Mitsuba 3 XML to `out`. Meshes and pictures that Mitsuba 3 reads stay where they
+/// are; others are written to a folder beside `out`. The result lists what was approximated.
+///
+/// # Errors
+/// The scene's problems, or what could not be written. A failed export leaves no half-written scene.
+pub fn export_mitsuba(
+    path: &Path,
+    options: &Options,
+    out: &Path,
+) -> Result<Vec<String>, ExportError> {
+    let loaded = load(path, options).map_err(ExportError::Scene)?;
+    write(&loaded, out).map_err(ExportError::Write)
+}
+
+fn write(loaded: &Loaded, out: &Path) -> Result<Vec<String>, String> {
+    let mut exporter = Exporter::new(loaded, out);
+    let text = exporter.scene()?;
+    replace_file(out, text.as_bytes())?;
+    let mut warnings = loaded.warnings.clone();
+    warnings.extend(exporter.warnings);
+    Ok(warnings)
+}
+
+/// Write to a temporary name, then rename.
+fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    let fail = |e: std::io::Error| format!("cannot write `{}`: {e}", path.display());
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(format!(".{}.part", std::process::id()));
+    let part = path.with_file_name(name);
+    fs::write(&part, bytes).and_then(|()| fs::rename(&part, path)).map_err(|e| {
+        let _ = fs::remove_file(&part);
+        fail(e)
+    })
+}
+
+struct Exporter<'a> {
+    loaded: &'a Loaded,
+    /// The XML file.
+    out: &'a Path,
+    /// Folder for what is converted, beside it.
+    side: PathBuf,
+    /// How many files went there.
+    converted: usize,
+    xml: Xml,
+    /// Names of the materials that are written once and referred to.
+    names: Vec<Option<String>>,
+    /// Names of the media.
+    media: Vec<String>,
+    warnings: Vec<String>,
+}
+
+impl<'a> Exporter<'a> {
+    fn new(loaded: &'a Loaded, out: &'a Path) -> Self {
+        let stem = out.file_stem().unwrap_or_default().to_string_lossy();
+        let side = out.with_file_name(format!("{stem}-files"));
+        let mut taken = HashSet::new();
+        let names = materials::names(loaded, &mut taken);
+        let media = loaded.origins.media.iter().enumerate();
+        let media = media
+            .map(|(i, id)| free_name(id.as_deref().unwrap_or("medium"), i, &mut taken))
+            .collect();
+        let (xml, warnings) = (Xml::default(), Vec::new());
+        Exporter { loaded, out, side, converted: 0, xml, names, media, warnings }
+    }
+
+    fn warn(&mut self, text: impl Into<String>) {
+        let text = text.into();
+        if !self.warnings.contains(&text) {
+            self.warnings.push(text);
+        }
+    }
+
+    fn scene(&mut self) -> Result<String, String> {
+        let loaded = self.loaded;
+        self.xml.open("scene", &[("version", "3.0.0")]);
+        for (name, value) in &loaded.presets {
+            self.xml.empty("default", &[("name", name), ("value", value)]);
+        }
+        let integrator = if loaded.parts.media.is_empty() { "path" } else { "volpath" };
+        self.xml.open("integrator", &[("type", integrator)]);
+        let depth = loaded.integrator_max_depth.unwrap_or(-1).to_string();
+        self.xml.value("integer", "max_depth", &depth);
+        self.xml.close();
+        self.sensor(&loaded.camera);
+        for (i, medium) in loaded.parts.media.iter().enumerate() {
+            self.medium(i, medium);
+        }
+        for i in 0..loaded.parts.materials.len() {
+            if self.names[i].is_some() {
+                self.material_itself(i)?;
+            }
+        }
+        self.shapes()?;
+        self.lights()?;
+        self.xml.close();
+        Ok(std::mem::take(&mut self.xml).finish())
+    }
+
+    fn sensor(&mut self, camera: &CameraSpec) {
+        let xml = &mut self.xml;
+        match camera.projection {
+            Projection::Orthographic => xml.open("sensor", &[("type", "orthographic")]),
+            Projection::Perspective { fov_x, aperture_radius, focus_distance } => {
+                let kind = if aperture_radius > 0.0 { "thinlens" } else { "perspective" };
+                xml.open("sensor", &[("type", kind)]);
+                xml.value("float", "fov", &degrees(fov_x));
+                xml.value("string", "fov_axis", "x");
+                if aperture_radius > 0.0 {
+                    xml.value("float", "aperture_radius", &aperture_radius.to_string());
+                    xml.value("float", "focus_distance", &focus_distance.to_string());
+                }
+            }
+        }
+        if camera.near > 0.0 {
+            xml.value("float", "near_clip", &camera.near.to_string());
+        }
+        let shift = camera.principal_point_offset;
+        if shift != glam::Vec2::ZERO {
+            xml.value("float", "principal_point_offset_x", &shift.x.to_string());
+            xml.value("float", "principal_point_offset_y", &shift.y.to_string());
+        }
+        xml.transform("to_world", &camera.to_world);
+        xml.open("sampler", &[("type", "independent")]);
+        xml.value("integer", "sample_count", "64");
+        xml.close();
+        xml.open("film", &[("type", "hdrfilm")]);
+        xml.value("integer", "width", &camera.size[0].to_string());
+        xml.value("integer", "height", &camera.size[1].to_string());
+        filter(xml, self.loaded.filter);
+        xml.close();
+        xml.close();
+    }
+
+    fn medium(&mut self, index: usize, medium: &Medium) {
+        let name = self.media[index].clone();
+        let xml = &mut self.xml;
+        xml.open("medium", &[("type", "homogeneous"), ("id", &name)]);
+        // Mitsuba 3 wants colours in [0, 1]; a power of two takes nothing from the digits.
+        let most = medium.sigma_t.max();
+        let scale = if most > 1.0 { most.log2().ceil().exp2() } else { 1.0 };
+        xml.color("sigma_t", medium.sigma_t / scale);
+        xml.value("float", "scale", &scale.to_string());
+        xml.color("albedo", medium.albedo);
+        match medium.phase {
+            Phase::Isotropic => xml.empty("phase", &[("type", "isotropic")]),
+            Phase::HenyeyGreenstein { g } => {
+                xml.open("phase", &[("type", "hg")]);
+                xml.value("float", "g", &g.to_string());
+                xml.close();
+            }
+        }
+        xml.close();
+    }
+
+    /// Write a file that Mitsuba cannot do without; its name as the XML says it.
+    fn side_file(
+        &mut self,
+        extension: &str,
+        write: impl FnOnce(&Path) -> Result<(), String>,
+    ) -> Result<String, String> {
+        fs::create_dir_all(&self.side)
+            .map_err(|e| format!("cannot make the folder `{}`: {e}", self.side.display()))?;
+        let path = self.side.join(format!("{:04}.{extension}", self.converted));
+        self.converted += 1;
+        write(&path)?;
+        Ok(self.file_name(&path))
+    }
+
+    /// A file's name as seen from the XML's folder.
+    fn file_name(&self, path: &Path) -> String {
+        let absolute = |p: &Path| p.canonicalize().unwrap_or_else(|_| p.to_owned());
+        let folder = absolute(&crate::files::folder_of(self.out));
+        let path = absolute(path);
+        let common = folder.components().zip(path.components()).take_while(|(a, b)| a == b).count();
+        let up = folder.components().count() - common;
+        let parts = std::iter::repeat_n("..".to_owned(), up).chain(
+            path.components().skip(common).map(|c| c.as_os_str().to_string_lossy().into_owned()),
+        );
+        parts.collect::<Vec<_>>().join("/")
+    }
+}
+
+/// A name like the one wanted that nothing else has.
+fn free_name(wanted: &str, index: usize, taken: &mut HashSet<String>) -> String {
+    let name = xml::identifier(wanted);
+    let name = if taken.contains(&name) { format!("{name}-{index}") } else { name };
+    taken.insert(name.clone());
+    name
+}
+
+fn filter(xml: &mut Xml, filter: Filter) {
+    let (kind, parameters): (&str, Vec<(&str, &str, String)>) = match filter {
+        Filter::Box => ("box", vec![]),
+        Filter::Tent => ("tent", vec![]),
+        Filter::Gaussian { stddev } => ("gaussian", vec![("float", "stddev", stddev.to_string())]),
+        Filter::Mitchell { b, c } => {
+            ("mitchell", vec![("float", "A", b.to_string()), ("float", "B", c.to_string())])
+        }
+        Filter::CatmullRom => ("catmullrom", vec![]),
+        Filter::Lanczos { lobes } => ("lanczos", vec![("integer", "lobes", lobes.to_string())]),
+    };
+    xml.open("rfilter", &[("type", kind)]);
+    for (tag, name, value) in parameters {
+        xml.value(tag, name, &value);
+    }
+    xml.close();
+}
+
+/// A colour's channels as text.
+fn channels(c: Rgb) -> String {
+    numbers(&c.to_array())
+}

@@ -1,0 +1,234 @@
+//! Text, includes, defines, dialects, and what is said about mistakes.
+
+mod common;
+
+use common::{Folder, assert_same, describe, old_scene, scene};
+use gi_core::geometry::Geometry;
+use gi_scene::{Options, load};
+
+#[test]
+fn both_dialects_give_the_same_parts() {
+    let new = scene(
+        "<sensor type='perspective'><string name='fov_axis' value='y'/><float name='fov' value='30'/>
+         <transform name='to_world'><lookat origin='0,0,5' target='0,0,0' up='0,1,0'/></transform></sensor>
+         <bsdf type='roughplastic' id='a'><rgb name='diffuse_reflectance' value='.1 .2 .3'/>
+         <float name='int_ior' value='1.5'/></bsdf>
+         <shape type='sphere'><boolean name='flip_normals' value='true'/><ref id='a'/>
+         <transform name='to_world'><translate value='1 2 3'/></transform></shape>",
+    );
+    let old = old_scene(
+        "<sensor type='perspective'><string name='fovAxis' value='y'/><float name='fov' value='30'/>
+         <transform name='toWorld'><lookAt origin='0 0 5' target='0 0 0' up='0 1 0'/></transform></sensor>
+         <bsdf type='roughplastic' id='a'><rgb name='diffuseReflectance' value='.1, .2, .3'/>
+         <float name='intIOR' value='1.5'/></bsdf>
+         <shape type='sphere'><boolean name='flipNormals' value='true'/><ref id='a'/>
+         <transform name='toWorld'><translate x='1' y='2' z='3'/></transform></shape>",
+    );
+    assert_same(&describe(&new), &describe(&old));
+    assert!(
+        new.warnings.is_empty() && old.warnings.is_empty(),
+        "{:?} {:?}",
+        new.warnings,
+        old.warnings
+    );
+}
+
+#[test]
+fn names_are_substituted_and_overridden() {
+    let folder = Folder::new();
+    let body = "<scene version='3.0.0'><default name='r' value='2'/><default name='rad' value='7'/>
+        <default name='gi.ppm.alpha' value='0.7'/><default name='gi.seen' value='$r'/>
+        <integrator type='path'><integer name='max_depth' value='$rad'/></integrator>
+        <shape type='sphere'><float name='radius' value='${r}'/></shape></scene>";
+    let path = folder.write("a.xml", body.replace("${r}", "$r"));
+    let define = |n: &str, v: &str| (n.to_owned(), v.to_owned());
+    let plain = load(&path, &Options::default()).unwrap();
+    let defines = vec![
+        define("r", "3"),
+        define("gi.ppm.alpha", "0.5"),
+        define("gi.new", "1"),
+        define("radd", "1"),
+    ];
+    let changed = load(&path, &Options { defines, ..Options::default() }).unwrap();
+    let radius = |l: &gi_scene::Loaded| match l.parts.shapes[0].geometry {
+        Geometry::Sphere { radius, .. } => radius,
+        _ => panic!(),
+    };
+    assert_eq!([radius(&plain), radius(&changed)], [2.0, 3.0]);
+    assert_eq!(plain.integrator_max_depth, Some(7), "the longest known name is taken");
+    assert_eq!(plain.presets["gi.ppm.alpha"], "0.7");
+    assert_eq!(plain.presets["gi.seen"], "2");
+    assert_eq!(changed.presets["gi.ppm.alpha"], "0.5");
+    assert_eq!(changed.presets["gi.new"], "1");
+    let notes: Vec<_> = changed.warnings.iter().filter(|w| w.contains("-D")).collect();
+    assert_eq!(notes, ["-D radd: the scene has no such name, did you mean `rad`?"]);
+    assert_ne!(plain.hash, changed.hash);
+    assert_eq!(plain.hash, load(&path, &Options::default()).unwrap().hash);
+}
+
+#[test]
+fn includes_are_read_in_place_and_may_not_loop() {
+    let folder = Folder::new();
+    folder.write("parts/b.xml", "<scene version='3.0.0'><bsdf type='diffuse' id='b'/></scene>");
+    let loaded = folder.scene(
+        "3.0.0",
+        "<include filename='parts/b.xml'/><shape type='cube'><ref id='b'/></shape>",
+    );
+    assert_eq!(loaded.unwrap().parts.materials.len(), 1);
+    folder.write(
+        "parts/loop.xml",
+        "<scene version='3.0.0'>\n<include filename='../scene.xml'/>\n</scene>",
+    );
+    let shown = folder.problems("<include filename='parts/loop.xml'/>");
+    assert!(shown.contains("`../scene.xml` includes itself"), "{shown}");
+    folder.write(
+        "parts/two.xml",
+        "<scene version='3.0.0'><include filename='one.xml'/><include filename='one.xml'/></scene>",
+    );
+    folder.write("parts/one.xml", "<scene version='3.0.0'><include filename='two.xml'/></scene>");
+    assert!(folder.problems("<include filename='parts/one.xml'/>").contains("includes itself"));
+}
+
+#[test]
+fn all_problems_are_shown_at_once_with_carets_and_proposals() {
+    let folder = Folder::new();
+    let shown = folder.problems(
+        "  <bsdf type=\"difuse\" id=\"grey\"/>\n  <shape type=\"cube\"><ref id=\"gray\"/></shape>\n  <shape type=\"sphere\">\n    <float name=\"radius\" value=\"wide\"/>\n  </shape>",
+    );
+    let expected = "\
+error: unknown bsdf `difuse`
+ --> scene.xml:2:15
+  |
+2 |   <bsdf type=\"difuse\" id=\"grey\"/>
+  |               ^^^^^^ expected a bsdf plugin
+  |
+help: did you mean `diffuse`?
+
+error: nothing has the id `gray`
+ --> scene.xml:3:31
+  |
+3 |   <shape type=\"cube\"><ref id=\"gray\"/></shape>
+  |                               ^^^^ referred to here
+  |
+help: did you mean `grey`?
+
+error: `wide` is not a number
+ --> scene.xml:5:33
+  |
+5 |     <float name=\"radius\" value=\"wide\"/>
+  |                                 ^^^^ expected a number";
+    assert_eq!(shown, expected);
+}
+
+#[test]
+fn missing_files_are_listed_together() {
+    let folder = Folder::new();
+    let mesh =
+        |n: u32| format!("<shape type='obj'><string name='filename' value='m{n}.obj'/></shape>\n");
+    let shown = folder.problems(
+        &(mesh(1)
+            + &mesh(2)
+            + "<emitter type='envmap'><string name='filename' value='sky.exr'/></emitter>"),
+    );
+    assert_eq!(shown.matches("error").count(), 1, "{shown}");
+    for part in [
+        "cannot find 3 files",
+        "scene.xml:2: m1.obj",
+        "scene.xml:3: m2.obj",
+        "scene.xml:4: sky.exr",
+    ] {
+        assert!(shown.contains(part), "{shown}");
+    }
+}
+
+#[test]
+fn what_is_not_understood_is_ignored_with_a_note() {
+    let loaded = scene(
+        "<shape type='sphere'>\n<float name='radus' value='3'/>\n<wibble name='a'/></shape>
+         <integrator type='bdpt'/><sampler type='sobol'/>",
+    );
+    let notes: Vec<&str> = loaded
+        .warnings
+        .iter()
+        .map(|w| w.rsplit_once("scene.xml:").map_or(w.as_str(), |p| p.1))
+        .collect();
+    assert!(
+        notes.contains(
+            &"3: shape `sphere` has no parameter `radus`: ignored, did you mean `radius`?"
+        ),
+        "{notes:?}"
+    );
+    assert!(notes.iter().any(|n| n.contains("unknown tag `wibble`")), "{notes:?}");
+}
+
+#[test]
+fn wrong_case_is_found_with_a_note() {
+    let folder = Folder::new();
+    folder.write("Mesh/A.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let body = "<shape type='obj'><string name='filename' value='mesh\\a.OBJ'/></shape>";
+    let loaded = folder.scene("3.0.0", body).unwrap();
+    assert!(loaded.warnings.iter().any(|w| w.contains("Mesh/A.obj")), "{:?}", loaded.warnings);
+}
+
+#[test]
+fn hostile_text_ends_in_an_error() {
+    let folder = Folder::new();
+    // Entities that multiply.
+    let bomb = "<!DOCTYPE s [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;\">]><scene version='3.0.0'>&b;</scene>";
+    assert!(load(&folder.write("bomb.xml", bomb), &Options::default()).is_err());
+    // Substitution that doubles.
+    let mut doubling = String::from("<default name='a0' value='xxxxxxxxxxxxxxxx'/>");
+    for i in 1..60 {
+        doubling += &format!(
+            "<default name='a{i}z' value='$a{0}$a{0}'/>",
+            if i == 1 { "0".into() } else { format!("{}z", i - 1) }
+        );
+    }
+    assert!(folder.problems(&doubling).contains("too long"));
+    // Nesting, in the text and by reference.
+    let deep = "<bsdf type='twosided'>".repeat(5000) + &"</bsdf>".repeat(5000);
+    assert!(folder.problems(&deep).contains("too deep"));
+    let mut chain = String::new();
+    for i in 0..2000 {
+        chain += &format!("<bsdf type='mask' id='m{i}'><ref id='m{}'/></bsdf>\n", i + 1);
+    }
+    chain += "<bsdf type='diffuse' id='m2000'/><shape type='cube'><ref id='m0'/></shape>";
+    assert!(folder.problems(&chain).contains("too deep"));
+    let ring = "<bsdf type='mask' id='a'><ref id='b'/></bsdf><bsdf type='mask' id='b'><ref id='a'/></bsdf>";
+    assert!(folder.problems(ring).contains("contains itself"));
+    let cut = "<scene version='3.0.0'><shape type='cube'";
+    assert!(load(&folder.write("cut.xml", cut), &Options::default()).is_err());
+    assert!(
+        load(
+            &folder.write("latin.xml", b"<scene version='3.0.0'>\xff</scene>"),
+            &Options::default()
+        )
+        .is_err()
+    );
+    assert!(load(&folder.path("absent.xml"), &Options::default()).is_err());
+    let empty = folder.write("empty.xml", "");
+    assert!(load(&empty, &Options::default()).is_err());
+}
+
+#[test]
+fn a_scene_cut_at_any_byte_never_panics() {
+    let folder = Folder::new();
+    let text = "<?xml version='1.0'?>\n<scene version='0.6.0'><default name='x' value='1'/><bsdf type='diffuse' id='ä'>
+        <spectrum name='reflectance' value='400:0.1, 700:$x'/></bsdf><shape type='sphere'><ref id='ä'/>
+        <transform name='toWorld'><rotate y='1' angle='3'/></transform></shape></scene>";
+    for end in 0..text.len() {
+        let path = folder.write("cut.xml", &text.as_bytes()[..end]);
+        if let Err(problems) = load(&path, &Options::default()) {
+            assert!(!problems.to_string().is_empty());
+        }
+    }
+}
+
+#[test]
+fn a_vertex_that_is_no_number_is_named() {
+    let folder = Folder::new();
+    folder.write("bad.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n");
+    let shown =
+        folder.problems("<shape type='obj'><string name='filename' value='bad.obj'/></shape>");
+    assert!(shown.contains("bad.obj") && shown.contains("vertex 1 is not finite"), "{shown}");
+}

@@ -1,0 +1,370 @@
+//! What each plugin means, and its defaults.
+
+mod common;
+
+use common::{material, of_only_shape, old_scene, scene};
+use gi_core::camera::Projection;
+use gi_core::filter::Filter;
+use gi_core::geometry::Geometry;
+use gi_core::light::LightSource;
+use gi_core::material::{Distribution, Material};
+use gi_core::math::Rgb;
+use gi_core::medium::{Medium, Phase};
+use gi_core::texture::Texture;
+use glam::{Vec2, Vec3};
+
+fn constant(t: &Texture) -> Rgb {
+    match t {
+        Texture::Constant(c) => *c,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Index of bk7 in air, the default of dielectrics.
+const GLASS: f32 = 1.5046 / 1.000_277;
+/// Index of polypropylene in air, the default of plastics.
+const PLASTIC: f32 = 1.49 / 1.000_277;
+
+#[test]
+fn a_shape_without_a_bsdf_is_grey_and_a_light_without_one_black() {
+    let loaded = scene("<shape type='sphere'/><shape type='sphere'><emitter type='area'/></shape>");
+    let albedo = |i: usize| match &loaded.parts.materials[loaded.parts.shapes[i].material] {
+        Material::Diffuse { reflectance } => constant(reflectance),
+        other => panic!("{other:?}"),
+    };
+    assert_eq!([albedo(0), albedo(1)], [Rgb::grey(0.5), Rgb::BLACK]);
+    assert_eq!(constant(loaded.parts.shapes[1].emission.as_ref().unwrap()), Rgb::WHITE);
+}
+
+#[test]
+fn diffuse_takes_colours_numbers_and_spectra() {
+    let albedo = |inner: &str| match material(&format!("<bsdf type='diffuse'>{inner}</bsdf>")) {
+        Material::Diffuse { reflectance } => constant(&reflectance),
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(albedo(""), Rgb::grey(0.5));
+    assert_eq!(albedo("<rgb name='reflectance' value='.1, .2 .3'/>"), Rgb::new(0.1, 0.2, 0.3));
+    assert_eq!(albedo("<rgb name='reflectance' value='0.25'/>"), Rgb::grey(0.25));
+    assert_eq!(albedo("<spectrum name='reflectance' value='0.25'/>"), Rgb::grey(0.25));
+    assert_eq!(albedo("<srgb name='reflectance' value='#ffffff'/>"), Rgb::WHITE);
+    assert_eq!(albedo("<rgb name='reflectance' value='2 0.5 0'/>"), Rgb::new(1.0, 0.5, 0.0));
+}
+
+#[test]
+fn a_measured_reflectance_has_mitsubas_colour() {
+    // Mitsuba 3.9.1: the same pairs under D65; the fit of the observer is good to a hundredth.
+    let inner = "<spectrum name='reflectance' value='400:0.2, 500:0.5, 600:0.9, 700:0.1'/>";
+    let Material::Diffuse { reflectance } =
+        material(&format!("<bsdf type='diffuse'>{inner}</bsdf>"))
+    else {
+        panic!()
+    };
+    let got = constant(&reflectance).to_array();
+    for (g, want) in got.into_iter().zip([0.815_698, 0.686_849, 0.317_002]) {
+        assert!((g - want).abs() < 0.015, "{got:?}");
+    }
+}
+
+#[test]
+fn dielectrics_are_bk7_in_air_unless_said() {
+    let eta = |inner: &str| match material(&format!("<bsdf type='dielectric'>{inner}</bsdf>")) {
+        Material::Dielectric { eta, roughness: None, .. } => eta,
+        other => panic!("{other:?}"),
+    };
+    assert!((eta("") - GLASS).abs() < 1e-6);
+    assert_eq!(eta("<float name='int_ior' value='1.5'/><float name='extIOR' value='1'/>"), 1.5);
+    let named = "<string name='int_ior' value='water'/><string name='ext_ior' value='vacuum'/>";
+    assert_eq!(eta(named), 1.333);
+    let Material::ThinDielectric { eta, .. } = material("<bsdf type='thindielectric'/>") else {
+        panic!()
+    };
+    assert!((eta - GLASS).abs() < 1e-6);
+    let Material::Dielectric { roughness: Some(r), .. } =
+        material("<bsdf type='roughdielectric'/>")
+    else {
+        panic!()
+    };
+    assert_eq!((r.distribution, constant(&r.alpha_u)), (Distribution::Beckmann, Rgb::grey(0.1)));
+}
+
+#[test]
+fn a_conductor_without_a_material_is_a_mirror_now_and_was_copper_before() {
+    let body = "<shape type='sphere'><bsdf type='conductor'/></shape>";
+    let Material::Conductor { eta, k, .. } = of_only_shape(&scene(body)) else { panic!() };
+    assert_eq!((eta, k), (Rgb::BLACK, Rgb::WHITE));
+    let Material::Conductor { eta, .. } = of_only_shape(&old_scene(body)) else { panic!() };
+    assert_eq!(eta, Rgb::new(0.20101, 0.92375, 1.1022));
+    let gold = "<bsdf type='roughconductor'><string name='material' value='Au'/>
+        <float name='ext_eta' value='2'/><float name='alpha_v' value='0.3'/></bsdf>";
+    let Material::Conductor { eta, roughness: Some(r), .. } = material(gold) else { panic!() };
+    assert_eq!(eta, Rgb::new(0.14304, 0.37531, 1.442) / 2.0);
+    assert_eq!([constant(&r.alpha_u), constant(&r.alpha_v)], [Rgb::grey(0.1), Rgb::grey(0.3)]);
+}
+
+#[test]
+fn plastics_are_polypropylene_and_linear_unless_said() {
+    let Material::Plastic { eta, diffuse, specular, nonlinear, roughness: None } =
+        material("<bsdf type='plastic'/>")
+    else {
+        panic!()
+    };
+    assert!((eta - PLASTIC).abs() < 1e-6 && !nonlinear);
+    assert_eq!([constant(&diffuse), constant(&specular)], [Rgb::grey(0.5), Rgb::WHITE]);
+    let ggx = "<bsdf type='roughplastic'><string name='distribution' value='ggx'/>
+        <boolean name='nonlinear' value='true'/><float name='alpha' value='0.3'/></bsdf>";
+    let Material::Plastic { nonlinear: true, roughness: Some(r), .. } = material(ggx) else {
+        panic!()
+    };
+    assert_eq!((r.distribution, constant(&r.alpha_v)), (Distribution::Ggx, Rgb::grey(0.3)));
+}
+
+#[test]
+fn wrappers_hold_their_children() {
+    let loaded = scene(
+        "<bsdf type='twosided' id='both'><bsdf type='diffuse'/></bsdf>
+         <bsdf type='twosided' id='two'><bsdf type='diffuse'/><bsdf type='plastic'/></bsdf>
+         <bsdf type='mask' id='mask'><ref id='both'/></bsdf>
+         <bsdf type='blendbsdf' id='blend'><ref id='both'/><ref id='two'/></bsdf>
+         <shape type='cube'><ref id='mask'/></shape><shape type='cube'><ref id='blend'/></shape>
+         <shape type='cube'><ref id='two'/></shape>",
+    );
+    let of = |i: usize| loaded.parts.materials[loaded.parts.shapes[i].material].clone();
+    let Material::Mask { opacity, inner } = of(0) else { panic!() };
+    assert_eq!(constant(&opacity), Rgb::grey(0.5));
+    let Material::TwoSided { front, back } = loaded.parts.materials[inner] else { panic!() };
+    assert_eq!(front, back);
+    let Material::Blend { first, second, .. } = of(1) else { panic!() };
+    assert_eq!(first, inner, "a named material is made once");
+    let Material::TwoSided { front, back } = of(2) else { panic!() };
+    assert_ne!(front, back);
+    for (i, material) in loaded.parts.materials.iter().enumerate() {
+        if let Material::Blend { first, second, .. } = material {
+            assert!(*first < i && *second < i, "children stand before their parents");
+        }
+    }
+    assert!(matches!(loaded.parts.materials[second], Material::TwoSided { .. }));
+}
+
+#[test]
+fn twosided_round_a_mask_changes_places_with_it() {
+    let inside = "<bsdf type='twosided'><bsdf type='mask'><bsdf type='diffuse'/></bsdf></bsdf>";
+    assert!(matches!(material(inside), Material::Mask { .. }));
+    let glass = "<bsdf type='twosided'><bsdf type='dielectric'/></bsdf>";
+    assert!(matches!(material(glass), Material::Dielectric { .. }));
+}
+
+#[test]
+fn a_mixture_is_a_nest_of_blends_whose_shares_are_the_weights() {
+    let loaded = scene(
+        "<shape type='cube'><bsdf type='mixturebsdf'><string name='weights' value='0.2, 0.3, 0.1'/>
+         <bsdf type='diffuse'><rgb name='reflectance' value='1 0 0'/></bsdf>
+         <bsdf type='diffuse'><rgb name='reflectance' value='0 1 0'/></bsdf>
+         <bsdf type='diffuse'><rgb name='reflectance' value='0 0 1'/></bsdf></bsdf></shape>",
+    );
+    fn albedo(materials: &[Material], i: usize) -> Rgb {
+        match &materials[i] {
+            Material::Diffuse { reflectance } => constant(reflectance),
+            Material::Blend { weight, first, second } => {
+                albedo(materials, *first).lerp(albedo(materials, *second), constant(weight).r)
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    let got = albedo(&loaded.parts.materials, loaded.parts.shapes[0].material).to_array();
+    for (g, want) in got.into_iter().zip([0.2, 0.3, 0.1]) {
+        assert!((g - want).abs() < 1e-6, "{got:?}");
+    }
+    assert!(loaded.warnings.iter().any(|w| w.contains("absorbed")), "{:?}", loaded.warnings);
+}
+
+#[test]
+fn transforms_apply_in_written_order() {
+    let loaded = scene(
+        "<shape type='sphere'><float name='radius' value='2'/><transform name='to_world'>
+         <scale value='3'/><translate x='1'/><rotate z='1' angle='90'/></transform></shape>",
+    );
+    let Geometry::Sphere { center, radius, .. } = loaded.parts.shapes[0].geometry else { panic!() };
+    assert!((center - Vec3::Y).length() < 1e-6, "scaled, moved to +x, turned to +y: {center}");
+    assert!((radius - 6.0).abs() < 1e-5);
+}
+
+#[test]
+fn a_rectangle_faces_where_its_normal_goes_even_if_mirrored() {
+    for scale in ["1 1 1", "-1 1 1", "2 3 1"] {
+        let loaded = scene(&format!(
+            "<shape type='rectangle'><transform name='to_world'><scale value='{scale}'/></transform></shape>"
+        ));
+        let Geometry::Mesh(mesh) = &loaded.parts.shapes[0].geometry else { panic!() };
+        assert!(mesh.area_vector(0).z > 0.0 && mesh.area_vector(1).z > 0.0, "{scale}");
+        let corner = mesh.uvs.iter().position(|uv| *uv == Vec2::ZERO).unwrap();
+        assert_eq!(mesh.positions[corner].y, if scale == "2 3 1" { -3.0 } else { -1.0 });
+    }
+}
+
+#[test]
+fn a_cube_is_closed_and_faces_outward() {
+    let loaded = scene("<shape type='cube'/>");
+    let Geometry::Mesh(mesh) = &loaded.parts.shapes[0].geometry else { panic!() };
+    let volume: f32 = (0..12)
+        .map(|k| {
+            let [a, b, c] = mesh.corners(k);
+            a.dot(b.cross(c)) / 6.0
+        })
+        .sum();
+    assert!((volume - 8.0).abs() < 1e-5);
+    for k in 0..12 {
+        let [a, b, c] = mesh.corners(k);
+        assert!(mesh.area_vector(k).dot(a + b + c) > 0.0);
+    }
+}
+
+#[test]
+fn mirrored_spheres_and_disks_have_mitsubas_normals() {
+    // Mitsuba 3.9.1: a mirrored sphere is turned inside out, a mirrored disk is not.
+    let flipped = |kind: &str| {
+        let body = format!(
+            "<shape type='{kind}'><transform name='to_world'><scale x='-1'/></transform></shape>"
+        );
+        let loaded = scene(&body);
+        match loaded.parts.shapes[0].geometry {
+            Geometry::Disk { du, dv, .. } => {
+                (du.cross(dv).z < 0.0) == loaded.parts.shapes[0].flip_normals
+            }
+            _ => loaded.parts.shapes[0].flip_normals,
+        }
+    };
+    assert!(flipped("sphere"));
+    assert!(flipped("disk"), "the disk still faces +z");
+}
+
+#[test]
+fn a_squeezed_sphere_becomes_a_closed_mesh() {
+    let body = "<shape type='sphere'><transform name='to_world'><scale x='2'/></transform></shape>";
+    let loaded = scene(body);
+    let Geometry::Mesh(mesh) = &loaded.parts.shapes[0].geometry else { panic!() };
+    let volume: f32 = (0..mesh.triangles.len())
+        .map(|k| {
+            let [a, b, c] = mesh.corners(k);
+            a.dot(b.cross(c)) / 6.0
+        })
+        .sum();
+    let exact = 2.0 * 4.0 / 3.0 * std::f32::consts::PI;
+    assert!((volume / exact - 1.0).abs() < 1e-3, "{volume} {exact}");
+    assert!(!loaded.warnings.is_empty());
+}
+
+#[test]
+fn media_have_their_defaults_and_either_parametrisation() {
+    let medium = |inner: &str| {
+        let body = format!(
+            "<medium type='homogeneous' id='m'>{inner}</medium>
+            <shape type='sphere'><bsdf type='null'/><ref name='interior' id='m'/></shape>"
+        );
+        let loaded = scene(&body);
+        assert_eq!(
+            (loaded.parts.shapes[0].interior, loaded.parts.shapes[0].exterior),
+            (Some(0), None)
+        );
+        loaded.parts.media[0].clone()
+    };
+    let plain = Medium { sigma_t: Rgb::WHITE, albedo: Rgb::grey(0.75), phase: Phase::Isotropic };
+    assert_eq!(medium(""), plain);
+    let split = medium(
+        "<rgb name='sigmaS' value='1 2 3'/><rgb name='sigmaA' value='1 0 1'/><float name='scale' value='2'/>
+         <phase type='hg'><float name='g' value='0.3'/></phase>",
+    );
+    assert_eq!(split.sigma_t, Rgb::new(4.0, 4.0, 8.0));
+    assert_eq!(split.albedo, Rgb::new(0.5, 1.0, 0.75));
+    assert_eq!(split.phase, Phase::HenyeyGreenstein { g: 0.3 });
+}
+
+#[test]
+fn a_boundary_of_media_without_a_bsdf_was_invisible_in_the_old_dialect() {
+    let body = "<shape type='sphere'><medium type='homogeneous' name='interior'/></shape>";
+    assert!(matches!(of_only_shape(&old_scene(body)), Material::Null));
+    assert!(matches!(of_only_shape(&scene(body)), Material::Diffuse { .. }));
+}
+
+#[test]
+fn lights_have_their_defaults() {
+    let light = |inner: &str| scene(inner).parts.lights[0].clone();
+    let LightSource::Spot { cutoff, beam, direction, intensity, .. } =
+        light("<emitter type='spot'/>")
+    else {
+        panic!()
+    };
+    assert!((cutoff.to_degrees() - 20.0).abs() < 1e-4 && (beam.to_degrees() - 15.0).abs() < 1e-4);
+    assert_eq!((direction, intensity), (Vec3::Z, Rgb::WHITE));
+    let moved =
+        "<emitter type='point'><transform name='to_world'><translate y='2'/></transform></emitter>";
+    let LightSource::Point { position, .. } = light(moved) else { panic!() };
+    assert_eq!(position, Vec3::new(0.0, 2.0, 0.0));
+    let sunny = "<emitter type='directional'><vector name='direction' x='0' y='-2'/></emitter>";
+    let LightSource::Directional { direction, .. } = light(sunny) else { panic!() };
+    assert_eq!(direction, -Vec3::Y);
+    assert!(matches!(
+        light("<emitter type='constant'/>"),
+        LightSource::Constant { radiance: Rgb::WHITE }
+    ));
+    let old = old_scene("<emitter type='constant'><spectrum name='radiance' value='2'/></emitter>");
+    assert!(
+        matches!(old.parts.lights[0], LightSource::Constant { radiance } if radiance == Rgb::grey(2.0))
+    );
+    let new = light("<emitter type='constant'><spectrum name='radiance' value='1'/></emitter>");
+    let LightSource::Constant { radiance } = new else { panic!() };
+    assert!((radiance.r - 1.204_794).abs() < 1e-6, "one number is equal energy in Mitsuba 3");
+}
+
+#[test]
+fn sunsky_is_a_picture_and_a_disc() {
+    let loaded = scene("<emitter type='sunsky'/>");
+    let [LightSource::Environment { .. }, LightSource::DistantDisc { direction, .. }] =
+        loaded.parts.lights.as_slice()
+    else {
+        panic!()
+    };
+    let mitsuba = Vec3::new(0.051_385, 0.691_748, 0.720_308);
+    assert!((*direction - mitsuba).length() < 5e-3, "{direction}");
+    assert_eq!(scene("<emitter type='sun'/>").parts.lights.len(), 1);
+    assert_eq!(scene("<emitter type='sky'/>").parts.lights.len(), 1);
+    let night = scene("<emitter type='sunsky'><float name='hour' value='1'/></emitter>");
+    assert!(night.parts.lights.is_empty() && !night.warnings.is_empty());
+}
+
+#[test]
+fn sensors_see_what_mitsubas_see() {
+    let fov = |inner: &str| {
+        let film = "<film type='hdrfilm'><integer name='width' value='300'/><integer name='height' value='200'/></film>";
+        let loaded = scene(&format!("<sensor type='perspective'>{inner}{film}</sensor>"));
+        let Projection::Perspective { fov_x, .. } = loaded.camera.projection else { panic!() };
+        fov_x.to_degrees()
+    };
+    // Figures of Mitsuba 3.9.1.
+    let along = |axis: &str| {
+        fov(&format!("<float name='fov' value='40'/><string name='fov_axis' value='{axis}'/>"))
+    };
+    let got = ["x", "y", "diagonal", "smaller", "larger"].map(along);
+    for (g, want) in got.into_iter().zip([40.0, 57.265_14, 33.696_98, 57.265_14, 40.0]) {
+        assert!((g - want).abs() < 1e-3, "{got:?}");
+    }
+    let plain = scene("<sensor type='perspective'/>");
+    assert_eq!((plain.camera.size, plain.filter), ([768, 576], Filter::Gaussian { stddev: 0.5 }));
+    let Projection::Perspective { fov_x, .. } = plain.camera.projection else { panic!() };
+    assert!((fov_x.to_degrees() - 38.1848).abs() < 1e-3);
+    let lens =
+        scene("<sensor type='perspective'><string name='focal_length' value='35mm'/></sensor>");
+    let Projection::Perspective { fov_x, .. } = lens.camera.projection else { panic!() };
+    assert!((fov_x.to_degrees() - 52.622_54).abs() < 1e-3);
+}
+
+#[test]
+fn groups_appear_through_instances() {
+    let loaded = scene(
+        "<shape type='shapegroup' id='g'><shape type='cube'/></shape>
+         <shape type='instance'><ref id='g'/><transform name='to_world'><translate x='5'/></transform></shape>
+         <shape type='instance'><ref id='g'/></shape>",
+    );
+    assert_eq!((loaded.parts.shapes.len(), loaded.parts.groups.len()), (0, 1));
+    assert_eq!(loaded.parts.instances.iter().map(|i| i.group).collect::<Vec<_>>(), [0, 0]);
+    assert_eq!(loaded.parts.instances[0].to_world.translation.x, 5.0);
+}
