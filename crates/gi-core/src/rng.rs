@@ -6,7 +6,7 @@ pub fn bits_to_unit(x: u32) -> f32 {
     (x >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
-/// PCG's RXS-M-XS output function as a 32-bit hash [Jarzynski20].
+/// PCG's RXS-M-XS output function as a 32-bit hash \[Jarzynski20\].
 #[inline]
 pub fn hash_u32(x: u32) -> u32 {
     let state = x.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);

@@ -1,6 +1,6 @@
 //! From spectra to linear Rec. 709.
 //!
-//! The colour matching functions are the multi-lobe fit of [Wyman13] to the CIE 1931 observer.
+//! The colour matching functions are the multi-lobe fit of \[Wyman13\] to the CIE 1931 observer.
 
 use gi_core::math::Rgb;
 

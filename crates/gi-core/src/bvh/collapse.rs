@@ -1,5 +1,5 @@
 //! From the binary tree to the wide one: which nodes to merge into one of eight children, by dynamic programming
-//! over the surface-area cost [Ylitie17].
+//! over the surface-area cost \[Ylitie17\].
 
 use std::ops::Deref;
 use std::sync::atomic::{AtomicU32, Ordering};

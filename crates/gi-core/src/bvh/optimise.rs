@@ -85,7 +85,7 @@ const REINSERTED: f32 = 0.05;
 /// Rounds, each with a smaller share: 1, 1/3, 1/5 ...
 const ROUNDS: usize = 16;
 
-/// Move subtrees to better places [Meister18], the largest first. The candidates come from here and not from the
+/// Move subtrees to better places \[Meister18\], the largest first. The candidates come from here and not from the
 /// optimiser, which would look for them at the front of the array.
 pub(super) fn reinsert(nodes: Vec<BinaryNode>) -> Vec<BinaryNode> {
     let all = (1..nodes.len() as u32).into_par_iter().filter(|&i| !is_hole(&nodes[i as usize]));

@@ -1,4 +1,4 @@
-//! The binary tree: split top-down at the cheapest of a few planes an axis, by the surface-area heuristic [Wald07].
+//! The binary tree: split top-down at the cheapest of a few planes an axis, by the surface-area heuristic \[Wald07\].
 
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;

@@ -5,7 +5,7 @@ use crate::ray::Ray;
 /// Direction components below this count as this, so that their reciprocal stays finite.
 pub(super) const SMALLEST_STEP: f32 = 1e-18;
 
-/// The ray's reciprocal direction, octant, and the shear of the watertight triangle test [Woop13].
+/// The ray's reciprocal direction, octant, and the shear of the watertight triangle test \[Woop13\].
 pub(super) struct Walk {
     pub inv: [f32; 3],
     /// 1 where the ray runs toward smaller coordinates.

@@ -12,7 +12,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A frame round a unit normal, without branches and without a singular direction [Duff17].
+    /// A frame round a unit normal, without branches and without a singular direction \[Duff17\].
     #[inline]
     pub fn from_normal(n: Vec3) -> Self {
         let sign = 1f32.copysign(n.z);

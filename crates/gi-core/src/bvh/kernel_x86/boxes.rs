@@ -1,4 +1,4 @@
-//! Eight boxes at once, and pushing those that are hit in the ray's octant order [Fuetterling17].
+//! Eight boxes at once, and pushing those that are hit in the ray's octant order \[Fuetterling17\].
 
 use std::arch::x86_64::*;
 

@@ -1,4 +1,4 @@
-//! Four triangles at once, watertight [Woop13].
+//! Four triangles at once, watertight \[Woop13\].
 
 use std::arch::x86_64::*;
 
