@@ -20,7 +20,7 @@ pub fn hash_words(words: &[u32]) -> u32 {
     words.iter().fold(0x9e37_79b9, |h, &w| hash_u32(h ^ w).wrapping_add(h.rotate_left(5)))
 }
 
-/// PCG32 (XSH-RR 64/32) [ONeill14]: one stream of random numbers.
+/// PCG32 (XSH-RR 64/32) \[ONeill14\]: one stream of random numbers.
 #[derive(Clone, Debug)]
 pub struct Pcg {
     state: u64,

@@ -9,35 +9,41 @@ use crate::rng::{bits_to_unit, hash_u32, hash_words};
 /// The numbers of one path.
 #[derive(Clone, Debug)]
 pub struct Sampler {
-    /// Sample index: the pass for camera paths, the running number of the path for light paths.
-    index: u32,
+    /// Sample index, its bits reversed: the pass for camera paths, the running number of the path for light paths.
+    reversed_index: u32,
     /// Hash of the seed and the pixel or stream.
     key: u32,
     /// Next dimension.
     dimension: u32,
 }
 
+/// What makes the scrambles of a pair's two dimensions differ from its shuffle, and from each other.
+const FIRST: u32 = 0xa511_e9b3;
+const SECOND: u32 = 0x63d8_3595;
+
 impl Sampler {
     /// The numbers of sample `index` in pixel or stream `stream`.
     pub fn new(seed: u32, stream: u32, index: u32) -> Self {
-        Sampler { index, key: hash_words(&[seed, stream]), dimension: 0 }
+        Sampler {
+            reversed_index: index.reverse_bits(),
+            key: hash_words(&[seed, stream]),
+            dimension: 0,
+        }
     }
 
     /// Uniform in [0, 1).
     #[inline]
     pub fn next_1d(&mut self) -> f32 {
-        let seed = self.next_seed();
-        let shuffled = owen_scramble(self.index, seed);
-        bits_to_unit(owen_scramble(shuffled.reverse_bits(), seed ^ 0xa511_e9b3))
+        let (seed, index) = self.next_index();
+        bits_to_unit(scramble(index, seed ^ FIRST).reverse_bits())
     }
 
     /// Uniform in the unit square.
     #[inline]
     pub fn next_2d(&mut self) -> [f32; 2] {
-        let seed = self.next_seed();
-        let shuffled = owen_scramble(self.index, seed);
-        let x = owen_scramble(shuffled.reverse_bits(), seed ^ 0xa511_e9b3);
-        let y = owen_scramble(sobol_second(shuffled), seed ^ 0x63d8_3595);
+        let (seed, index) = self.next_index();
+        let x = scramble(index, seed ^ FIRST).reverse_bits();
+        let y = scramble(sobol_second_reversed(index), seed ^ SECOND).reverse_bits();
         [bits_to_unit(x), bits_to_unit(y)]
     }
 
@@ -48,36 +54,35 @@ impl Sampler {
         self.dimension = d;
     }
 
+    /// Seed of the next dimension, and the sample index as that dimension shuffles it. (The first Sobol dimension is
+    /// the index with its bits reversed, and Owen's scramble works on reversed bits: the two cancel.)
     #[inline]
-    fn next_seed(&mut self) -> u32 {
+    fn next_index(&mut self) -> (u32, u32) {
         let seed = hash_u32(self.key ^ self.dimension.wrapping_mul(0x9e37_79b9));
         self.dimension += 1;
-        seed
+        (seed, scramble(self.reversed_index, seed).reverse_bits())
     }
 }
 
-/// Owen's nested scramble of all 32 bits, by the hash of Laine and Karras with Vegdahl's constants.
+/// Owen's nested scramble of all 32 bits, lowest bit first: the hash of Laine and Karras with Vegdahl's constants.
 #[inline]
-fn owen_scramble(x: u32, seed: u32) -> u32 {
-    let mut x = x.reverse_bits();
+fn scramble(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
     x = x.wrapping_mul((seed >> 16) | 1);
     x ^= x.wrapping_mul(0x0552_6c56);
-    x ^= x.wrapping_mul(0x53a2_2864);
-    x.reverse_bits()
+    x ^ x.wrapping_mul(0x53a2_2864)
 }
 
-/// The second Sobol dimension: the Pascal matrix modulo 2 applied in five folding steps.
+/// The second Sobol dimension of an index, its bits reversed: the Pascal matrix modulo 2 applied in five folding steps.
 #[inline]
-fn sobol_second(index: u32) -> u32 {
-    let mut x = index.reverse_bits();
-    x ^= (x & 0x0000_ffff) << 16;
-    x ^= (x & 0x00ff_00ff) << 8;
-    x ^= (x & 0x0f0f_0f0f) << 4;
-    x ^= (x & 0x3333_3333) << 2;
-    x ^= (x & 0x5555_5555) << 1;
-    x
+fn sobol_second_reversed(index: u32) -> u32 {
+    let mut x = index;
+    x ^= (x & 0xffff_0000) >> 16;
+    x ^= (x & 0xff00_ff00) >> 8;
+    x ^= (x & 0xf0f0_f0f0) >> 4;
+    x ^= (x & 0xcccc_cccc) >> 2;
+    x ^ (x & 0xaaaa_aaaa) >> 1
 }
 
 #[cfg(test)]
@@ -95,7 +100,7 @@ mod tests {
                 bits >>= 1;
                 v ^= v >> 1;
             }
-            assert_eq!(sobol_second(i), x, "index {i}");
+            assert_eq!(sobol_second_reversed(i).reverse_bits(), x, "index {i}");
         }
     }
 

@@ -47,7 +47,7 @@ pub struct LightWalk<'a> {
 /// Dimensions of the sampler that emission uses, and that one scattering may use.
 const EMISSION_DIMENSIONS: u32 = 3;
 const VERTEX_DIMENSIONS: u32 = 8;
-const SCATTER_DIMENSIONS: u32 = 3;
+const SCATTER_DIMENSIONS: u32 = 2;
 
 impl<'a> LightWalk<'a> {
     /// Begin a path at a light; `None` where nothing shines.
@@ -76,7 +76,7 @@ impl<'a> LightWalk<'a> {
     }
 
     /// The sampler, for what a visitor draws at a vertex (a lens point, say): at most
-    /// five dimensions a vertex.
+    /// six dimensions a vertex.
     pub fn sampler(&mut self) -> &mut Sampler {
         &mut self.sampler
     }

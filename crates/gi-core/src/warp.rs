@@ -106,38 +106,39 @@ pub fn solid_angle(a: Vec3, b: Vec3, c: Vec3) -> f32 {
     2.0 * volume.atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a)).abs()
 }
 
-/// A direction uniform in the spherical triangle through three unit vectors \[Arvo95\].
-/// Its density per solid angle is one over [`solid_angle`]. `None` for a degenerate triangle.
-pub fn spherical_triangle([u, v]: [f32; 2], a: Vec3, b: Vec3, c: Vec3) -> Option<Vec3> {
-    // Angles at the corners, between the planes through the edges.
-    let n_ab = a.cross(b).try_normalize()?;
-    let n_bc = b.cross(c).try_normalize()?;
-    let n_ca = c.cross(a).try_normalize()?;
-    let angle = |m: Vec3, n: Vec3| safe_acos(-m.dot(n));
-    let (alpha, beta, gamma) = (angle(n_ab, n_ca), angle(n_bc, n_ab), angle(n_ca, n_bc));
-    // Choose the sub-triangle (a, b, c') of area u times the whole.
-    let area = alpha + beta + gamma - PI;
-    let (sin_alpha, cos_alpha) = alpha.sin_cos();
-    let (s, t) = (u * area - alpha).sin_cos();
-    let cos_c = a.dot(b);
-    let (p, q) = (t - cos_alpha, s + sin_alpha * cos_c);
+/// A direction uniform in the spherical triangle through three unit vectors, given its [`solid_angle`] [Arvo95].
+/// Its density per solid angle is one over that. `None` for a degenerate triangle.
+#[inline]
+pub fn spherical_triangle(
+    [u, v]: [f32; 2],
+    a: Vec3,
+    b: Vec3,
+    c: Vec3,
+    solid_angle: f32,
+) -> Option<Vec3> {
+    // The angle at a, between the planes through the edges a b and a c.
+    let (n_ab, n_ac) = (a.cross(b), a.cross(c));
+    let norm = (n_ab.length_squared() * n_ac.length_squared()).sqrt();
+    let cos_alpha = (n_ab.dot(n_ac) / norm).clamp(-1.0, 1.0);
+    let sin_alpha = safe_sqrt(1.0 - sqr(cos_alpha));
+    // Choose the sub-triangle (a, b, c') of area u times the whole: s and t are sine and cosine of its area less alpha.
+    let (sin_area, cos_area) = (u * solid_angle).sin_cos();
+    let s = sin_area * cos_alpha - cos_area * sin_alpha;
+    let t = cos_area * cos_alpha + sin_area * sin_alpha;
+    let (p, q) = (t - cos_alpha, s + sin_alpha * a.dot(b));
     let denominator = (q * s + p * t) * sin_alpha;
     if denominator.abs() < 1e-20 {
         return None;
     }
     let cos_b = (((t * q - s * p) * cos_alpha - q) / denominator).clamp(-1.0, 1.0);
-    let ortho = |x: Vec3, y: Vec3| (x - y * x.dot(y)).try_normalize();
-    let c_new = a * cos_b + ortho(c, a)? * safe_sqrt(1.0 - sqr(cos_b));
+    // Along a great circle from x through y.
+    let toward =
+        |x: Vec3, y: Vec3, cos: f32, sin: f32| x * cos + (y - x * y.dot(x)).normalize() * sin;
+    let c_new = toward(a, c, cos_b, safe_sqrt(1.0 - sqr(cos_b)));
     // Choose a point of the arc from b to c'.
     let h = v * (1.0 - c_new.dot(b)); // 1 - cos
-    let w = b * (1.0 - h) + ortho(c_new, b)? * safe_sqrt(h * (2.0 - h));
+    let w = toward(b, c_new, 1.0 - h, safe_sqrt(h * (2.0 - h)));
     w.is_finite().then_some(w)
-}
-
-/// `acos` of a cosine that rounding may have pushed past one.
-#[inline]
-fn safe_acos(x: f32) -> f32 {
-    x.clamp(-1.0, 1.0).acos()
 }
 
 #[cfg(test)]
@@ -160,14 +161,15 @@ mod tests {
             }
             // The vector area of a spherical triangle is half the sum of its edges' angles times their normals;
             // it equals the integral of the direction over the triangle.
-            let edge = |p: Vec3, q: Vec3| p.cross(q).normalize() * safe_acos(p.dot(q)) * 0.5;
+            let edge = |p: Vec3, q: Vec3| p.cross(q).normalize() * p.dot(q).acos() * 0.5;
             let orientation = a.dot(b.cross(c)).signum();
             let expected = (edge(a, b) + edge(b, c) + edge(c, a)) * orientation;
             let n = 64;
             let mut sum = Vec3::ZERO;
             for i in 0..n * n {
                 let u = [((i % n) as f32 + 0.5) / n as f32, ((i / n) as f32 + 0.5) / n as f32];
-                let w = spherical_triangle(u, a, b, c).expect("not degenerate");
+                let w =
+                    spherical_triangle(u, a, b, c, solid_angle(a, b, c)).expect("not degenerate");
                 for (p, q) in [(a, b), (b, c), (c, a)] {
                     assert!(w.dot(p.cross(q)) * orientation > -1e-4, "case {case}: {w} is outside");
                 }

@@ -111,7 +111,7 @@ impl Emitter {
                 if let Some([a, b, c]) = directions(p, v) {
                     let omega = warp::solid_angle(a, b, c);
                     if SOLID_ANGLES.contains(&omega) {
-                        let w = warp::spherical_triangle(u, a, b, c)?;
+                        let w = warp::spherical_triangle(u, a, b, c, omega)?;
                         let point = on_triangle(p, w, v, normal)?;
                         return Some((point, 1.0 / omega));
                     }

@@ -1,4 +1,4 @@
-//! The scene: what a file gives ([`SceneParts`]), made ready for rays ([`Scene`]).
+//! The scene as a file gives it.
 
 use crate::geometry::{Instance, Shape};
 use crate::light::LightSource;

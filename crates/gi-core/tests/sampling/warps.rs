@@ -46,11 +46,12 @@ fn spherical_triangles() {
         let inside = |w: Vec3| {
             [(a, b), (b, c), (c, a)].iter().all(|(p, q)| w.dot(p.cross(*q)) * side >= -1e-5)
         };
-        let pdf = 1.0 / warp::solid_angle(a, b, c);
+        let omega = warp::solid_angle(a, b, c);
+        let pdf = 1.0 / omega;
         check_edged(
             &format!("spherical triangle {k}"),
             10 + k as u64,
-            |r| warp::spherical_triangle(r.next_2d(), a, b, c),
+            |r| warp::spherical_triangle(r.next_2d(), a, b, c, omega),
             |w| {
                 if inside(w) { pdf } else { 0.0 }
             },
