@@ -8,11 +8,12 @@ use super::input::{Input, PrimRef};
 use super::layout::{LANES, LEAF_BLOCKS, WIDTH};
 use super::optimise::BinaryNode;
 
-/// Cost of testing one block of triangles, in units of testing a node's eight boxes; measured.
+/// Cost of testing one block of triangles, in units of testing a node's eight boxes. Tuned on the benchmark: lower than
+/// the time of a test, because large leaves also make a smaller tree, which misses the caches less.
 const BLOCK_COST: f32 = 0.3;
 /// Cost of testing one solid.
 const SOLID_COST: f32 = 1.0;
-/// Triangles that one leaf may hold.
+/// Triangles that one leaf may hold; 8 cost four per cent of speed, 24 gain nothing.
 const LEAF_TRIANGLES: u32 = 16;
 /// Levels on which both children become tasks of their own.
 const TASK_DEPTH: u32 = 12;

@@ -11,6 +11,9 @@ use crate::ray::{Hit, Ray};
 pub(super) enum Isa {
     /// Plain Rust.
     Portable,
+    /// SSE2, which every 64-bit x86 has.
+    #[cfg(target_arch = "x86_64")]
+    Sse2,
     /// AVX2 and FMA.
     #[cfg(target_arch = "x86_64")]
     Avx2,
@@ -23,7 +26,7 @@ impl Isa {
     /// What this processor can run, the fastest last.
     #[cfg(target_arch = "x86_64")]
     pub(super) fn available() -> Vec<Isa> {
-        let mut found = vec![Isa::Portable];
+        let mut found = vec![Isa::Portable, Isa::Sse2];
         let avx2 = is_x86_feature_detected!("avx2")
             && is_x86_feature_detected!("fma")
             && is_x86_feature_detected!("bmi1")
@@ -64,6 +67,14 @@ impl Kernel {
         assert!(Isa::available().contains(&isa), "this processor has no {isa:?}");
         let (closest, any): (Trace, Trace) = match (isa, solids) {
             (Isa::Portable, _) => (portable::trace::<false>, portable::trace::<true>),
+            #[cfg(target_arch = "x86_64")]
+            (Isa::Sse2, false) => {
+                (kernel_x86::trace_sse2::<false, false>, kernel_x86::trace_sse2::<true, false>)
+            }
+            #[cfg(target_arch = "x86_64")]
+            (Isa::Sse2, true) => {
+                (kernel_x86::trace_sse2::<false, true>, kernel_x86::trace_sse2::<true, true>)
+            }
             #[cfg(target_arch = "x86_64")]
             (Isa::Avx2, false) => {
                 (kernel_x86::trace_avx2::<false, false>, kernel_x86::trace_avx2::<true, false>)

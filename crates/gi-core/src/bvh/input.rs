@@ -1,5 +1,7 @@
 //! What comes in: refused where it is not finite, turned into boxes with a tag.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
@@ -29,8 +31,8 @@ impl Box4 {
 
     #[inline(always)]
     pub(super) fn grow(&mut self, min: Vec4, max: Vec4) {
-        self.min = min_of(self.min, min);
-        self.max = max_of(self.max, max);
+        self.min = self.min.min(min);
+        self.max = self.max.max(max);
     }
 
     /// Half the surface area.
@@ -39,16 +41,6 @@ impl Box4 {
         let d = self.max - self.min;
         d.x * d.y + (d.x + d.y) * d.z
     }
-}
-
-#[inline(always)]
-pub(super) fn min_of(a: Vec4, b: Vec4) -> Vec4 {
-    a.min(b)
-}
-
-#[inline(always)]
-pub(super) fn max_of(a: Vec4, b: Vec4) -> Vec4 {
-    a.max(b)
 }
 
 /// The box of a primitive, or of a piece of one; which primitive stands in `max.w`.
@@ -119,18 +111,21 @@ impl<'a> Input<'a> {
     }
 }
 
-/// The boxes of all triangles, of which the first that is not finite or too large is reported.
+/// The boxes of all triangles; the first triangle that is not finite or too large is reported.
 fn triangle_refs(triangles: &[Triangle]) -> Result<Vec<PrimRef>, BuildError> {
-    let refs: Vec<PrimRef> = triangles
-        .par_iter()
-        .with_min_len(GRAIN)
-        .enumerate()
-        .map(|(i, t)| {
-            PrimRef::new(t.v[0].min(t.v[1]).min(t.v[2]), t.v[0].max(t.v[1]).max(t.v[2]), i)
-        })
-        .collect();
     let fits = |t: &Triangle| t.v.iter().all(|p| p.abs().cmple(Vec3::splat(LARGEST)).all());
-    match triangles.par_iter().with_min_len(GRAIN).find_first(|t| !fits(t)) {
+    let all_fit = AtomicBool::new(true);
+    let reference = |(i, t): (usize, &Triangle)| {
+        if !fits(t) {
+            all_fit.store(false, Ordering::Relaxed);
+        }
+        PrimRef::new(t.v[0].min(t.v[1]).min(t.v[2]), t.v[0].max(t.v[1]).max(t.v[2]), i)
+    };
+    let refs = triangles.par_iter().with_min_len(GRAIN).enumerate().map(reference).collect();
+    if all_fit.into_inner() {
+        return Ok(refs);
+    }
+    match triangles.iter().find(|t| !fits(t)) {
         Some(t) if t.v.iter().all(|p| p.is_finite()) => Err(BuildError::TooLarge { id: t.id }),
         Some(t) => Err(BuildError::NonFinite { id: t.id }),
         None => Ok(refs),

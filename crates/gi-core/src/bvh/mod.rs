@@ -7,6 +7,7 @@
 //!
 //! Spheres, disks, cylinders and instances are leaves of the same tree; a scene of triangles does not pay for them.
 
+mod bins;
 mod collapse;
 mod dispatch;
 mod emit;

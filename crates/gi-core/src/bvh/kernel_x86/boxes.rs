@@ -2,7 +2,7 @@
 
 use std::arch::x86_64::*;
 
-use super::super::layout::{Node, Tree, WIDTH, is_leaf, leaf_range};
+use super::super::layout::{Node, WIDTH};
 use super::super::walk::SMALLEST_STEP;
 use crate::ray::Ray;
 
@@ -77,6 +77,13 @@ pub(super) fn slabs(node: &Node, wide: &Wide, tmax: f32) -> (__m256, __m256) {
         _mm256_min_ps(plane(2, z ^ ROW), _mm256_set1_ps(tmax)),
     );
     (near, _mm256_cmp_ps::<_CMP_LE_OQ>(near, far))
+}
+
+/// How many children are hit.
+#[inline]
+#[target_feature(enable = "avx2,fma,popcnt")]
+pub(super) fn count(hits: __m256) -> usize {
+    _mm256_movemask_ps(hits).count_ones() as usize
 }
 
 /// For every mask, the lanes that are set, in order.
@@ -167,20 +174,5 @@ pub(super) unsafe fn push_avx512<const ANY: bool>(
             _mm256_storeu_si256(words.cast(), _mm256_maskz_compress_epi32(mask, children));
             _mm256_storeu_ps(dists, _mm256_maskz_compress_ps(mask, near));
         }
-    }
-}
-
-/// Bring what a word points at into the cache.
-#[inline]
-#[target_feature(enable = "avx2,fma")]
-pub(super) fn prefetch(tree: &Tree, word: u32) {
-    let (first, _) = leaf_range(word);
-    let start: *const i8 = if is_leaf(word) {
-        tree.blocks.as_ptr().wrapping_add(first).cast()
-    } else {
-        tree.nodes.as_ptr().wrapping_add(word as usize).cast()
-    };
-    for line in 0..4 {
-        _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(64 * line));
     }
 }

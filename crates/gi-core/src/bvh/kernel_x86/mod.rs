@@ -1,6 +1,7 @@
-//! The walk in AVX2 and AVX-512: a branch-free step over eight children, and triangles four at a time.
+//! The walk in SSE2, AVX2 and AVX-512: all children of a node at once, and triangles four at a time.
 
 mod boxes;
+mod halves;
 mod triangles;
 
 use std::arch::x86_64::*;
@@ -9,8 +10,22 @@ use std::mem::MaybeUninit;
 use super::layout::{SENTINEL, STACK, Tree, is_leaf, is_solid, leaf_range};
 use super::portable::FOUND;
 use crate::ray::{Hit, Ray};
-use boxes::{prefetch, push_avx2, push_avx512, slabs, widen};
-use triangles::{shear, triangles};
+use triangles::{shear, triangles_fma, triangles_sse2};
+
+/// Bring what a word points at into the cache.
+#[inline]
+#[target_feature(enable = "sse2")]
+fn prefetch(tree: &Tree, word: u32) {
+    let (first, _) = leaf_range(word);
+    let start: *const i8 = if is_leaf(word) {
+        tree.blocks.as_ptr().wrapping_add(first).cast()
+    } else {
+        tree.nodes.as_ptr().wrapping_add(word as usize).cast()
+    };
+    for line in 0..4 {
+        _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(64 * line));
+    }
+}
 
 /// Test a leaf of solids; kept out of the walk, which is for triangles.
 #[cold]
@@ -30,14 +45,14 @@ fn solids<const ANY: bool>(tree: &Tree, word: u32, ray: &Ray, hit: &mut Hit) -> 
 }
 
 macro_rules! trace {
-    ($name:ident, $push:ident, $features:literal) => {
+    ($name:ident, $boxes:ident, $push:ident, $triangles:ident, $features:literal) => {
         /// The nearest hit, or with `ANY` the first one found; `SOLIDS` if the tree has any.
         #[target_feature(enable = $features)]
         pub(super) fn $name<const ANY: bool, const SOLIDS: bool>(
             tree: &Tree,
             ray: &Ray,
         ) -> Option<Hit> {
-            let (wide, shear) = (widen(ray), shear(ray));
+            let (wide, shear) = ($boxes::widen(ray), shear(ray));
             let mut hit = Hit { t: ray.tmax, ..FOUND };
             let mut any = false;
             let mut words = [MaybeUninit::<u32>::uninit(); STACK];
@@ -53,14 +68,21 @@ macro_rules! trace {
                 while !is_leaf(word) {
                     // SAFETY: `Tree::checked_depth` has seen every inner word inside the nodes.
                     let node = unsafe { tree.nodes.get_unchecked(word as usize) };
-                    let (near, hits) = slabs(node, &wide, hit.t);
-                    let count = _mm256_movemask_ps(hits).count_ones() as usize;
+                    let (near, hits) = $boxes::slabs(node, &wide, hit.t);
+                    let count = $boxes::count(hits);
                     if count == 0 {
                         break;
                     }
                     // SAFETY: the builder bounds the depth so that eight more entries always fit.
                     unsafe {
-                        $push::<ANY>(node, &wide, near, hits, words.add(top), dists.add(top));
+                        $boxes::$push::<ANY>(
+                            node,
+                            &wide,
+                            near,
+                            hits,
+                            words.add(top),
+                            dists.add(top),
+                        );
                         top += count - 1;
                         word = *words.add(top);
                         prefetch(tree, *words.add(top - 1));
@@ -77,7 +99,7 @@ macro_rules! trace {
                         for k in first..first + count {
                             // SAFETY: `Tree::checked_depth` has seen every leaf word inside the blocks.
                             let block = unsafe { tree.blocks.get_unchecked(k) };
-                            any |= triangles::<ANY>(block, &shear, &mut hit);
+                            any |= $triangles::<ANY>(block, &shear, &mut hit);
                             if ANY && any {
                                 break;
                             }
@@ -102,5 +124,9 @@ macro_rules! trace {
     };
 }
 
-trace!(trace_avx2, push_avx2, "avx2,fma,bmi1,bmi2,lzcnt,popcnt");
-trace!(trace_avx512, push_avx512, "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl,avx512dq");
+trace!(trace_sse2, halves, push, triangles_sse2, "sse2");
+trace!(trace_avx2, boxes, push_avx2, triangles_fma, "avx2,fma,bmi1,bmi2,lzcnt,popcnt");
+trace!(
+    trace_avx512,
+    boxes, push_avx512, triangles_fma, "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl,avx512dq"
+);
