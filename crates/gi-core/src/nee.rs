@@ -26,11 +26,11 @@ pub fn direct_light(
     wo: Vec3,
     sampler: &mut Sampler,
 ) -> Rgb {
-    let (u_light, u) = (sampler.next_1d(), sampler.next_2d());
+    let u = sampler.next_2d();
     if bsdf.is_delta() {
         return Rgb::BLACK;
     }
-    let Some(light) = scene.sample_light(surface.p, u_light, u) else { return Rgb::BLACK };
+    let Some(light) = scene.sample_light(surface.p, u) else { return Rgb::BLACK };
     let (f_cos, pdf_bsdf) = bsdf.f_cos_pdf(wo, light.wi);
     let arriving = f_cos * light.radiance;
     if arriving.is_black() {

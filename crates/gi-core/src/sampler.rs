@@ -47,6 +47,12 @@ impl Sampler {
         [bits_to_unit(x), bits_to_unit(y)]
     }
 
+    /// Leave a dimension out, so that those that follow keep their places.
+    #[inline]
+    pub fn skip(&mut self) {
+        self.dimension += 1;
+    }
+
     /// Go on at dimension `d`, so that a use of the sampler that draws a varying number of numbers
     /// does not shift those that follow.
     #[inline]

@@ -187,6 +187,19 @@ impl Lobe<'_> {
         }
     }
 
+    /// Whether sampling chooses between parts of the lobe.
+    #[inline]
+    pub(crate) fn has_choice(&self) -> bool {
+        !matches!(
+            self,
+            Lobe::Diffuse { .. }
+                | Lobe::OrenNayar { .. }
+                | Lobe::Conductor { .. }
+                | Lobe::RoughConductor { .. }
+                | Lobe::Null
+        )
+    }
+
     /// Whether `f` is zero everywhere.
     #[inline]
     pub(crate) fn is_delta(&self) -> bool {

@@ -157,6 +157,15 @@ impl<'a> Bsdf<'a> {
         }
     }
 
+    /// Whether [`Bsdf::sample`] has something to choose between; its `u_choice` is not looked at otherwise.
+    #[inline]
+    pub fn has_choice(&self) -> bool {
+        match &self.parts {
+            Parts::One(c) => c.lobe.has_choice(),
+            Parts::Blend { .. } => true,
+        }
+    }
+
     /// Draw where a path goes on; `None` where it ends. `u_choice` chooses between lobes, `u` within one.
     #[inline]
     pub fn sample(&self, wo: Vec3, u_choice: f32, u: [f32; 2]) -> Option<Scatter> {

@@ -57,9 +57,11 @@ pub struct EmitterPoint {
     pub uv: Vec2,
 }
 
-/// Solid angles outside of this range lose too many digits in spherical trigonometry; such triangles are
-/// sampled by area. (At the lower end the two differ by less than a part in a thousand.)
-const SOLID_ANGLES: std::ops::Range<f32> = 3e-4..6.2;
+/// Triangles whose area is below this share of the squared distance are sampled by area: over so small a piece of the
+/// sphere (a hand at arm's length) cosine and distance vary little, and spherical trigonometry costs ten times as much.
+const FAR: f32 = 0.03;
+/// A triangle round nearly the whole hemisphere loses too many digits in spherical trigonometry.
+const LARGEST_SOLID_ANGLE: f32 = 6.2;
 
 impl Emitter {
     /// Area, world units squared.
@@ -108,13 +110,10 @@ impl Emitter {
                 if normal.dot(p - v[0]) <= 0.0 {
                     return None;
                 }
-                if let Some([a, b, c]) = directions(p, v) {
-                    let omega = warp::solid_angle(a, b, c);
-                    if SOLID_ANGLES.contains(&omega) {
-                        let w = warp::spherical_triangle(u, a, b, c, omega)?;
-                        let point = on_triangle(p, w, v, normal)?;
-                        return Some((point, 1.0 / omega));
-                    }
+                if let Some(([a, b, c], omega)) = near_triangle(p, v) {
+                    let w = warp::spherical_triangle(u, a, b, c, omega)?;
+                    let point = on_triangle(p, w, v, normal)?;
+                    return Some((point, 1.0 / omega));
                 }
             }
             Emitter::Sphere { center, radius, outward } => {
@@ -141,11 +140,8 @@ impl Emitter {
     pub fn pdf_w(&self, p: Vec3, q: Vec3, normal: Vec3) -> f32 {
         match *self {
             Emitter::Triangle { v, .. } => {
-                if let Some([a, b, c]) = directions(p, v) {
-                    let omega = warp::solid_angle(a, b, c);
-                    if SOLID_ANGLES.contains(&omega) {
-                        return 1.0 / omega;
-                    }
+                if let Some((_, omega)) = near_triangle(p, v) {
+                    return 1.0 / omega;
                 }
             }
             Emitter::Sphere { center, radius, .. } => {
@@ -161,11 +157,18 @@ impl Emitter {
     }
 }
 
-/// Unit directions to the corners; `None` for a corner at `p`.
+/// Unit directions to the corners and the solid angle of a triangle that is to be sampled by it.
 #[inline]
-fn directions(p: Vec3, v: [Vec3; 3]) -> Option<[Vec3; 3]> {
+fn near_triangle(p: Vec3, v: [Vec3; 3]) -> Option<([Vec3; 3], f32)> {
+    let distance_sq = ((v[0] + v[1] + v[2]) * (1.0 / 3.0) - p).length_squared();
+    let area_sq = 0.25 * (v[1] - v[0]).cross(v[2] - v[0]).length_squared();
+    if area_sq < sqr(FAR * distance_sq) {
+        return None;
+    }
     let [a, b, c] = v.map(|v| (v - p).try_normalize());
-    Some([a?, b?, c?])
+    let [a, b, c] = [a?, b?, c?]; // no direction to a corner at p
+    let omega = warp::solid_angle(a, b, c);
+    (omega > 1e-4 && omega < LARGEST_SOLID_ANGLE).then_some(([a, b, c], omega))
 }
 
 /// Where the ray from `p` along `w` meets the triangle's plane, as a point of the triangle.

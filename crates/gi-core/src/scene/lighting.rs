@@ -33,10 +33,11 @@ impl Scene {
         })
     }
 
-    /// Draw light that arrives at `p`, shadows not yet looked at. `u_light` chooses the light, `u` the point on it.
+    /// Draw light that arrives at `p`, shadows not yet looked at: `u` chooses the light and the point on it.
     #[inline]
-    pub fn sample_light(&self, p: Vec3, u_light: f32, u: [f32; 2]) -> Option<LightSample> {
-        let (light, probability, _) = self.lights.choose(u_light)?;
+    pub fn sample_light(&self, p: Vec3, u: [f32; 2]) -> Option<LightSample> {
+        let (light, probability, u0) = self.lights.choose(u[0])?;
+        let u = [u0, u[1]];
         let mut sample =
             self.lights.sample_light(light, p, u, |s, k, uv| self.emission_at(s, k, uv))?;
         sample.pdf_w *= probability;
