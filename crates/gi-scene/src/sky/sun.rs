@@ -22,7 +22,7 @@ pub(crate) struct Moment {
     pub(crate) longitude: f64,
 }
 
-/// Towards the sun as (south, west, up) [BlancoMuriel01].
+/// Towards the sun as (south, west, up) \[BlancoMuriel01\].
 pub(crate) fn direction(m: &Moment) -> DVec3 {
     let hours = m.hours - m.timezone;
     let days = days_since_2000(m.year, m.month, m.day) + hours / 24.0;
@@ -51,7 +51,7 @@ pub(crate) fn direction(m: &Moment) -> DVec3 {
     DVec3::new(-azimuth.cos() * sin, -azimuth.sin() * sin, cos)
 }
 
-/// Days from noon of 1 January 2000 to the midnight that begins a day of the Gregorian calendar [Fliegel68].
+/// Days from noon of 1 January 2000 to the midnight that begins a day of the Gregorian calendar \[Fliegel68\].
 fn days_since_2000(year: i64, month: i64, day: i64) -> f64 {
     let a = (month - 14) / 12;
     let julian = (1461 * (year + 4800 + a)) / 4 + (367 * (month - 2 - 12 * a)) / 12
@@ -66,7 +66,7 @@ const OUTSIDE: [f32; 3] = [24388.0, 22190.0, 20857.0];
 
 /// Optical depth of the whole atmosphere, straight up, for turbidity 1 to 10.
 ///
-/// Fitted to the solar radiance of [Hosek13] as Mitsuba 3.9.1 computes it in RGB: within 1.1 % from
+/// Fitted to the solar radiance of \[Hosek13\] as Mitsuba 3.9.1 computes it in RGB: within 1.1 % from
 /// 10 degrees of elevation upward for turbidities up to 6, within 3.5 % up to 10; a few degrees over the
 /// horizon, where one number a channel no longer describes the absorption, it is only of the right order.
 const DEPTH: [[f32; 3]; 10] = [
