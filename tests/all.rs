@@ -1,1 +1,8 @@
-//! The one test binary of the workspace-wide tests.
+//! The one test binary of what crosses crates.
+
+/// Techniques against each other and against the reference.
+mod agreement;
+/// Scenes with known answers, for every technique that can render them.
+mod analytic;
+/// The same bits for any number of threads.
+mod determinism;

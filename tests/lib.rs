@@ -1,1 +1,122 @@
-//! Helpers of the tests that cross crates.
+//! Helpers of the tests that cross crates: scenes with known answers, and rendering them.
+
+use gi_core::camera::{Camera, CameraSpec};
+use gi_core::film::{Film, Show};
+use gi_core::filter::{Filter, FilterSampler};
+use gi_core::geometry::{Geometry, Mesh, Shape};
+use gi_core::material::Material;
+use gi_core::math::{Frame, Rgb};
+use gi_core::scene::{Scene, SceneParts};
+use gi_core::technique::{Setting, Technique};
+use gi_core::texture::Texture;
+use glam::Vec3;
+
+/// A scene, its camera and filter.
+pub struct World {
+    /// Surfaces and lights.
+    pub scene: Scene,
+    /// The eye.
+    pub camera: Camera,
+    /// How samples make a pixel.
+    pub filter: FilterSampler,
+}
+
+impl World {
+    /// A world of `parts` seen through `camera`.
+    pub fn new(parts: SceneParts, camera: &CameraSpec) -> Self {
+        let scene = Scene::new(parts).expect("a valid scene");
+        World { scene, camera: Camera::new(camera), filter: FilterSampler::new(Filter::Box) }
+    }
+
+    /// A scene file's world, its picture scaled to `size`.
+    pub fn load(path: &str, size: [usize; 2], defines: &[(&str, &str)]) -> Self {
+        let defines = defines.iter().map(|(n, v)| (n.to_string(), v.to_string())).collect();
+        let options = gi_scene::Options { defines, size: Some(size), ..Default::default() };
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(path);
+        let loaded =
+            gi_scene::load(&path, &options).unwrap_or_else(|problems| panic!("{problems}"));
+        World::new(loaded.parts, &loaded.camera)
+    }
+
+    /// The film after some passes of a technique.
+    pub fn render<'a, T: Technique<'a>>(
+        &'a self,
+        params: &T::Params,
+        passes: u32,
+        seed: u32,
+        show: Show,
+    ) -> Film {
+        let setting =
+            Setting { scene: &self.scene, camera: &self.camera, filter: &self.filter, seed };
+        let mut film = Film::new(self.camera.size(), show);
+        let mut technique = T::prepare(setting, params);
+        (0..passes).for_each(|k| technique.pass(k, &mut film));
+        film
+    }
+}
+
+/// Mean over the picture of the three channels, and the variance of that mean as the film estimates it.
+pub fn mean_and_variance(film: &Film) -> (f64, f64) {
+    let layers = film.layers();
+    let n = (3 * layers.width * layers.height) as f64;
+    let sum = |names: [&str; 3]| -> f64 {
+        names
+            .iter()
+            .flat_map(|name| layers.channel(name).expect("a layer"))
+            .map(|v| f64::from(*v))
+            .sum()
+    };
+    let mean = sum(["R", "G", "B"]) / n;
+    // Channels of a pixel may be one number thrice: take them as fully correlated.
+    (mean, 3.0 * sum(["Variance.R", "Variance.G", "Variance.B"]) / (n * n))
+}
+
+/// A Lambertian material of grey albedo.
+pub fn grey(albedo: f32) -> Material {
+    Material::Diffuse { reflectance: Texture::grey(albedo) }
+}
+
+/// Either side of a material that stands at index 0.
+pub fn both_sides() -> Material {
+    Material::TwoSided { front: 0, back: 0 }
+}
+
+/// A sphere round `center`.
+pub fn sphere(center: Vec3, radius: f32) -> Geometry {
+    Geometry::Sphere { center, radius, axes: Frame::from_normal(Vec3::Z) }
+}
+
+/// The inside of the cube from -1 to 1, normals inward.
+pub fn cube_inside() -> Geometry {
+    let corner = |k: usize| {
+        Vec3::from_array([0, 1, 2].map(|axis| if k >> axis & 1 == 0 { -1.0 } else { 1.0 }))
+    };
+    let faces =
+        [[0, 2, 6, 4], [1, 5, 7, 3], [0, 4, 5, 1], [2, 3, 7, 6], [0, 1, 3, 2], [4, 6, 7, 5]];
+    let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    Geometry::Mesh(Mesh { positions: (0..8).map(corner).collect(), triangles, ..Mesh::default() })
+}
+
+/// A planar polygon, its normal by the right hand round the corners.
+pub fn polygon(corners: &[Vec3]) -> Geometry {
+    let triangles = (2..corners.len() as u32).map(|k| [0, k - 1, k]).collect();
+    Geometry::Mesh(Mesh { positions: corners.to_vec(), triangles, ..Mesh::default() })
+}
+
+/// A closed box whose walls shine with radiance 1 and have albedo `a`: radiance is 1 / (1 - a) everywhere.
+pub fn furnace(a: f32) -> (SceneParts, CameraSpec) {
+    let walls = Shape {
+        emission: Some(Texture::Constant(Rgb::WHITE)),
+        ..Shape::new("walls", cube_inside(), 0)
+    };
+    let parts =
+        SceneParts { shapes: vec![walls], materials: vec![grey(a)], ..SceneParts::default() };
+    let camera = CameraSpec::look_at(
+        Vec3::new(0.1, -0.2, -0.7),
+        Vec3::new(0.2, 0.1, 1.0),
+        Vec3::Y,
+        1.4,
+        [16, 16],
+    );
+    (parts, camera)
+}

@@ -25,7 +25,8 @@ impl Budget {
 /// A time span with its unit: 500ms, 30s, 5m, 1.5h; a bare number is seconds.
 pub(crate) fn parse_time(text: &str) -> Result<Duration, String> {
     let units = [("ms", 1e-3), ("s", 1.0), ("m", 60.0), ("h", 3600.0)];
-    let split = units.iter().find_map(|(unit, seconds)| text.strip_suffix(unit).map(|n| (n, *seconds)));
+    let split =
+        units.iter().find_map(|(unit, seconds)| text.strip_suffix(unit).map(|n| (n, *seconds)));
     let (number, unit) = split.unwrap_or((text, 1.0));
     let value: f64 = number.trim().parse().map_err(|_| "expected a time span: 30s, 5m, 1.5h")?;
     // Thirty years are as good as for ever, and safely within what a Duration holds.
@@ -46,7 +47,9 @@ mod tests {
         assert_eq!(ms("500ms"), Ok(500));
         assert_eq!(ms("1.5h"), Ok(5_400_000));
         assert_eq!(ms("2"), Ok(2_000));
-        assert!(["", "s", "-1s", "0", "nan", "inf", "1e30h"].iter().all(|t| parse_time(t).is_err()));
+        assert!(
+            ["", "s", "-1s", "0", "nan", "inf", "1e30h"].iter().all(|t| parse_time(t).is_err())
+        );
     }
 
     #[test]

@@ -111,8 +111,12 @@ impl Common {
 
     /// What the scene's loader must know.
     pub(crate) fn scene_options(&self) -> gi_scene::Options {
-        let camera =
-            gi_scene::CameraOverride { origin: self.origin, target: self.target, up: self.up, fov: self.fov };
+        let camera = gi_scene::CameraOverride {
+            origin: self.origin,
+            target: self.target,
+            up: self.up,
+            fov: self.fov,
+        };
         gi_scene::Options { defines: self.define.clone(), size: self.size, camera }
     }
 
@@ -148,7 +152,8 @@ fn parse_define(text: &str) -> Result<(String, String), String> {
 
 fn parse_vec3(text: &str) -> Result<Vec3, String> {
     let wrong = || "expected three numbers: X,Y,Z".to_string();
-    let numbers: Vec<f32> = text.split(',').map(|t| t.trim().parse()).collect::<Result<_, _>>().map_err(|_| wrong())?;
+    let numbers: Vec<f32> =
+        text.split(',').map(|t| t.trim().parse()).collect::<Result<_, _>>().map_err(|_| wrong())?;
     let [x, y, z] = numbers[..] else { return Err(wrong()) };
     Ok(Vec3::new(x, y, z))
 }

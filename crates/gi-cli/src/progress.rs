@@ -21,7 +21,9 @@ impl Progress {
         };
         // indicatif hides the bar where standard error is no terminal.
         let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(length) };
-        let style = ProgressStyle::with_template("{bar:32} {percent:>3} %  {msg}  {elapsed} elapsed, {eta} to go");
+        let style = ProgressStyle::with_template(
+            "{bar:32} {percent:>3} %  {msg}  {elapsed} elapsed, {eta} to go",
+        );
         if let Ok(style) = style {
             bar.set_style(style);
         }

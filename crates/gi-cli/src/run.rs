@@ -54,7 +54,8 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<(), Failure> {
 
     let Loaded { parts, camera, filter, warnings, hash, .. } = loaded;
     let clock = Instant::now();
-    let scene = Scene::new(parts).map_err(|e| Failure::Input(format!("error: {}: {e}", common.scene.display())))?;
+    let scene = Scene::new(parts)
+        .map_err(|e| Failure::Input(format!("error: {}: {e}", common.scene.display())))?;
     let build_time = clock.elapsed();
     let (camera, filter) = (Camera::new(&camera), FilterSampler::new(filter));
     say_scene(common, &scene, camera.size());
@@ -84,11 +85,17 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<(), Failure> {
 
 /// Read the scene; with `--export-mitsuba`, write it and end.
 fn load(common: &Common) -> Result<Loaded, Failure> {
-    gi_scene::load(&common.scene, &common.scene_options()).map_err(|problems| Failure::Input(problems.to_string()))
+    gi_scene::load(&common.scene, &common.scene_options())
+        .map_err(|problems| Failure::Input(problems.to_string()))
 }
 
 /// Passes until the budget is spent.
-fn passes<'a>(technique: &mut impl Technique<'a>, common: &Common, film: &mut Film, start: Instant) {
+fn passes<'a>(
+    technique: &mut impl Technique<'a>,
+    common: &Common,
+    film: &mut Film,
+    start: Instant,
+) {
     let budget = common.budget();
     let progress = Progress::new(budget, film.size(), common.quiet);
     let mut done = 0;
@@ -101,14 +108,23 @@ fn passes<'a>(technique: &mut impl Technique<'a>, common: &Common, film: &mut Fi
 }
 
 /// The command line with the scene's presets `gi.PROGRAM.FLAG` in front, so that what was typed wins.
-fn with_presets<P: Program>(arguments: &[String], program: &str, loaded: &Loaded) -> Result<Vec<String>, Failure> {
+fn with_presets<P: Program>(
+    arguments: &[String],
+    program: &str,
+    loaded: &Loaded,
+) -> Result<Vec<String>, Failure> {
     let prefix = format!("gi.{program}.");
-    let presets = loaded.presets.iter().filter_map(|(name, value)| Some((name, name.strip_prefix(&prefix)?, value)));
+    let presets = loaded
+        .presets
+        .iter()
+        .filter_map(|(name, value)| Some((name, name.strip_prefix(&prefix)?, value)));
     let mut all = arguments[..1].to_vec();
     for (name, flag, value) in presets {
         let flag = flag.replace('_', "-");
         if !P::command().get_arguments().any(|a| a.get_long() == Some(&flag)) {
-            let text = format!("error: the scene's preset {name} names no flag: {program} has no --{flag}");
+            let text = format!(
+                "error: the scene's preset {name} names no flag: {program} has no --{flag}"
+            );
             return Err(Failure::Input(text));
         }
         all.push(format!("--{flag}={value}"));
@@ -152,7 +168,8 @@ fn save(record: &Record, film: &Film, output: &Output) -> Result<(), Failure> {
         save_json(path, &statistics(record, mean))?;
     }
     if !record.common.quiet {
-        let [load, build, prepare, render] = record.seconds.map(|s| format!("{:.2?}", Duration::from_secs_f64(s)));
+        let [load, build, prepare, render] =
+            record.seconds.map(|s| format!("{:.2?}", Duration::from_secs_f64(s)));
         eprintln!(
             "{}: {} passes; scene read in {load}, tree built in {build}, prepared in {prepare}, rendered in {render}",
             output.path().display(),
@@ -183,7 +200,8 @@ fn metadata(record: &Record) -> Vec<(String, String)> {
 fn statistics(record: &Record, mean: [f64; 3]) -> Value {
     let [load, build, prepare, render] = record.seconds;
     let samples = record.size[0] as f64 * record.size[1] as f64 * f64::from(record.passes);
-    let technique: Map<String, Value> = record.technique.iter().map(|(k, v)| (k.clone(), json!(v))).collect();
+    let technique: Map<String, Value> =
+        record.technique.iter().map(|(k, v)| (k.clone(), json!(v))).collect();
     json!({
         "program": record.program,
         "command": record.arguments,

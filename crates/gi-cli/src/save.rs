@@ -43,13 +43,15 @@ pub(crate) fn check_writable(path: &Path) -> Result<(), Failure> {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(format!(".{}.try", std::process::id()));
     let trial = path.with_file_name(name);
-    std::fs::File::create(&trial).map_err(|e| Failure::Other(format!("cannot write {}: {e}", path.display())))?;
+    std::fs::File::create(&trial)
+        .map_err(|e| Failure::Other(format!("cannot write {}: {e}", path.display())))?;
     let _ = std::fs::remove_file(&trial); // an empty file left behind does no harm
     Ok(())
 }
 
 fn write(path: &Path, format: ImageFile, layers: &Layers) -> Result<(), Failure> {
-    write_file(path, format, layers).map_err(|e| Failure::Other(format!("cannot write {}: {e}", path.display())))
+    write_file(path, format, layers)
+        .map_err(|e| Failure::Other(format!("cannot write {}: {e}", path.display())))
 }
 
 /// Write statistics: to a temporary name first, as pictures are.

@@ -91,7 +91,7 @@ struct Pixel {
     count: u32,
     /// Sums of direct, indirect and caustic radiance.
     sums: [[f64; 3]; 3],
-    /// Running mean and sum of squared deviations of what is shown [Welford62].
+    /// Running mean and sum of squared deviations of what is shown \[Welford62\].
     mean: [f64; 3],
     deviation: [f64; 3],
     albedo: Rgb,

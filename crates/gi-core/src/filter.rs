@@ -1,5 +1,5 @@
 //! Reconstruction filters, sampled rather than splatted: a pixel's sample positions are drawn in proportion to
-//! the filter [Ernst06], so that pixels stay independent of each other and of the order of the work.
+//! the filter \[Ernst06\], so that pixels stay independent of each other and of the order of the work.
 
 use std::f32::consts::PI;
 
@@ -65,7 +65,7 @@ impl Filter {
     }
 }
 
-/// The two-parameter family of cubics [Mitchell88].
+/// The two-parameter family of cubics \[Mitchell88\].
 fn mitchell(x: f32, b: f32, c: f32) -> f32 {
     let (x2, x3) = (x * x, x * x * x);
     let value = if x < 1.0 {

@@ -83,7 +83,7 @@ pub enum Material {
         /// Facets of the coat, if rough (isotropic; `alpha_u` counts and must be constant).
         roughness: Option<Roughness>,
     },
-    /// Modified Phong [Lafortune94].
+    /// Modified Phong \[Lafortune94\].
     Phong {
         /// Diffuse albedo.
         diffuse: Texture,

@@ -6,7 +6,7 @@ pub fn bits_to_unit(x: u32) -> f32 {
     (x >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
-/// PCG's RXS-M-XS output function as a 32-bit hash [Jarzynski20].
+/// PCG's RXS-M-XS output function as a 32-bit hash \[Jarzynski20\].
 #[inline]
 pub fn hash_u32(x: u32) -> u32 {
     let state = x.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
@@ -74,7 +74,10 @@ mod tests {
         // The demo of the reference distribution: pcg32_srandom(42, 54).
         let mut rng = Pcg::new(42, 54);
         let first: Vec<u32> = (0..6).map(|_| rng.next_u32()).collect();
-        assert_eq!(first, [0xa15c_02b7, 0x7b47_f409, 0xba1d_3330, 0x83d2_f293, 0xbfa4_784b, 0xcbed_606e]);
+        assert_eq!(
+            first,
+            [0xa15c_02b7, 0x7b47_f409, 0xba1d_3330, 0x83d2_f293, 0xbfa4_784b, 0xcbed_606e]
+        );
     }
 
     #[test]

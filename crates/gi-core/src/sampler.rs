@@ -1,4 +1,4 @@
-//! Stratified random numbers: padded (0,2)-sequences, Owen-scrambled, without tables [Burley20].
+//! Stratified random numbers: padded (0,2)-sequences, Owen-scrambled, without tables \[Burley20\].
 //!
 //! Every number is a pure function of (seed, pixel or stream, sample index, dimension). Each pair of dimensions is
 //! the two-dimensional Sobol sequence, scrambled and shuffled with a seed of its own: within every aligned block
@@ -112,7 +112,7 @@ mod tests {
                     .collect();
                 for log_x in 0..=6 {
                     let (nx, ny) = (1usize << log_x, 64 >> log_x);
-                    let mut seen = vec![false; 64];
+                    let mut seen = [false; 64];
                     for [x, y] in &points {
                         let cell = (x * nx as f32) as usize * ny + (y * ny as f32) as usize;
                         assert!(

@@ -142,7 +142,7 @@ pub enum Roulette {
     /// Never.
     Off,
     /// In proportion to what the surface absorbs, from this scattering on (1 is the first): powers then
-    /// stay nearly equal [Jensen01].
+    /// stay nearly equal \[Jensen01\].
     ByAlbedo {
         /// The first scattering that may end the path.
         from: u32,

@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3};
 
 use crate::math::{INV_PI, safe_sqrt, sqr};
 
-/// The unit disk, keeping areas and nearly keeping shapes [Shirley97].
+/// The unit disk, keeping areas and nearly keeping shapes \[Shirley97\].
 #[inline]
 pub fn disk([u, v]: [f32; 2]) -> Vec2 {
     let (x, y) = (2.0 * u - 1.0, 2.0 * v - 1.0);
@@ -86,7 +86,7 @@ pub fn cone_pdf(one_minus_cos: f32) -> f32 {
     0.5 * INV_PI / one_minus_cos
 }
 
-/// Barycentric weights of the second and third corner of a triangle, uniform in its area [Heitz19].
+/// Barycentric weights of the second and third corner of a triangle, uniform in its area \[Heitz19\].
 #[inline]
 pub fn triangle([u, v]: [f32; 2]) -> [f32; 2] {
     // Fold the square along its diagonal without crossing strata.
@@ -99,14 +99,14 @@ pub fn triangle([u, v]: [f32; 2]) -> [f32; 2] {
     }
 }
 
-/// Solid angle of the spherical triangle through three unit vectors [VanOosterom83].
+/// Solid angle of the spherical triangle through three unit vectors \[VanOosterom83\].
 #[inline]
 pub fn solid_angle(a: Vec3, b: Vec3, c: Vec3) -> f32 {
     let volume = a.dot(b.cross(c)).abs();
     2.0 * volume.atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a)).abs()
 }
 
-/// A direction uniform in the spherical triangle through three unit vectors [Arvo95].
+/// A direction uniform in the spherical triangle through three unit vectors \[Arvo95\].
 /// Its density per solid angle is one over [`solid_angle`]. `None` for a degenerate triangle.
 pub fn spherical_triangle([u, v]: [f32; 2], a: Vec3, b: Vec3, c: Vec3) -> Option<Vec3> {
     // Angles at the corners, between the planes through the edges.

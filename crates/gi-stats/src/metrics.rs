@@ -25,7 +25,7 @@ pub const RELATIVE_FLOOR: f64 = 1e-2;
 /// # Errors
 /// The sizes differ, or a value is not finite: what and where.
 pub fn compare(picture: &[f32], reference: &[f32]) -> Result<Metrics, String> {
-    if picture.len() != reference.len() || picture.is_empty() || picture.len() % 3 != 0 {
+    if picture.len() != reference.len() || picture.is_empty() || !picture.len().is_multiple_of(3) {
         return Err(format!(
             "{} values against {}: not two RGB pictures of one size",
             picture.len(),

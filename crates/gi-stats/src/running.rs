@@ -1,4 +1,4 @@
-/// Mean and variance of numbers that come one by one [Welford62], mergeable [Chan79].
+/// Mean and variance of numbers that come one by one \[Welford62\], mergeable \[Chan79\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Running {
     count: u64,

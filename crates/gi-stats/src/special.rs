@@ -1,6 +1,6 @@
 //! Special functions behind the tests' p-values, in double precision.
 
-/// ln Gamma(x) for x > 0 [Lanczos64], to about 1e-13.
+/// ln Gamma(x) for x > 0 \[Lanczos64\], to about 1e-13.
 pub(crate) fn ln_gamma(x: f64) -> f64 {
     const G: f64 = 7.0;
     const C: [f64; 9] = [

@@ -8,7 +8,7 @@
 //! | `--max-depth` | path segments: 1 shows lights, 2 adds direct light; -1 is unbounded |
 //! | `--rr-depth` | segments after which Russian roulette may end a path (5) |
 //! | how it fails | noise: `path` where light is focused (caustics of small lights), `light` behind mirrors and glass |
-//! | sources | [Kajiya86], [Veach97] |
+//! | sources | \[Kajiya86\], \[Veach97\] |
 
 mod eye;
 mod light;

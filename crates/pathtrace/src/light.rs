@@ -122,7 +122,7 @@ impl PathTracer<'_> {
         c.importance *= weight;
         let [w, h] = self.setting.camera.size();
         let inside = (0..w as i32).contains(&x) && (0..h as i32).contains(&y);
-        (inside && weight != 0.0).then_some((c, (y as usize * w + x as usize) as u32))
+        (inside && weight != 0.0).then(|| (c, (y as usize * w + x as usize) as u32))
     }
 
     /// The share of light that passes from a point to the camera.

@@ -1,2 +1,72 @@
-//! (to come)
-fn main() {}
+//! The project's scenes, made from code: Mitsuba 3 XML in `scenes/`, meshes beside it.
+//!
+//! `make-scenes [FOLDER] [--lights N]` writes all of them (into `scenes` unless said), and the lamps of `gallery` for one more
+//! number of lights. The same program writes the same bytes.
+
+mod cornell;
+mod mesh;
+mod outdoors;
+mod rooms;
+mod xml;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use mesh::Mesh;
+
+/// A scene's file and the meshes that it names.
+struct SceneFile {
+    name: &'static str,
+    xml: String,
+    meshes: Vec<(String, Mesh)>,
+}
+
+fn main() -> anyhow::Result<()> {
+    let mut folder = PathBuf::from("scenes");
+    let mut lights = None;
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        if argument == "--lights" {
+            let n = arguments.next().context("--lights wants a number")?;
+            lights = Some(
+                n.parse::<u32>()
+                    .ok()
+                    .filter(|n| *n > 0)
+                    .with_context(|| format!("--lights {n}: not a number above zero"))?,
+            );
+        } else if argument.starts_with('-') {
+            bail!("unknown flag {argument}; usage: make-scenes [FOLDER] [--lights N]");
+        } else {
+            folder = argument.into();
+        }
+    }
+    std::fs::create_dir_all(folder.join("meshes"))
+        .with_context(|| format!("cannot make {}", folder.display()))?;
+    let scenes = [
+        cornell::cornell_box(),
+        cornell::cornell_spheres(),
+        cornell::cornell_glossy(),
+        rooms::bulb(),
+        rooms::ring(),
+        rooms::gallery(),
+        outdoors::patio(),
+    ];
+    for scene in scenes {
+        write(&folder.join(format!("{}.xml", scene.name)), &scene.xml)?;
+        write_meshes(&folder, &scene.meshes)?;
+    }
+    if let Some(n) = lights {
+        write_meshes(&folder, &[rooms::gallery_lights(n)])?;
+    }
+    Ok(())
+}
+
+fn write_meshes(folder: &Path, meshes: &[(String, Mesh)]) -> anyhow::Result<()> {
+    meshes.iter().try_for_each(|(name, mesh)| {
+        write(&folder.join("meshes").join(format!("{name}.ply")), mesh.to_ply())
+    })
+}
+
+fn write(path: &Path, bytes: impl AsRef<[u8]>) -> anyhow::Result<()> {
+    std::fs::write(path, bytes).with_context(|| format!("cannot write {}", path.display()))
+}

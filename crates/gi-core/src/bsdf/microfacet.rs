@@ -100,7 +100,7 @@ impl Microfacets {
     }
 }
 
-/// The visible part of the unit hemisphere of normals: the half disk that `v` sees, by warping a disk [Heitz18].
+/// The visible part of the unit hemisphere of normals: the half disk that `v` sees, by warping a disk \[Heitz18\].
 #[inline]
 fn visible_hemisphere(v: Vec3, u: [f32; 2]) -> Vec3 {
     let across = v.x * v.x + v.y * v.y;
@@ -158,7 +158,7 @@ fn erf(x: f32) -> f32 {
     (1.0 - poly * (-x * x).exp()).copysign(x)
 }
 
-/// Inverse of the error function in single precision [Giles12].
+/// Inverse of the error function in single precision \[Giles12\].
 fn erf_inv(x: f32) -> f32 {
     let w = -((1.0 - x) * (1.0 + x)).max(1e-30).ln();
     let horner = |w: f32, c: [f32; 9]| c.into_iter().reduce(|p, c| p * w + c).unwrap_or(0.0);

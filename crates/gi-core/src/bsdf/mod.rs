@@ -100,6 +100,10 @@ pub struct Bsdf<'a> {
 
 /// Nearly all materials are one lobe; blends are kept apart so that they cost the others nothing.
 #[derive(Clone, Copy, Debug)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "hot loops allocate nothing, and only blends fill the large one"
+)]
 enum Parts<'a> {
     One(Component<'a>),
     Blend { components: [Component<'a>; MAX_COMPONENTS], count: usize, total: f32 },

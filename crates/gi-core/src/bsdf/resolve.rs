@@ -210,7 +210,7 @@ impl<'a> Context<'a, '_> {
         }
     }
 
-    /// Bend the normal by the slope of a height field [Blinn78].
+    /// Bend the normal by the slope of a height field \[Blinn78\].
     fn bumped(&self, frame: Frame, height: &Texture) -> Frame {
         let Tangents { dpdu, dpdv } = (self.tangents)();
         let slope = height.scalar_gradient(self.surface.uv);

@@ -1,6 +1,7 @@
 //! From the binary tree to the wide one: which nodes to merge into one of eight children, by dynamic programming
-//! over the surface-area cost [Ylitie17].
+//! over the surface-area cost \[Ylitie17\].
 
+use std::ops::Deref;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use super::input::{Input, PrimRef};
@@ -8,11 +9,11 @@ use super::layout::{LANES, LEAF_BLOCKS, WIDTH};
 use super::optimise::BinaryNode;
 
 /// Cost of testing one block of triangles, in units of testing a node's eight boxes; measured.
-const BLOCK_COST: f32 = 0.6;
+const BLOCK_COST: f32 = 0.3;
 /// Cost of testing one solid.
 const SOLID_COST: f32 = 1.0;
 /// Triangles that one leaf may hold.
-const LEAF_TRIANGLES: u32 = 8;
+const LEAF_TRIANGLES: u32 = 16;
 /// Levels on which both children become tasks of their own.
 const TASK_DEPTH: u32 = 12;
 const _: () = assert!(LEAF_TRIANGLES as usize <= LANES * LEAF_BLOCKS);
@@ -29,6 +30,28 @@ pub(super) struct Plan<'a> {
 
 /// Set where a single piece is a leaf, not a wide node.
 const AS_LEAF: u32 = 1 << 31;
+
+/// Up to eight binary nodes.
+#[derive(Default)]
+pub(super) struct Pieces {
+    node: [u32; WIDTH],
+    count: usize,
+}
+
+impl Pieces {
+    pub(super) fn push(&mut self, node: u32) {
+        self.node[self.count] = node;
+        self.count += 1;
+    }
+}
+
+impl Deref for Pieces {
+    type Target = [u32];
+
+    fn deref(&self) -> &[u32] {
+        &self.node[..self.count]
+    }
+}
 
 /// What a subtree costs at its best.
 #[derive(Clone, Copy)]
@@ -79,13 +102,19 @@ impl<'a> Plan<'a> {
         self.choice[i as usize].load(Ordering::Relaxed) & AS_LEAF != 0
     }
 
-    /// The children of wide node `i`.
-    pub(super) fn children(&self, i: u32, out: &mut Vec<u32>) {
-        out.clear();
-        self.cut(i, WIDTH, true, out);
+    /// Whether the whole tree is one leaf; nothing, if the tree is empty.
+    pub(super) fn root_is_leaf(&self) -> Option<bool> {
+        (!self.nodes.is_empty()).then(|| self.is_leaf(0))
     }
 
-    fn cut(&self, i: u32, pieces: usize, whole: bool, out: &mut Vec<u32>) {
+    /// The children of wide node `i`.
+    pub(super) fn children(&self, i: u32) -> Pieces {
+        let mut pieces = Pieces::default();
+        self.cut(i, WIDTH, &mut pieces);
+        pieces
+    }
+
+    fn cut(&self, i: u32, pieces: usize, out: &mut Pieces) {
         let choice = self.choice[i as usize].load(Ordering::Relaxed);
         let from_left = |j: usize| (choice >> (3 * (j - 2)) & 7) as usize;
         let mut j = pieces;
@@ -93,13 +122,12 @@ impl<'a> Plan<'a> {
             j -= 1;
         }
         if j == 1 {
-            debug_assert!(!whole);
             out.push(i);
             return;
         }
         let (child, k) = (self.nodes[i as usize].first_index, from_left(j));
-        self.cut(child, k, false, out);
-        self.cut(child + 1, j - k, false, out);
+        self.cut(child, k, out);
+        self.cut(child + 1, j - k, out);
     }
 
     /// The references below node `i`.

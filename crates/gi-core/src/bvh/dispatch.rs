@@ -1,9 +1,9 @@
 //! Which kernel walks a tree: chosen from what this processor can do.
 
-use super::kernel_portable;
 #[cfg(target_arch = "x86_64")]
 use super::kernel_x86;
 use super::layout::Tree;
+use super::portable;
 use crate::ray::{Hit, Ray};
 
 /// An instruction set that there is a kernel for.
@@ -63,7 +63,7 @@ impl Kernel {
     pub(super) fn new(isa: Isa, solids: bool) -> Self {
         assert!(Isa::available().contains(&isa), "this processor has no {isa:?}");
         let (closest, any): (Trace, Trace) = match (isa, solids) {
-            (Isa::Portable, _) => (kernel_portable::trace::<false>, kernel_portable::trace::<true>),
+            (Isa::Portable, _) => (portable::trace::<false>, portable::trace::<true>),
             #[cfg(target_arch = "x86_64")]
             (Isa::Avx2, false) => {
                 (kernel_x86::trace_avx2::<false, false>, kernel_x86::trace_avx2::<true, false>)

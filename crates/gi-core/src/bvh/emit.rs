@@ -3,10 +3,11 @@
 use rayon::prelude::*;
 
 use super::Triangle;
-use super::collapse::Plan;
+use super::collapse::{Pieces, Plan};
 use super::input::{Input, PrimRef};
 use super::layout::{
-    Block, LANES, MAX_LEAF_INDEX, Node, SENTINEL, Tree, WIDTH, block_word, inner_word, solid_word,
+    Block, LANES, MAX_LEAF_INDEX, Node, SENTINEL, Tree, WIDTH, block_word, inner_word, is_leaf,
+    is_solid, moved_word, solid_word,
 };
 use super::optimise::BinaryNode;
 use super::{BuildError, solid::PlacedSolid};
@@ -23,90 +24,104 @@ struct Listed {
 
 const EMPTY_SLOT: u32 = u32::MAX;
 
-/// Everything to write, in its final order.
-struct List<'a> {
-    plan: &'a Plan<'a>,
-    input: &'a Input<'a>,
+/// What to write for a part of the tree, in its final order; the words count from the part's beginning.
+#[derive(Default)]
+struct List {
     nodes: Vec<Listed>,
     /// The triangles of each block, the last repeated to fill it.
     blocks: Vec<[u32; LANES]>,
     /// The solids, by primitive, in leaf order.
     solids: Vec<usize>,
-    children: Vec<u32>,
     gathered: Vec<PrimRef>,
 }
 
 /// Write the tree that `nodes` collapse into; every box is padded by `pad`.
 pub(super) fn emit(nodes: &[BinaryNode], input: &mut Input, pad: f32) -> Result<Tree, BuildError> {
-    let (listed, blocks, solid_order) = {
-        let plan = Plan::new(nodes, input);
-        let mut list = List {
-            plan: &plan,
-            input,
-            nodes: Vec::with_capacity(nodes.len() / 8 + 1),
-            blocks: Vec::with_capacity(nodes.len() / 3 + 1),
-            solids: Vec::new(),
-            children: Vec::new(),
-            gathered: Vec::new(),
-        };
-        list.blocks.push([u32::MAX; LANES]);
-        list.root(nodes);
-        if list.blocks.len() > MAX_LEAF_INDEX {
-            return Err(BuildError::TooMany);
-        }
-        let write = |l: &Listed| write_node(l, nodes, pad);
-        let written: Vec<Node> = list.nodes.par_iter().with_min_len(GRAIN).map(write).collect();
-        (written, list.blocks, list.solids)
-    };
-    let write = |ids: &[u32; LANES]| write_block(ids, input.triangles);
-    let blocks: Vec<Block> = blocks.par_iter().with_min_len(GRAIN).map(write).collect();
+    let list = whole(&Plan::new(nodes, input), input);
+    if list.blocks.len() > MAX_LEAF_INDEX {
+        return Err(BuildError::TooMany);
+    }
+    let listed = list.nodes.par_iter().with_min_len(GRAIN);
+    let written: Vec<Node> = listed.map(|l| write_node(l, nodes, pad)).collect();
+    let ids = list.blocks.par_iter().with_min_len(GRAIN);
+    let blocks: Vec<Block> = ids.map(|ids| write_block(ids, input.triangles)).collect();
     let take = |i: &usize| input.solids[i - input.triangles.len()].take();
-    let solids: Vec<PlacedSolid> = solid_order.iter().filter_map(take).collect();
-    Ok(Tree { nodes: listed, blocks, solids })
+    let solids: Vec<PlacedSolid> = list.solids.iter().filter_map(take).collect();
+    Ok(Tree { nodes: written, blocks, solids })
 }
 
-impl List<'_> {
-    /// Always make the root a node, so that a leaf is only met through its box.
-    fn root(&mut self, nodes: &[BinaryNode]) {
-        if nodes.is_empty() {
-            self.nodes.push(Listed { source: [EMPTY_SLOT; WIDTH], child: [SENTINEL; WIDTH] });
-        } else if self.plan.is_leaf(0) {
-            self.node(&[0]);
-        } else {
-            let mut children = Vec::new();
-            self.plan.children(0, &mut children);
-            self.node(&children);
-        }
+/// List the whole tree. Always make the root a node, so that a leaf is only met through its box.
+fn whole(plan: &Plan, input: &Input) -> List {
+    let mut list = List { blocks: vec![[u32::MAX; LANES]], ..List::default() };
+    let mut children = Pieces::default();
+    match plan.root_is_leaf() {
+        None => {}
+        Some(true) => children.push(0),
+        Some(false) => children = plan.children(0),
     }
+    list.node(plan, input, children, 0);
+    list
+}
 
+/// Levels whose children are listed by tasks of their own.
+const TASK_DEPTH: u32 = 3;
+
+impl List {
     /// List a node with these children, and all below it.
-    fn node(&mut self, sources: &[u32]) -> u32 {
+    fn node(&mut self, plan: &Plan, input: &Input, children: Pieces, depth: u32) -> u32 {
         let index = self.nodes.len();
-        let mut listed = Listed { source: [EMPTY_SLOT; WIDTH], child: [SENTINEL; WIDTH] };
-        listed.source[..sources.len()].copy_from_slice(sources);
-        self.nodes.push(listed);
-        for (slot, &source) in sources.iter().enumerate() {
-            let word = if self.plan.is_leaf(source) {
-                self.leaf(source)
+        let mut source = [EMPTY_SLOT; WIDTH];
+        source[..children.len()].copy_from_slice(&children);
+        self.nodes.push(Listed { source, child: [SENTINEL; WIDTH] });
+        let below = |list: &mut List, source: u32| {
+            if plan.is_leaf(source) {
+                list.leaf(plan, input, source)
             } else {
-                let mut children = std::mem::take(&mut self.children);
-                self.plan.children(source, &mut children);
-                let mut own = [0; WIDTH];
-                own[..children.len()].copy_from_slice(&children);
-                let count = children.len();
-                self.children = children;
-                self.node(&own[..count])
+                list.node(plan, input, plan.children(source), depth + 1)
+            }
+        };
+        if depth < TASK_DEPTH {
+            let part = |&source: &u32| {
+                let mut list = List::default();
+                let word = below(&mut list, source);
+                (list, word)
             };
-            self.nodes[index].child[slot] = word;
+            let parts: Vec<(List, u32)> = children.par_iter().map(part).collect();
+            for (slot, (part, word)) in parts.into_iter().enumerate() {
+                self.nodes[index].child[slot] = self.append(part, word);
+            }
+        } else {
+            for (slot, &source) in children.iter().enumerate() {
+                self.nodes[index].child[slot] = below(self, source);
+            }
         }
         inner_word(index)
     }
 
+    /// Append another list; `word`, which points into it, in terms of this one.
+    fn append(&mut self, part: List, word: u32) -> u32 {
+        let (nodes, blocks, solids) = (self.nodes.len(), self.blocks.len(), self.solids.len());
+        let moved = |word: u32| {
+            let by = if !is_leaf(word) {
+                nodes
+            } else if is_solid(word) {
+                solids
+            } else {
+                blocks
+            };
+            moved_word(word, by)
+        };
+        self.nodes.extend(part.nodes.iter().map(|l| Listed { child: l.child.map(moved), ..*l }));
+        self.blocks.extend(part.blocks);
+        self.solids.extend(part.solids);
+        moved(word)
+    }
+
     /// List what a leaf holds.
-    fn leaf(&mut self, source: u32) -> u32 {
+    fn leaf(&mut self, plan: &Plan, input: &Input, source: u32) -> u32 {
         self.gathered.clear();
-        self.plan.gather(source, &mut self.gathered);
-        if self.input.is_solid(&self.gathered[0]) {
+        plan.gather(source, &mut self.gathered);
+        if input.is_solid(&self.gathered[0]) {
             let first = self.solids.len();
             self.solids.extend(self.gathered.iter().map(PrimRef::primitive));
             return solid_word(first, self.gathered.len());
@@ -139,18 +154,32 @@ fn write_node(listed: &Listed, nodes: &[BinaryNode], pad: f32) -> Node {
     // Opposite octants see the children in opposite orders; where empty slots come does not matter.
     for octant in 0..4 {
         let sign = |axis: u32| if octant >> axis & 1 == 1 { -1.0 } else { 1.0 };
-        let along: [f32; WIDTH] = std::array::from_fn(|s| {
-            sign(0) * center[0][s] + sign(1) * center[1][s] + sign(2) * center[2][s]
-        });
-        for slot in 0..WIDTH {
-            let farther = (0..WIDTH)
-                .filter(|&o| along[o] > along[slot] || along[o] == along[slot] && o < slot)
-                .count();
-            node.order[farther] |= (slot as u32) << (3 * octant);
-            node.order[WIDTH - 1 - farther] |= (slot as u32) << (3 * (7 - octant));
+        let place =
+            |s: usize| sign(0) * center[0][s] + sign(1) * center[1][s] + sign(2) * center[2][s];
+        let places = ranks(std::array::from_fn(place));
+        for (slot, &farther) in (0..).zip(&places) {
+            node.order[farther as usize] |= slot << (3 * octant);
+            node.order[WIDTH - 1 - farther as usize] |= slot << (3 * (7 - octant));
         }
     }
     node
+}
+
+/// For each of eight numbers, how many are larger; nearly equal ones are told apart by their position.
+fn ranks(along: [f32; WIDTH]) -> [u32; WIDTH] {
+    // Integers in the order of the floats, the position in the low bits: a permutation, and comparisons in lanes.
+    let key = |s: usize| {
+        let bits = along[s].to_bits() as i32;
+        (bits ^ ((bits >> 31) as u32 >> 1) as i32) & !7 | s as i32
+    };
+    let keys: [i32; WIDTH] = std::array::from_fn(key);
+    let mut larger = [0; WIDTH];
+    for other in keys {
+        for (larger, own) in larger.iter_mut().zip(keys) {
+            *larger += u32::from(other > own);
+        }
+    }
+    larger
 }
 
 fn write_block(triangles: &[u32; LANES], all: &[Triangle]) -> Block {

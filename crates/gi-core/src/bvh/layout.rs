@@ -70,6 +70,11 @@ pub(super) fn solid_word(first: usize, count: usize) -> u32 {
     SOLID | block_word(first, count)
 }
 
+/// The word for what stands `by` places behind what `word` points at.
+pub(super) fn moved_word(word: u32, by: usize) -> u32 {
+    if is_leaf(word) { word + ((by as u32) << 3) } else { word + by as u32 }
+}
+
 #[inline(always)]
 pub(super) fn is_leaf(word: u32) -> bool {
     word & LEAF != 0

@@ -11,13 +11,13 @@ mod collapse;
 mod dispatch;
 mod emit;
 mod input;
-#[cfg_attr(target_arch = "x86_64", allow(dead_code))]
-mod kernel_portable;
 #[cfg(target_arch = "x86_64")]
 mod kernel_x86;
 mod layout;
 mod offset;
 mod optimise;
+#[cfg_attr(target_arch = "x86_64", allow(dead_code))]
+mod portable;
 mod sah;
 mod solid;
 mod tame;

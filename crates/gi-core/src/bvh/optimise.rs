@@ -24,6 +24,9 @@ const LARGE: f32 = 3.0;
 /// Summands of one partial sum; a fixed number, so that the mean does not depend on the number of threads.
 const CHUNK: usize = 1 << 13;
 
+/// Triangles that one task cuts.
+const CUT_CHUNK: usize = 1 << 9;
+
 /// Cut the boxes of large triangles into tighter pieces; one reference becomes several.
 pub(super) fn split_large(refs: &mut Vec<PrimRef>, triangles: &[Triangle]) {
     let triangle_count = triangles.len();
@@ -42,19 +45,31 @@ pub(super) fn split_large(refs: &mut Vec<PrimRef>, triangles: &[Triangle]) {
     }
     let large: Vec<usize> =
         (0..triangle_count).filter(|&i| area(&refs[i]) > LARGE * mean).collect();
+    // Every triangle is cut on its own, so that chunks of them make the same pieces as all at once.
+    let pieces: Vec<Vec<PrimRef>> =
+        large.par_chunks(CUT_CHUNK).map(|l| cut(l, refs, triangles, mean, largest)).collect();
+    for (owners, pieces) in large.chunks(CUT_CHUNK).zip(pieces) {
+        let (first, more) = pieces.split_at(owners.len());
+        owners.iter().zip(first).for_each(|(&i, piece)| refs[i] = *piece);
+        refs.extend_from_slice(more);
+    }
+}
+
+/// The pieces of some triangles: one for each in order, then the others.
+fn cut(
+    large: &[usize],
+    refs: &[PrimRef],
+    triangles: &[Triangle],
+    mean: f32,
+    largest: f32,
+) -> Vec<PrimRef> {
     let mut boxes: Vec<Aabb> = large.iter().map(|&i| to_aabb(&refs[i])).collect();
     let corners: Vec<Corners> = large.iter().map(|&i| to_corners(&triangles[i])).collect();
     let mut owner: Vec<u32> = (0..large.len() as u32).collect();
     split_aabbs_preset(&mut boxes, &mut owner, &corners, mean, largest);
-    for (k, (b, &o)) in boxes.iter().zip(&owner).enumerate() {
-        let primitive = large[o as usize];
-        let piece = PrimRef::new(b.min.into(), b.max.into(), primitive);
-        if k < large.len() {
-            refs[primitive] = piece;
-        } else {
-            refs.push(piece);
-        }
-    }
+    let piece =
+        |(b, &o): (&Aabb, &u32)| PrimRef::new(b.min.into(), b.max.into(), large[o as usize]);
+    boxes.iter().zip(&owner).map(piece).collect()
 }
 
 fn to_aabb(r: &PrimRef) -> Aabb {
@@ -70,22 +85,23 @@ const REINSERTED: f32 = 0.05;
 /// Rounds, each with a smaller share: 1, 1/3, 1/5 ...
 const ROUNDS: usize = 16;
 
-/// Move subtrees to better places [Meister18], the largest first. The candidates come from here and not from the
+/// Move subtrees to better places \[Meister18\], the largest first. The candidates come from here and not from the
 /// optimiser, which would look for them at the front of the array.
 pub(super) fn reinsert(nodes: Vec<BinaryNode>) -> Vec<BinaryNode> {
-    let all = (1..nodes.len() as u32).filter(|&i| !is_hole(&nodes[i as usize]));
+    let all = (1..nodes.len() as u32).into_par_iter().filter(|&i| !is_hole(&nodes[i as usize]));
     let mut ranked: Vec<u64> = all.map(|i| rank(&nodes, i)).collect();
     let first_round = (ranked.len() as f32 * REINSERTED) as usize;
-    keep_first(&mut ranked, 2 * first_round);
-    let pool: Vec<u32> = ranked.iter().map(|&r| r as u32).collect();
     let mut tree = Bvh2 { nodes, ..Bvh2::default() };
     let mut optimizer = ReinsertionOptimizer::default();
     for round in 0..ROUNDS {
-        ranked.clear();
-        ranked.extend(pool.iter().map(|&i| rank(&tree.nodes, i)));
-        keep_first(&mut ranked, (first_round / (2 * round + 1)).max(1));
-        ranked.sort_unstable();
-        let candidates: Vec<u32> = ranked.iter().map(|&r| r as u32).collect();
+        let count = (first_round / (2 * round + 1)).max(1);
+        // Boxes change as subtrees move, but what was small stays unlikely.
+        keep_first(&mut ranked, 2 * count);
+        ranked.iter_mut().for_each(|r| *r = rank(&tree.nodes, *r as u32));
+        let mut best = ranked.clone();
+        keep_first(&mut best, count);
+        best.sort_unstable();
+        let candidates: Vec<u32> = best.iter().map(|&r| r as u32).collect();
         optimizer.run_with_candidates(&mut tree, &candidates, 1);
     }
     tree.nodes

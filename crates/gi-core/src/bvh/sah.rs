@@ -1,4 +1,4 @@
-//! The binary tree: split top-down at the cheapest of a few planes an axis, by the surface-area heuristic [Wald07].
+//! The binary tree: split top-down at the cheapest of a few planes an axis, by the surface-area heuristic \[Wald07\].
 
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
@@ -7,15 +7,15 @@ use super::input::{Box4, Input, PrimRef};
 use super::optimise::{BinaryNode, hole, zeroed_nodes};
 
 /// References that a leaf may hold.
-const LEAF: usize = 2;
+const LEAF: usize = 4;
 /// Most bins an axis.
 const BINS: usize = 16;
 /// Deepest leaf; where a range could grow deeper it is halved instead.
 const MAX_DEPTH: u32 = 60;
 /// Ranges above this are split by two tasks.
 const TASK: usize = 1 << 12;
-/// Ranges above this are binned by several tasks, of this many references each.
-const BIN_CHUNK: usize = 1 << 15;
+/// References that are looked at to choose a plane: in large ranges every n-th.
+const SAMPLE: usize = 1 << 13;
 
 /// A range's box, and the box of its doubled centres.
 #[derive(Clone, Copy)]
@@ -35,7 +35,7 @@ impl Extent {
     }
 
     fn of(refs: &[PrimRef]) -> Self {
-        refs.par_chunks(BIN_CHUNK)
+        refs.par_chunks(TASK)
             .map(|chunk| {
                 let mut e = Extent::EMPTY;
                 chunk.iter().for_each(|r| e.grow(r));
@@ -68,7 +68,7 @@ pub(super) fn build(input: &mut Input, method: Method) -> Vec<BinaryNode> {
     if let [node, rest @ ..] = &mut nodes[..] {
         let extent = Extent::of(&refs);
         let whole = Range { node, rest, base: 1, refs: &mut refs, first: 0, extent, depth: 0 };
-        Splitter { input, method }.grow(whole, &mut Bins::EMPTY);
+        Splitter { input, method }.grow(whole, &mut Bins::new());
     }
     input.refs = refs;
     nodes
@@ -142,7 +142,7 @@ impl Splitter<'_> {
         let (extents, middle) = self.split(range.refs, &range.extent, range.depth, bins);
         let [left, right] = range.halves(middle, extents);
         if parallel {
-            rayon::join(|| self.grow(left, bins), || self.grow(right, &mut Bins::EMPTY));
+            rayon::join(|| self.grow(left, bins), || self.grow(right, &mut Bins::new()));
         } else {
             self.grow(left, bins);
             self.grow(right, bins);
@@ -168,8 +168,12 @@ impl Splitter<'_> {
         if !halve {
             let grid = Grid::new(refs.len(), &extent.centers);
             bins.fill(refs, &grid);
-            if let Some((axis, bin)) = bins.cheapest(grid.count) {
-                return partition(refs, |r| grid.bin(r)[axis] <= bin);
+            if let Some(plane) = bins.cheapest(grid.count) {
+                return match plane.axis {
+                    0 => partition::<0>(refs, &grid, plane.bin),
+                    1 => partition::<1>(refs, &grid, plane.bin),
+                    _ => partition::<2>(refs, &grid, plane.bin),
+                };
             }
         }
         let (left, right) = refs.split_at(refs.len() / 2);
@@ -199,11 +203,17 @@ impl Grid {
         Grid { origin: centers.min.with_w(0.0), scale: finite.extend(0.0), count }
     }
 
+    /// The bin numbers of doubled centres, in the low bits of floats.
+    #[inline(always)]
+    fn place(center2: Vec4, origin: Vec4, scale: Vec4) -> Vec4 {
+        // Half a bin down, so that rounding to the nearest cuts at whole bins.
+        (center2 - origin) * scale - Vec4::splat(0.5) + Vec4::splat(TO_BITS)
+    }
+
     /// The bin of a reference on each axis.
     #[inline(always)]
     fn bin(&self, r: &PrimRef) -> [usize; 3] {
-        // Half a bin down, so that rounding to the nearest cuts at whole bins.
-        let x = (r.center2() - self.origin) * self.scale - Vec4::splat(0.5) + Vec4::splat(TO_BITS);
+        let x = Self::place(r.center2(), self.origin, self.scale);
         [x.x, x.y, x.z].map(|x| x.to_bits() as usize & (BINS - 1))
     }
 }
@@ -215,60 +225,43 @@ struct Bins {
 }
 
 impl Bins {
-    const EMPTY: Bins = Bins { bounds: [[Box4::EMPTY; 3]; BINS], count: [[0; 3]; BINS] };
+    fn new() -> Self {
+        Bins { bounds: [[Box4::EMPTY; 3]; BINS], count: [[0; 3]; BINS] }
+    }
 
-    /// Forget what was there and sort references into the bins.
+    /// Forget what was there and sort references into the bins, a sample if there are many.
     fn fill(&mut self, refs: &[PrimRef], grid: &Grid) {
-        if refs.len() > BIN_CHUNK {
-            let parts = refs.par_chunks(BIN_CHUNK).map(|chunk| {
-                let mut part = Bins::EMPTY;
-                part.add(chunk, grid);
-                part
-            });
-            *self = parts.reduce(|| Bins::EMPTY, Bins::merged);
-            return;
-        }
         self.bounds[..grid.count].fill([Box4::EMPTY; 3]);
         self.count[..grid.count].fill([0; 3]);
-        self.add(refs, grid);
-    }
-
-    fn add(&mut self, refs: &[PrimRef], grid: &Grid) {
-        for r in refs {
-            for (axis, bin) in grid.bin(r).into_iter().enumerate() {
-                self.bounds[bin][axis].grow(r.min, r.max);
-                self.count[bin][axis] += 1;
-            }
+        for r in refs.iter().step_by(1 + refs.len() / SAMPLE) {
+            self.add(r, grid);
         }
     }
 
-    fn merged(mut self, other: Bins) -> Self {
-        for bin in 0..BINS {
-            for axis in 0..3 {
-                let b = &other.bounds[bin][axis];
-                self.bounds[bin][axis].grow(b.min, b.max);
-                self.count[bin][axis] += other.count[bin][axis];
-            }
+    #[inline(always)]
+    fn add(&mut self, r: &PrimRef, grid: &Grid) {
+        for (axis, bin) in grid.bin(r).into_iter().enumerate() {
+            self.bounds[bin][axis].grow(r.min, r.max);
+            self.count[bin][axis] += 1;
         }
-        self
     }
 
-    /// The axis and the last left bin of the cheapest plane with references on both sides.
-    fn cheapest(&self, count: usize) -> Option<(usize, usize)> {
+    /// The cheapest plane with references on both sides.
+    fn cheapest(&self, count: usize) -> Option<Plane> {
         let mut right_cost = [[f32::INFINITY; 3]; BINS];
         let (mut b, mut n) = ([Box4::EMPTY; 3], [0; 3]);
         for i in (1..count).rev() {
-            for axis in 0..3 {
-                right_cost[i][axis] = self.sweep(i, axis, &mut b, &mut n);
+            for (axis, cost) in right_cost[i].iter_mut().enumerate() {
+                *cost = self.sweep(i, axis, &mut b, &mut n);
             }
         }
         let mut best = (f32::INFINITY, None);
         let (mut b, mut n) = ([Box4::EMPTY; 3], [0; 3]);
         for i in 0..count - 1 {
-            for axis in 0..3 {
-                let cost = self.sweep(i, axis, &mut b, &mut n) + right_cost[i + 1][axis];
+            for (axis, right_cost) in right_cost[i + 1].iter().enumerate() {
+                let cost = self.sweep(i, axis, &mut b, &mut n) + right_cost;
                 if cost < best.0 {
-                    best = (cost, Some((axis, i)));
+                    best = (cost, Some(Plane { axis, bin: i }));
                 }
             }
         }
@@ -285,17 +278,40 @@ impl Bins {
     }
 }
 
-/// Move what belongs left to the front, without a branch that depends on it; measure both sides on the way.
-fn partition(refs: &mut [PrimRef], is_left: impl Fn(&PrimRef) -> bool) -> ([Extent; 2], usize) {
-    let mut sides = [Extent::EMPTY; 2];
+/// Where to split: behind a bin of an axis.
+#[derive(Clone, Copy)]
+struct Plane {
+    axis: usize,
+    bin: usize,
+}
+
+/// Move what belongs left of the plane to the front, without a branch that depends on it; measure both sides on the way.
+fn partition<const AXIS: usize>(
+    refs: &mut [PrimRef],
+    grid: &Grid,
+    bin: usize,
+) -> ([Extent; 2], usize) {
+    let lanes = |v: Vec4| Vec4::splat(v[AXIS]);
+    let (origin, scale) = (lanes(grid.origin), lanes(grid.scale));
+    // In the form that `Grid::bin` leaves its numbers in.
+    let last = Vec4::splat(TO_BITS + bin as f32);
+    let [mut left, mut right] = [Extent::EMPTY; 2];
     let mut middle = 0;
     for i in 0..refs.len() {
         let r = refs[i];
-        let left = is_left(&r);
-        sides[usize::from(!left)].grow(&r);
+        let c = r.center2();
+        let is_left = Grid::place(lanes(c), origin, scale).cmple(last);
+        let pick =
+            |v: Vec4, out: Vec4| (Vec4::select(is_left, v, out), Vec4::select(is_left, out, v));
+        let (low, high) = (pick(r.min, Vec4::INFINITY), pick(r.max, Vec4::NEG_INFINITY));
+        left.bounds.grow(low.0, high.0);
+        right.bounds.grow(low.1, high.1);
+        let (low, high) = (pick(c, Vec4::INFINITY), pick(c, Vec4::NEG_INFINITY));
+        left.centers.grow(low.0, high.0);
+        right.centers.grow(low.1, high.1);
         refs[i] = refs[middle];
         refs[middle] = r;
-        middle += usize::from(left);
+        middle += (is_left.bitmask() & 1) as usize;
     }
-    (sides, middle)
+    ([left, right], middle)
 }

@@ -202,7 +202,7 @@ fn roots(a: f32, b: f32, c: f32, discriminant: f32) -> Option<[f32; 2]> {
     Some([c / q, q / a])
 }
 
-/// Take the discriminant from the nearest point of the line [Haines19], so that far origins keep their digits.
+/// Take the discriminant from the nearest point of the line \[Haines19\], so that far origins keep their digits.
 fn meet_sphere(ray: &Ray, center: Vec3, radius: f32) -> Option<(f32, f32, f32)> {
     let f = ray.o - center;
     let a = ray.d.length_squared();

@@ -3,9 +3,9 @@
 use crate::ray::Ray;
 
 /// Direction components below this count as this, so that their reciprocal stays finite.
-const SMALLEST_STEP: f32 = 1e-18;
+pub(super) const SMALLEST_STEP: f32 = 1e-18;
 
-/// The ray's reciprocal direction, octant, and the shear of the watertight triangle test [Woop13].
+/// The ray's reciprocal direction, octant, and the shear of the watertight triangle test \[Woop13\].
 pub(super) struct Walk {
     pub inv: [f32; 3],
     /// 1 where the ray runs toward smaller coordinates.
@@ -26,15 +26,10 @@ impl Walk {
         // Take signs from the reciprocal's bits: -0.0 must choose the same side everywhere.
         let negative = inv.map(|x| (x.to_bits() >> 31) as usize);
         let a = d.map(f32::abs);
-        let kz = if a[0] > a[1] {
-            if a[0] > a[2] { 0 } else { 2 }
-        } else if a[1] > a[2] {
-            1
-        } else {
-            2
-        };
-        let kx = if kz == 2 { 0 } else { kz + 1 };
-        let ky = if kx == 2 { 0 } else { kx + 1 };
+        let larger = usize::from(a[0] > a[1])
+            | usize::from(a[1] > a[2]) << 1
+            | usize::from(a[2] > a[0]) << 2;
+        let [kx, ky, kz] = main_axes(larger);
         let sz = 1.0 / d[kz];
         Walk {
             inv,
@@ -49,4 +44,15 @@ impl Walk {
 #[inline(always)]
 fn reciprocal(x: f32) -> f32 {
     if x.abs() < SMALLEST_STEP { (1.0 / SMALLEST_STEP).copysign(x) } else { 1.0 / x }
+}
+
+/// The axes in cyclic order, the direction's largest last; bit k tells whether component k is larger than the next.
+/// From a table: directions are random, and branches on them are mispredicted.
+#[inline(always)]
+pub(super) fn main_axes(larger: usize) -> [usize; 3] {
+    const X: [usize; 3] = [1, 2, 0];
+    const Y: [usize; 3] = [2, 0, 1];
+    const Z: [usize; 3] = [0, 1, 2];
+    const LAST: [[usize; 3]; 8] = [Z, X, Y, X, Z, Z, Y, Z];
+    LAST[larger & 7]
 }

@@ -57,7 +57,7 @@ impl Mesh {
         }
     }
 
-    /// Replace the shading normals by the angle-weighted mean of the faces round each vertex [Thurmer98].
+    /// Replace the shading normals by the angle-weighted mean of the faces round each vertex \[Thurmer98\].
     pub fn smooth_normals(&mut self) {
         let mut sums = vec![Vec3::ZERO; self.positions.len()];
         for k in 0..self.triangles.len() {

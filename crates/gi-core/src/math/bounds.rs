@@ -54,6 +54,10 @@ impl Bounds {
             return self;
         }
         let pick = |bit: u32, axis: usize| if bit == 0 { self.min[axis] } else { self.max[axis] };
-        Bounds::of((0..8u32).map(|k| m.transform_point3(Vec3::new(pick(k & 1, 0), pick(k & 2, 1), pick(k & 4, 2)))))
+        Bounds::of(
+            (0..8u32).map(|k| {
+                m.transform_point3(Vec3::new(pick(k & 1, 0), pick(k & 2, 1), pick(k & 4, 2)))
+            }),
+        )
     }
 }

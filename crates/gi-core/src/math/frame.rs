@@ -12,7 +12,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A frame round a unit normal, without branches and without a singular direction [Duff17].
+    /// A frame round a unit normal, without branches and without a singular direction \[Duff17\].
     #[inline]
     pub fn from_normal(n: Vec3) -> Self {
         let sign = 1f32.copysign(n.z);
@@ -61,13 +61,24 @@ mod tests {
     fn frames_are_orthonormal_and_right_handed() {
         let mut rng = Pcg::new(1, 0);
         for i in 0..10_000 {
-            let mut n = Vec3::from_array([rng.next_f32(), rng.next_f32(), rng.next_f32()]) * 2.0 - 1.0;
+            let mut n =
+                Vec3::from_array([rng.next_f32(), rng.next_f32(), rng.next_f32()]) * 2.0 - 1.0;
             if i % 7 == 0 {
                 n = Vec3::new(1e-6 * n.x, 1e-6 * n.y, -1.0); // the pole that Frisvad's construction loses
             }
             let n = n.normalize();
-            for f in [Frame::from_normal(n), Frame::from_normal_tangent(n, Vec3::X), Frame::from_normal_tangent(n, n)] {
-                let dots = [f.s.dot(f.t), f.t.dot(f.n), f.n.dot(f.s), f.s.length() - 1.0, f.t.length() - 1.0];
+            for f in [
+                Frame::from_normal(n),
+                Frame::from_normal_tangent(n, Vec3::X),
+                Frame::from_normal_tangent(n, n),
+            ] {
+                let dots = [
+                    f.s.dot(f.t),
+                    f.t.dot(f.n),
+                    f.n.dot(f.s),
+                    f.s.length() - 1.0,
+                    f.t.length() - 1.0,
+                ];
                 assert!(dots.iter().all(|d| d.abs() < 1e-5), "case {i}: {f:?}");
                 assert!(f.s.cross(f.t).dot(f.n) > 0.999, "case {i}: left-handed");
                 assert!((f.to_world(f.to_local(Vec3::ONE)) - Vec3::ONE).length() < 1e-5);

@@ -81,7 +81,7 @@ fn slabs(node: &Node, ray: &Ray, walk: &Walk) -> ([f32; WIDTH], [bool; WIDTH]) {
     (near, std::array::from_fn(|s| near[s] <= far[s]))
 }
 
-/// The nearest hit of four triangles, watertight [Woop13].
+/// The nearest hit of four triangles, watertight \[Woop13\].
 fn triangles(block: &Block, ray: &Ray, walk: &Walk) -> Option<Hit> {
     let [kx, ky, kz] = walk.axes;
     let [sx, sy, sz] = walk.shear;

@@ -1,0 +1,38 @@
+# Everything that can be done to the project, by name.
+CARGO ?= cargo
+
+.PHONY: all build test test-slow lint ci scenes bench figures compare
+
+all: build
+
+# The programs, in target/release.
+build:
+	$(CARGO) build --release --workspace
+
+# Quick tests: a few minutes on two cores.
+test:
+	$(CARGO) test --workspace
+
+# The slow ones too: hundreds of millions of rays, seed sweeps.
+test-slow:
+	$(CARGO) test --workspace --release -- --include-ignored
+
+# Style, lints, documentation, and who may name whom.
+lint:
+	$(CARGO) fmt --all -- --check
+	$(CARGO) clippy --workspace --all-targets -- -D warnings
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --document-private-items
+	scripts/check-arrows.sh
+
+ci: test lint
+
+# Write scenes/ anew from the generator.
+scenes:
+	$(CARGO) run --release -p make-scenes -- scenes
+
+# Rays a second against obvhs, and against Embree where EMBREE_LIB names its library.
+bench:
+	$(CARGO) bench -p gi-core --bench rays $(if $(EMBREE_LIB),--features embree) -- $(BENCH_ARGS)
+
+figures compare:
+	@echo "make $@: not there yet; it comes with the techniques" >&2; exit 1

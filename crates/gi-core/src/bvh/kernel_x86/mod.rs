@@ -1,0 +1,106 @@
+//! The walk in AVX2 and AVX-512: a branch-free step over eight children, and triangles four at a time.
+
+mod boxes;
+mod triangles;
+
+use std::arch::x86_64::*;
+use std::mem::MaybeUninit;
+
+use super::layout::{SENTINEL, STACK, Tree, is_leaf, is_solid, leaf_range};
+use super::portable::FOUND;
+use crate::ray::{Hit, Ray};
+use boxes::{prefetch, push_avx2, push_avx512, slabs, widen};
+use triangles::{shear, triangles};
+
+/// Test a leaf of solids; kept out of the walk, which is for triangles.
+#[cold]
+#[inline(never)]
+fn solids<const ANY: bool>(tree: &Tree, word: u32, ray: &Ray, hit: &mut Hit) -> bool {
+    let (first, count) = leaf_range(word);
+    let mut found = false;
+    for solid in &tree.solids[first..first + count] {
+        let ray = Ray { tmax: hit.t, ..*ray };
+        if ANY {
+            found |= solid.occluded(&ray);
+        } else if let Some(h) = solid.closest(&ray) {
+            (*hit, found) = (h, true);
+        }
+    }
+    found
+}
+
+macro_rules! trace {
+    ($name:ident, $push:ident, $features:literal) => {
+        /// The nearest hit, or with `ANY` the first one found; `SOLIDS` if the tree has any.
+        #[target_feature(enable = $features)]
+        pub(super) fn $name<const ANY: bool, const SOLIDS: bool>(
+            tree: &Tree,
+            ray: &Ray,
+        ) -> Option<Hit> {
+            let (wide, shear) = (widen(ray), shear(ray));
+            let mut hit = Hit { t: ray.tmax, ..FOUND };
+            let mut any = false;
+            let mut words = [MaybeUninit::<u32>::uninit(); STACK];
+            let mut dists = [MaybeUninit::<f32>::uninit(); STACK];
+            words[0].write(SENTINEL);
+            dists[0].write(f32::NEG_INFINITY);
+            let (words, dists): (*mut u32, *mut f32) =
+                (words.as_mut_ptr().cast(), dists.as_mut_ptr().cast());
+            // The next free entry; everything below it is written.
+            let mut top = 1;
+            let mut word = 0;
+            loop {
+                while !is_leaf(word) {
+                    // SAFETY: `Tree::checked_depth` has seen every inner word inside the nodes.
+                    let node = unsafe { tree.nodes.get_unchecked(word as usize) };
+                    let (near, hits) = slabs(node, &wide, hit.t);
+                    let count = _mm256_movemask_ps(hits).count_ones() as usize;
+                    if count == 0 {
+                        break;
+                    }
+                    // SAFETY: the builder bounds the depth so that eight more entries always fit.
+                    unsafe {
+                        $push::<ANY>(node, &wide, near, hits, words.add(top), dists.add(top));
+                        top += count - 1;
+                        word = *words.add(top);
+                        prefetch(tree, *words.add(top - 1));
+                    }
+                }
+                if is_leaf(word) {
+                    if word == SENTINEL {
+                        break;
+                    }
+                    if SOLIDS && is_solid(word) {
+                        any |= solids::<ANY>(tree, word, ray, &mut hit);
+                    } else {
+                        let (first, count) = leaf_range(word);
+                        for k in first..first + count {
+                            // SAFETY: `Tree::checked_depth` has seen every leaf word inside the blocks.
+                            let block = unsafe { tree.blocks.get_unchecked(k) };
+                            any |= triangles::<ANY>(block, &shear, &mut hit);
+                            if ANY && any {
+                                break;
+                            }
+                        }
+                    }
+                    if ANY && any {
+                        break;
+                    }
+                }
+                // SAFETY: the sentinel at the bottom is never behind a hit and ends the walk before it is passed.
+                word = unsafe {
+                    loop {
+                        top -= 1;
+                        if ANY || *dists.add(top) <= hit.t {
+                            break *words.add(top);
+                        }
+                    }
+                };
+            }
+            any.then_some(hit)
+        }
+    };
+}
+
+trace!(trace_avx2, push_avx2, "avx2,fma,bmi1,bmi2,lzcnt,popcnt");
+trace!(trace_avx512, push_avx512, "avx2,fma,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512vl,avx512dq");

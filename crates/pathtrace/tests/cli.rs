@@ -1,0 +1,152 @@
+//! The program run as a user runs it: messages, exit status, files.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use gi_core::image_io::read_exr;
+
+/// Run the program.
+fn run(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_pathtrace")).args(arguments).output().expect("it runs")
+}
+
+fn text(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn scene(name: &str) -> String {
+    format!("{}/../../scenes/{name}.xml", env!("CARGO_MANIFEST_DIR"))
+}
+
+/// One clear error, the given exit status, no panic, and nothing in the folder that was not there.
+fn assert_refused(output: &Output, status: i32, says: &[&str], folder: &Path, files_before: usize) {
+    let text = text(output);
+    assert_eq!(output.status.code(), Some(status), "{text}");
+    assert!(!text.contains("panicked"), "{text}");
+    for word in says {
+        assert!(text.contains(word), "the message does not say \"{word}\":\n{text}");
+    }
+    let files = std::fs::read_dir(folder).expect("the folder").count();
+    assert_eq!(files, files_before, "something was left half-written");
+}
+
+#[test]
+fn a_run_leaves_a_picture_its_view_and_its_statistics() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let (out, stats) = (at("a.exr"), at("a.json"));
+    let output = run(&[
+        &scene("cornell-box"),
+        "-o",
+        &out,
+        "--spp",
+        "2",
+        "--size",
+        "24x16",
+        "--stats",
+        &stats,
+        "-t",
+        "1",
+    ]);
+    assert!(output.status.success(), "{}", text(&output));
+    let layers = read_exr(Path::new(&out)).expect("an EXR");
+    assert_eq!((layers.width, layers.height), (24, 16));
+    for name in ["R", "Variance.G", "Direct.B", "Indirect.R", "Caustic.R", "Albedo.R", "N.X", "Z"] {
+        assert!(layers.channel(name).is_some(), "no layer {name}");
+    }
+    assert!(
+        layers.metadata.iter().any(|(n, v)| n == "gi.passes" && v == "2"),
+        "{:?}",
+        layers.metadata
+    );
+    assert!(Path::new(&at("a.png")).exists());
+    let stats = std::fs::read_to_string(stats).expect("statistics");
+    assert!(stats.contains("\"passes\": 2") && stats.contains("mean_radiance"), "{stats}");
+    assert_eq!(std::fs::read_dir(folder.path()).expect("the folder").count(), 3);
+}
+
+#[test]
+fn damaged_input_is_one_clear_error_and_status_2() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("a.exr");
+    let out = out.to_str().expect("UTF-8");
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("written");
+        path.to_str().expect("UTF-8").to_string()
+    };
+    let camera = "<sensor type=\"perspective\"/>";
+    let shape =
+        |body: &str| format!("<scene version=\"3.0.0\">{camera}<shape {body}</shape></scene>");
+    let cut = write("cut.xml", "<scene version=\"3.0.0\"><shape type=\"sphere\">");
+    let missing = write(
+        "missing.xml",
+        &shape("type=\"obj\"><string name=\"filename\" value=\"nowhere.obj\"/>"),
+    );
+    let nan = "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n";
+    write("nan.obj", nan);
+    let nan =
+        write("nan.xml", &shape("type=\"obj\"><string name=\"filename\" value=\"nan.obj\"/>"));
+    let unknown = write("unknown.xml", &shape("type=\"sphere\"><bsdf type=\"difuse\"/>"));
+    let before = std::fs::read_dir(folder.path()).expect("the folder").count();
+    let cases: [(&str, &[&str]); 5] = [
+        (&cut, &["cut.xml"]),
+        (&missing, &["nowhere.obj"]),
+        (&nan, &["nan.obj"]),
+        (&unknown, &["difuse", "diffuse", "unknown.xml:1"]),
+        ("there-is-no-such.xml", &["there-is-no-such.xml"]),
+    ];
+    for (scene, says) in cases {
+        assert_refused(&run(&[scene, "-o", out]), 2, says, folder.path(), before);
+    }
+    let usage: [&[&str]; 6] = [
+        &["--spp", "0"],
+        &["--size", "12"],
+        &["--max-depth", "0"],
+        &["--nonsense"],
+        &["--time", "1s", "--spp", "2"],
+        &["-D", "x"],
+    ];
+    for flags in usage {
+        let cornell = scene("cornell-box");
+        let arguments = [&[cornell.as_str(), "-o", out], flags].concat();
+        assert_refused(&run(&arguments), 2, &["error"], folder.path(), before);
+    }
+    let png = folder.path().join("a.txt");
+    let arguments = [&scene("cornell-box"), "-o", png.to_str().expect("UTF-8")];
+    assert_refused(&run(&arguments), 2, &[".exr"], folder.path(), before);
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_status_1_before_any_work() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("no/such/folder/a.exr");
+    let arguments = [&scene("cornell-box"), "-o", out.to_str().expect("UTF-8"), "--spp", "100000"];
+    assert_refused(&run(&arguments), 1, &["cannot write", "a.exr"], folder.path(), 0);
+}
+
+#[test]
+fn presets_of_a_scene_are_defaults_that_flags_override() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("preset.xml");
+    let xml = std::fs::read_to_string(scene("cornell-box")).expect("the scene");
+    let preset = "<default name=\"gi.pathtrace.rr_depth\" value=\"3\"/><default name=\"gi.pathtrace.mode\" value=\"light\"/>";
+    let meshes = format!("{}/../../scenes/meshes/", env!("CARGO_MANIFEST_DIR"));
+    let xml =
+        xml.replacen("<integrator", &format!("{preset}<integrator"), 1).replace("meshes/", &meshes);
+    std::fs::write(&path, xml).expect("written");
+    let stats_of = |extra: &[&str]| {
+        let stats = folder.path().join("s.json");
+        let out = folder.path().join("p.exr");
+        let [path, out, stats_name] = [&path, &out, &stats].map(|p| p.to_str().expect("UTF-8"));
+        let arguments =
+            [&[path, "-o", out, "--spp", "1", "--size", "8x8", "--stats", stats_name], extra]
+                .concat();
+        let output = run(&arguments);
+        assert!(output.status.success(), "{}", text(&output));
+        std::fs::read_to_string(stats).expect("statistics")
+    };
+    assert!(stats_of(&[]).contains("light_paths"), "the preset chooses the mode");
+    assert!(!stats_of(&["--mode", "path"]).contains("light_paths"), "the flag wins");
+    assert!(!stats_of(&["-D", "gi.pathtrace.mode=path"]).contains("light_paths"), "so does -D");
+}

@@ -1,0 +1,224 @@
+//! Rooms with lamps: caustics, and many lights.
+
+use glam::{Vec2, Vec3};
+
+use crate::SceneFile;
+use crate::mesh::Mesh;
+use crate::xml::{
+    self, Camera, bsdf, comment, default, diffuse, glass, mesh, metal, point, rough_plastic, shape,
+    sphere, two_sided,
+};
+
+/// A corner of a room: floor and two walls.
+fn corner(size: f32) -> Mesh {
+    let (s, h) = (size, 2.0 * size);
+    let floor = Mesh::quad([
+        Vec3::new(-s, 0.0, -s),
+        Vec3::new(-s, 0.0, s),
+        Vec3::new(s, 0.0, s),
+        Vec3::new(s, 0.0, -s),
+    ]);
+    let back = Mesh::quad([
+        Vec3::new(-s, 0.0, -s),
+        Vec3::new(s, 0.0, -s),
+        Vec3::new(s, h, -s),
+        Vec3::new(-s, h, -s),
+    ]);
+    let left = Mesh::quad([
+        Vec3::new(-s, 0.0, s),
+        Vec3::new(-s, 0.0, -s),
+        Vec3::new(-s, h, -s),
+        Vec3::new(-s, h, s),
+    ]);
+    floor.with(&back).with(&left)
+}
+
+/// A glowing ball in a glass shell: all light reaches the room through glass [slides 35, 38].
+pub(crate) fn bulb() -> SceneFile {
+    let center = Vec3::new(0.0, 1.0, 0.0);
+    // Two spheres with glass between them: inside the inner one the index drops back to that of air.
+    let shell = "<bsdf type=\"dielectric\">\n    <float name=\"int_ior\" value=\"1\"/>\n    <float name=\"ext_ior\" value=\"1.5\"/>\n</bsdf>\n";
+    let body = [
+        comment("Materials"),
+        bsdf("wall", &diffuse([0.7, 0.7, 0.68])),
+        bsdf("socket", &two_sided(&metal("Al", 0.2))),
+        bsdf("glass", &glass()),
+        bsdf("hollow", shell),
+        bsdf("black", &diffuse([0.0; 3])),
+        comment("The lamp"),
+        sphere(center, 0.08, "black", Some([60.0, 48.0, 30.0])),
+        sphere(center, 0.42, "hollow", None),
+        sphere(center, 0.5, "glass", None),
+        mesh("bulb-socket", "socket", None),
+        comment("The room"),
+        mesh("bulb-room", "wall", None),
+    ];
+    let socket =
+        [[0.3, 0.0], [0.3, 0.06], [0.16, 0.12], [0.14, 0.45], [0.12, 0.502]].map(Vec2::from_array);
+    let camera = Camera {
+        origin: Vec3::new(2.6, 1.9, 3.4),
+        target: Vec3::new(-0.1, 0.75, -0.2),
+        fov: 42.0,
+        size: [512, 512],
+    };
+    let xml =
+        xml::scene("A glowing ball in a glass shell in the corner of a room.", &camera, &body);
+    let meshes =
+        vec![("bulb-room".into(), corner(2.0)), ("bulb-socket".into(), Mesh::lathe(&socket, 64))];
+    SceneFile { name: "bulb", xml, meshes }
+}
+
+/// A metal ring on a table: the cardioid.
+pub(crate) fn ring() -> SceneFile {
+    let profile =
+        [[0.96, 0.0], [1.0, 0.0], [1.0, 0.4], [0.96, 0.4], [0.96, 0.0]].map(Vec2::from_array);
+    let table = Mesh::quad(
+        [[-4.0, -4.0], [-4.0, 4.0], [4.0, 4.0], [4.0, -4.0]].map(|[x, z]| Vec3::new(x, 0.0, z)),
+    );
+    let lamp = Mesh::quad([
+        Vec3::new(3.0, 2.6, 0.1),
+        Vec3::new(2.8, 2.8, 0.1),
+        Vec3::new(2.8, 2.8, -0.1),
+        Vec3::new(3.0, 2.6, -0.1),
+    ]);
+    let body = [
+        comment("Materials"),
+        bsdf("table", &diffuse([0.6, 0.58, 0.55])),
+        bsdf("gold", &metal("Au", 0.0)),
+        bsdf("black", &diffuse([0.0; 3])),
+        comment("The ring, the table, a small lamp, and a faint sky"),
+        mesh("ring", "gold", None),
+        mesh("ring-table", "table", None),
+        mesh("ring-lamp", "black", Some([900.0, 820.0, 700.0])),
+        "    <emitter type=\"constant\">\n        <rgb name=\"radiance\" value=\"0.02, 0.025, 0.03\"/>\n    </emitter>\n".into(),
+    ];
+    let camera = Camera {
+        origin: Vec3::new(-1.2, 3.2, 2.6),
+        target: Vec3::new(0.0, 0.05, 0.05),
+        fov: 38.0,
+        size: [512, 512],
+    };
+    let xml = xml::scene("A gold ring on a table: the cardioid caustic.", &camera, &body);
+    let meshes = vec![
+        ("ring".into(), Mesh::lathe(&profile, 256)),
+        ("ring-table".into(), table),
+        ("ring-lamp".into(), lamp),
+    ];
+    SceneFile { name: "ring", xml, meshes }
+}
+
+/// Numbers of lights whose lamps stand in the repository.
+const GALLERY_LIGHTS: [u32; 4] = [4, 64, 1024, 16_384];
+/// The hall's half width, height and half length.
+const HALL: Vec3 = Vec3::new(4.0, 3.5, 8.0);
+
+/// A hall under any number of lamps of the same power together: `-D lights=1024`.
+pub(crate) fn gallery() -> SceneFile {
+    let body = [
+        default("lights", GALLERY_LIGHTS[1]),
+        comment("Materials"),
+        bsdf("wall", &diffuse([0.72, 0.7, 0.66])),
+        bsdf("floor", &two_sided(&rough_plastic([0.35, 0.2, 0.12], 0.2))),
+        bsdf("plinth", &diffuse([0.5, 0.5, 0.5])),
+        bsdf("bronze", &two_sided(&metal("Cu", 0.3))),
+        bsdf("clay", &two_sided(&rough_plastic([0.6, 0.25, 0.15], 0.3))),
+        bsdf("black", &diffuse([0.0; 3])),
+        comment("The hall and its lamps"),
+        mesh("gallery-walls", "wall", None),
+        mesh("gallery-floor", "floor", None),
+        mesh("gallery-lights-$lights", "black", Some([60.0, 54.0, 45.0])),
+        comment("What is shown"),
+        mesh("gallery-plinths", "plinth", None),
+        mesh("gallery-vases", "clay", None),
+        sphere(Vec3::new(-1.6, 1.4, -2.0), 0.4, "bronze", None),
+        shape(
+            "cylinder",
+            &format!(
+                "{}\n{}\n<float name=\"radius\" value=\"0.3\"/>\n",
+                point("p0", Vec3::new(1.6, 1.0, -5.0)),
+                point("p1", Vec3::new(1.6, 1.9, -5.0))
+            ),
+            "bronze",
+            None,
+        ),
+    ];
+    let h = HALL;
+    let floor = Mesh::quad([
+        Vec3::new(-h.x, 0.0, -h.z),
+        Vec3::new(-h.x, 0.0, h.z),
+        Vec3::new(h.x, 0.0, h.z),
+        Vec3::new(h.x, 0.0, -h.z),
+    ]);
+    // The inside of a box: its outside turned round, without the floor.
+    let wall =
+        |a: Vec3, b: Vec3| Mesh::quad([a, b, Vec3::new(b.x, h.y, b.z), Vec3::new(a.x, h.y, a.z)]);
+    let c = [
+        Vec3::new(-h.x, 0.0, h.z),
+        Vec3::new(-h.x, 0.0, -h.z),
+        Vec3::new(h.x, 0.0, -h.z),
+        Vec3::new(h.x, 0.0, h.z),
+    ];
+    let ceiling = Mesh::quad([
+        Vec3::new(-h.x, h.y, -h.z),
+        Vec3::new(h.x, h.y, -h.z),
+        Vec3::new(h.x, h.y, h.z),
+        Vec3::new(-h.x, h.y, h.z),
+    ]);
+    let walls = (0..4).fold(ceiling, |m, k| m.with(&wall(c[k], c[(k + 1) % 4])));
+    let stands = [
+        Vec3::new(-1.6, 0.0, -2.0),
+        Vec3::new(1.6, 0.0, -5.0),
+        Vec3::new(-1.6, 0.0, -5.0),
+        Vec3::new(1.6, 0.0, -2.0),
+    ];
+    let half = Vec3::new(0.45, 0.0, 0.45);
+    let plinths = stands
+        .iter()
+        .fold(Mesh::default(), |m, p| m.with(&Mesh::cuboid(*p - half, *p + half + Vec3::Y)));
+    let vase = [[0.15, 0.0], [0.32, 0.2], [0.36, 0.4], [0.25, 0.65], [0.12, 0.8], [0.2, 0.95]]
+        .map(Vec2::from_array);
+    let vase = Mesh::lathe(&vase, 48);
+    let vases = [stands[2], stands[3]]
+        .iter()
+        .fold(Mesh::default(), |m, p| m.with(&vase.clone().moved(*p + Vec3::Y)));
+    let mut meshes = vec![
+        ("gallery-floor".into(), floor),
+        ("gallery-walls".into(), walls),
+        ("gallery-plinths".into(), plinths),
+        ("gallery-vases".into(), vases),
+    ];
+    meshes.extend(GALLERY_LIGHTS.map(gallery_lights));
+    let camera = Camera {
+        origin: Vec3::new(0.3, 1.7, 5.5),
+        target: Vec3::new(0.0, 1.35, -3.0),
+        fov: 60.0,
+        size: [512, 384],
+    };
+    let xml = xml::scene(
+        "A hall under many lamps; their number is a parameter (4, 64, 1024, 16384, or what make-scenes was asked for).",
+        &camera,
+        &body,
+    );
+    SceneFile { name: "gallery", xml, meshes }
+}
+
+/// `n` square lamps spread evenly under the ceiling, together always of the same area.
+pub(crate) fn gallery_lights(n: u32) -> (String, Mesh) {
+    /// Area of all lamps, square metres.
+    const AREA: f32 = 1.0;
+    let (wide, long) = (2.0 * HALL.x, 2.0 * HALL.z);
+    let columns = ((n as f32 * wide / long).sqrt().round() as u32).max(1);
+    let rows = n.div_ceil(columns);
+    let half = 0.5 * (AREA / n as f32).sqrt();
+    let mut mesh = Mesh::default();
+    for k in 0..n {
+        let (row, column) = (k / columns, k % columns);
+        // The last row may be shorter than the others: spread what it has.
+        let in_row = columns.min(n - row * columns);
+        let x = wide * ((column as f32 + 0.5) / in_row as f32 - 0.5);
+        let z = long * ((row as f32 + 0.5) / rows as f32 - 0.5);
+        let at = |dx: f32, dz: f32| Vec3::new(x + dx * half, HALL.y - 0.05, z + dz * half);
+        mesh = mesh.with(&Mesh::quad([at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0)]));
+    }
+    (format!("gallery-lights-{n}"), mesh)
+}

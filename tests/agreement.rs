@@ -1,0 +1,73 @@
+//! Techniques against each other.
+
+use gi_core::film::{Film, Show};
+use gi_stats::{sidak, z_test};
+use gi_tests::World;
+use pathtrace::{Mode, Params, PathTracer};
+
+/// Mean and variance of the mean over blocks of the picture, per channel.
+fn blocks(film: &Film, side: usize) -> Vec<(f64, f64)> {
+    let layers = film.layers();
+    let (w, h) = (layers.width, layers.height);
+    let mut out = Vec::new();
+    for c in ["R", "G", "B"] {
+        let (value, variance) = (
+            layers.channel(c).expect("a layer"),
+            layers.channel(&format!("Variance.{c}")).expect("one"),
+        );
+        for y in (0..h).step_by(side) {
+            for x in (0..w).step_by(side) {
+                let inside = (y..(y + side).min(h))
+                    .flat_map(|j| (x..(x + side).min(w)).map(move |i| j * w + i));
+                let (mut m, mut v, mut n) = (0.0, 0.0, 0.0);
+                for i in inside {
+                    m += f64::from(value[i]);
+                    v += f64::from(variance[i]);
+                    n += 1.0;
+                }
+                out.push((m / n, v / (n * n)));
+            }
+        }
+    }
+    out
+}
+
+/// Check that two unbiased estimates of one picture agree in every block.
+fn assert_agree(name: &str, a: &Film, b: &Film, side: usize) {
+    let (a, b) = (blocks(a, side), blocks(b, side));
+    let level = sidak(1e-3, a.len());
+    for (k, ((ma, va), (mb, vb))) in a.into_iter().zip(b).enumerate() {
+        let p = z_test(ma, va, mb, vb);
+        assert!(
+            p > level,
+            "{name}, block {k}: {ma:.5} +- {:.1e} against {mb:.5} +- {:.1e}, p = {p:.1e}",
+            va.sqrt(),
+            vb.sqrt()
+        );
+    }
+}
+
+fn both_ends(world: &World, passes: [u32; 2], show: Show) -> [Film; 2] {
+    let render = |mode, passes| {
+        world.render::<PathTracer>(&Params { mode, ..Params::default() }, passes, 5, show)
+    };
+    [render(Mode::Path, passes[0]), render(Mode::Light, passes[1])]
+}
+
+#[test]
+fn paths_from_the_eye_and_from_the_lights_agree_in_the_cornell_box() {
+    let world = World::load("cornell-box.xml", [32, 32], &[]);
+    let [eye, light] = both_ends(&world, [256, 256], Show::All);
+    assert_agree("cornell-box", &eye, &light, 8);
+}
+
+#[test]
+fn paths_from_the_eye_and_from_the_lights_agree_on_a_caustic() {
+    // Each component on its own; the ball of glass and the mirror are out of the picture's lower corner blocks only
+    // for light from the eye, so compare on what light paths can see: the scattered light of rough surfaces.
+    let world = World::load("ring.xml", [24, 24], &[]);
+    let [eye, light] = both_ends(&world, [1024, 512], Show::Caustic);
+    let caustic: f64 = blocks(&light, 24)[0].0;
+    assert!(caustic > 0.01, "there is a caustic: {caustic}");
+    assert_agree("the ring's caustic", &eye, &light, 8);
+}
