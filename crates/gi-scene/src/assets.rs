@@ -139,10 +139,7 @@ impl Assets {
 }
 
 /// The different keys in order of first appearance, and which of them each wish is.
-fn unique<K: Clone + PartialEq>(wanted: &[Wanted<K>]) -> (Vec<K>, Vec<usize>)
-where
-    K: Keyed,
-{
+fn unique<K: Clone + PartialEq + Keyed>(wanted: &[Wanted<K>]) -> (Vec<K>, Vec<usize>) {
     let mut keys: Vec<K> = Vec::new();
     let mut by_path: HashMap<PathBuf, Vec<usize>> = HashMap::new();
     let index = wanted.iter().map(|w| {

@@ -12,7 +12,7 @@ const MAX_SHOWN: usize = 40;
 /// A stretch of bytes in one of the files that make a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Span {
-    /// Index into [`Report::files`].
+    /// Which of the report's files, in the order in which they were added.
     pub(crate) file: usize,
     /// First byte.
     pub(crate) start: usize,

@@ -1,9 +1,9 @@
 //! Scene input: Mitsuba XML (0.5, 0.6 and 3.x) and bare OBJ files become a [`gi_core::scene::SceneParts`].
 //! It is no second scene representation: a file's tree of properties is read once and forgotten.
 //!
-//! The way of a file: [`document`] (text to typed properties with their places) -> [`assets`] (meshes and
-//! pictures, in parallel) -> [`build`] (materials, shapes, lights) -> [`Loaded`]. Every problem met on the
-//! way is noted in a [`diagnostics::Report`], so that all of them are shown at once.
+//! The way of a file: `document` (text to typed properties with their places) -> `assets` (meshes and
+//! pictures, in parallel) -> `build` (materials, shapes, lights) -> [`Loaded`]. Every problem met on the
+//! way is noted in a `diagnostics::Report`, so that all of them are shown at once.
 #![forbid(unsafe_code)]
 
 mod assets;

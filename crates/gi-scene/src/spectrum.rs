@@ -74,7 +74,7 @@ fn planck(nm: f32, kelvin: f32) -> f32 {
     (1e-9 * C1 / (m.powi(5) * ((C2 / (m * f64::from(kelvin))).exp() - 1.0))) as f32
 }
 
-/// The CIE 1931 colour matching functions at a wavelength in nanometres [Wyman13, table 1].
+/// The CIE 1931 colour matching functions at a wavelength in nanometres \[Wyman13, table 1\].
 fn matching(nm: f32) -> [f32; 3] {
     let lobe = |peak: f32, below: f32, above: f32| {
         let t = (nm - peak) / if nm < peak { below } else { above };
@@ -101,7 +101,7 @@ fn integrate(spectrum: impl Fn(f32) -> f32) -> [f64; 3] {
     xyz.map(|v| v / unit)
 }
 
-/// XYZ to linear Rec. 709 [ITU-R BT.709, D65].
+/// XYZ to linear Rec. 709 \[ITU-R BT.709, D65\].
 fn xyz_to_rgb([x, y, z]: [f64; 3]) -> Rgb {
     Rgb::new(
         (3.240_479 * x - 1.537_150 * y - 0.498_535 * z) as f32,
@@ -110,7 +110,7 @@ fn xyz_to_rgb([x, y, z]: [f64; 3]) -> Rgb {
     )
 }
 
-/// Relative power of daylight D65 [CIE 15], every ten nanometres from 360.
+/// Relative power of daylight D65 \[CIE 15\], every ten nanometres from 360.
 const D65: [f32; 48] = [
     46.64, 52.09, 49.98, 54.65, 82.75, 91.49, 93.43, 86.68, 104.87, 117.01, 117.81, 114.86, 115.92,
     108.81, 109.35, 107.80, 104.79, 107.69, 104.41, 104.05, 100.00, 96.33, 95.79, 88.69, 90.01,

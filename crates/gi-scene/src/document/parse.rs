@@ -2,14 +2,15 @@ use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
-use glam::{Affine3A, Vec3};
-
-use super::{Child, Class, Document, Object, ObjectId, Property, Target, Value};
+use super::{Child, Class, Document, Object, ObjectId, Target};
 use crate::diagnostics::{Report, Span, suggestion};
 use crate::files;
 use crate::hash::Hash;
-use crate::spectrum::Spectrum;
-use crate::{transform, value};
+use crate::value;
+use substitute::{Define, Element};
+
+mod properties;
+mod substitute;
 
 /// How deep files may include each other (Mitsuba's limit).
 const MAX_INCLUDE_DEPTH: usize = 15;
@@ -18,8 +19,6 @@ const MAX_INCLUDE_DEPTH: usize = 15;
 const MAX_INCLUDES: usize = 1000;
 /// How deep elements may be nested: the reader recurses, and no scene comes near.
 const MAX_NESTING: usize = 64;
-/// How long an attribute may grow by substitution: `$a` = `$b$b`, `$b` = `$c$c`, ... doubles each time.
-const MAX_ATTRIBUTE: usize = 1 << 16;
 /// How many elements one file may hold: a bound on memory far above any scene found.
 const MAX_NODES: u32 = 1 << 24;
 
@@ -38,41 +37,6 @@ pub(crate) fn parse(
     parser.check_references();
     parser.check_defines();
     Some(parser.doc)
-}
-
-struct Define {
-    name: String,
-    value: String,
-    /// Given with `-D`: wins over `<default>`, and is missed if nobody asks for it.
-    forced: bool,
-    used: Cell<bool>,
-}
-
-struct Attribute {
-    name: String,
-    value: String,
-    span: Span,
-}
-
-struct Element {
-    tag: String,
-    span: Span,
-    attributes: Vec<Attribute>,
-}
-
-impl Element {
-    fn get(&self, name: &str) -> Option<&Attribute> {
-        self.attributes.iter().find(|a| a.name == name)
-    }
-
-    fn text(&self, name: &str) -> Option<&str> {
-        self.get(name).map(|a| a.value.as_str())
-    }
-
-    /// Where an attribute's value stands, or the tag.
-    fn span_of(&self, name: &str) -> Span {
-        self.get(name).map_or(self.span, |a| a.span)
-    }
 }
 
 struct Parser<'r> {
@@ -186,7 +150,7 @@ impl<'r> Parser<'r> {
     ) {
         match element.tag.as_str() {
             "default" => self.default(&element),
-            "include" => self.include(&element, file, parent),
+            "include" => self.include(&element, parent),
             "path" => self.search_path(&element, parent),
             "alias" => self.alias(&element),
             "ref" => self.reference(&element, parent),
@@ -233,10 +197,10 @@ impl<'r> Parser<'r> {
         }
         let folder = self.stack.last().map(|p| files::folder_of(p)).unwrap_or_default();
         let id = self.open(element, class, &folder);
-        if let Some(a) = element.get("id") {
-            if self.doc.ids.insert(a.value.clone(), id).is_some() {
-                self.report.error(a.span, format!("the id `{}` is taken already", a.value), "");
-            }
+        if let Some(a) = element.get("id")
+            && self.doc.ids.insert(a.value.clone(), id).is_some()
+        {
+            self.report.error(a.span, format!("the id `{}` is taken already", a.value), "");
         }
         let name = value::snake_case(element.text("name").unwrap_or_default());
         let child =
@@ -245,23 +209,7 @@ impl<'r> Parser<'r> {
         self.children(node, file, id, depth + 1);
     }
 
-    fn default(&mut self, element: &Element) {
-        let (Some(name), Some(value)) = (element.text("name"), element.text("value")) else {
-            return self.report.error(element.span, "`default` needs `name` and `value`", "");
-        };
-        if let Some(known) = self.defines.iter().find(|d| d.name == name) {
-            known.used.set(true);
-        } else {
-            let (name, value) = (name.to_owned(), value.to_owned());
-            if name.starts_with("gi.") {
-                self.doc.presets.insert(name.clone(), value.clone());
-            }
-            self.defines.push(Define { name, value, forced: false, used: Cell::new(true) });
-        }
-    }
-
-    fn include(&mut self, element: &Element, file: usize, parent: ObjectId) {
-        let _ = file;
+    fn include(&mut self, element: &Element, parent: ObjectId) {
         let Some(name) = element.get("filename") else {
             return self.report.error(element.span, "`include` needs `filename`", "");
         };
@@ -318,177 +266,6 @@ impl<'r> Parser<'r> {
         self.doc.objects[parent].children.push(child);
     }
 
-    fn transform(
-        &mut self,
-        node: XmlNode<'_, '_>,
-        element: &Element,
-        file: usize,
-        parent: ObjectId,
-    ) {
-        let mut m = Affine3A::IDENTITY;
-        for op in node.children().filter(|n| n.is_element()) {
-            let op = self.element(op, file);
-            let tag = if op.tag == "look_at" { "lookat" } else { op.tag.as_str() };
-            if !transform::OPERATIONS.contains(&tag) {
-                let help = suggestion(tag, transform::OPERATIONS);
-                let message = format!("unknown operation `{}`", op.tag);
-                self.report.error_help(op.span, message, "expected an operation", help);
-                continue;
-            }
-            match transform::operation(tag, &|name| op.text(name)) {
-                Ok(next) => m = next * m,
-                Err(why) => self.report.error(op.span, why, ""),
-            }
-        }
-        self.add(element, parent, Value::Transform(m));
-    }
-
-    /// A plain value; other tags are noted and dropped.
-    fn property(&mut self, element: &Element, parent: ObjectId) {
-        const TAGS: [&str; 12] = [
-            "boolean",
-            "integer",
-            "float",
-            "string",
-            "rgb",
-            "srgb",
-            "color",
-            "spectrum",
-            "blackbody",
-            "point",
-            "vector",
-            "transform",
-        ];
-        if !TAGS.contains(&element.tag.as_str()) {
-            let hint = suggestion(&element.tag, TAGS).map(|s| format!(", {s}")).unwrap_or_default();
-            self.report.warn(element.span, format!("unknown tag `{}`: ignored{hint}", element.tag));
-            return;
-        }
-        match self.value(element) {
-            Ok(value) => self.add(element, parent, value),
-            Err(why) => {
-                let expected = format!("expected {}", expectation(&element.tag));
-                self.report.error(element.span_of("value"), why, &expected);
-            }
-        }
-    }
-
-    fn value(&mut self, element: &Element) -> Result<Value, String> {
-        let text = element.text("value").ok_or("`value` is missing");
-        Ok(match element.tag.as_str() {
-            "boolean" => Value::Bool(value::boolean(text?)?),
-            "integer" => Value::Integer(value::integer(text?)?),
-            "float" => Value::Float(value::number(text?)?),
-            "string" => Value::Text(text?.to_owned()),
-            "rgb" | "color" => Value::Color(value::color(text?, false)?),
-            "srgb" => Value::Color(value::color(text?, true)?),
-            "blackbody" => {
-                let kelvin = element.text("temperature").ok_or("`temperature` is missing")?;
-                let kelvin = value::number(kelvin.trim_end_matches(['K', 'k']))?;
-                let scale = element.text("scale").map_or(Ok(1.0), value::number)?;
-                Value::Spectrum(Spectrum::Blackbody { kelvin, scale })
-            }
-            "spectrum" => self.spectrum(element)?,
-            _ => match element.text("value") {
-                Some(text) => Value::Vector(value::triple(text)?),
-                None => {
-                    let axis = |name| element.text(name).map_or(Ok(0.0), value::number);
-                    Value::Vector(Vec3::new(axis("x")?, axis("y")?, axis("z")?))
-                }
-            },
-        })
-    }
-
-    fn spectrum(&mut self, element: &Element) -> Result<Value, String> {
-        if let Some(name) = element.text("filename") {
-            let folder = files::folder_of(self.stack.last().expect("a file is being read"));
-            let (files::Found::Exact(path) | files::Found::OtherCase(path)) =
-                files::find(name, &folder, &self.doc.search)
-            else {
-                return Err(format!("cannot find `{name}`"));
-            };
-            let text = files::read_text(&path)?;
-            self.doc.hash.bytes(text.as_bytes());
-            let lines = text.lines().map(|l| l.split('#').next().unwrap_or_default().trim());
-            let lines = lines.filter(|l| !l.is_empty());
-            let joined: Vec<String> =
-                lines.map(|l| value::words(l).collect::<Vec<_>>().join(":")).collect();
-            return Ok(Value::Spectrum(Spectrum::Pairs(value::pairs(&joined.join(" "))?)));
-        }
-        let text = element.text("value").ok_or("`value` is missing")?;
-        if text.contains(':') {
-            return Ok(Value::Spectrum(Spectrum::Pairs(value::pairs(text)?)));
-        }
-        match value::numbers(text)?.as_slice() {
-            [v] => Ok(Value::Spectrum(Spectrum::Flat(*v))),
-            [_, _, _] => Ok(Value::Color(value::color(text, false)?)),
-            other => Err(format!("{} numbers without wavelengths", other.len())),
-        }
-    }
-
-    fn add(&mut self, element: &Element, parent: ObjectId, value: Value) {
-        let Some(name) = element.get("name") else {
-            // Nameless values are the children of `<spectrum>` and the like in no dialect that we know.
-            return self.report.error(
-                element.span,
-                format!("`{}` without a name", element.tag),
-                "",
-            );
-        };
-        let property = Property {
-            name: value::snake_case(&name.value),
-            span: element.span_of("value"),
-            value,
-            used: Cell::new(false),
-        };
-        self.doc.objects[parent].properties.push(property);
-    }
-
-    /// An element's tag and attributes, `$name`s substituted.
-    fn element(&self, node: XmlNode<'_, '_>, file: usize) -> Element {
-        let start = node.range().start + 1; // past the angle bracket
-        let tag = node.tag_name().name();
-        let span = Span { file, start, end: start + tag.len() };
-        let attributes = node.attributes().map(|a| {
-            let range = a.range_value();
-            let span = Span { file, start: range.start, end: range.end };
-            let value = self.substitute(a.value(), span);
-            Attribute { name: a.name().to_owned(), value, span }
-        });
-        let attributes = attributes.collect();
-        Element { tag: value::snake_case(tag), span, attributes }
-    }
-
-    fn substitute(&self, text: &str, span: Span) -> String {
-        let Some(first) = text.find('$') else { return text.to_owned() };
-        let mut out = text[..first].to_owned();
-        let mut rest = &text[first..];
-        while let Some(after) = rest.strip_prefix('$') {
-            let known = self.defines.iter().filter(|d| after.starts_with(&d.name));
-            if let Some(define) = known.max_by_key(|d| d.name.len()) {
-                define.used.set(true);
-                out.push_str(&define.value);
-                rest = &after[define.name.len()..];
-            } else {
-                let end = after.find(|c: char| !c.is_alphanumeric() && c != '_');
-                let name = &after[..end.unwrap_or(after.len())];
-                let names = self.defines.iter().map(|d| d.name.as_str());
-                let help = suggestion(name, names);
-                let message = format!("`${name}` is not defined");
-                self.report.error_help(span, message, "expected a <default> or -D", help);
-                return String::new();
-            }
-            let end = rest.find('$').unwrap_or(rest.len());
-            out.push_str(&rest[..end]);
-            rest = &rest[end..];
-            if out.len() > MAX_ATTRIBUTE {
-                self.report.error(span, "substitution makes this attribute too long", "");
-                return String::new();
-            }
-        }
-        out
-    }
-
     /// Give aliases their objects and report references to nothing.
     fn check_references(&mut self) {
         for (id, new, span) in std::mem::take(&mut self.aliases) {
@@ -500,11 +277,11 @@ impl<'r> Parser<'r> {
         let mut missing = Vec::new();
         for (o, object) in self.doc.objects.iter().enumerate() {
             for (c, child) in object.children.iter().enumerate() {
-                if let Target::Ref(id) = &child.target {
-                    if !self.doc.ids.contains_key(id) {
-                        self.unknown_id(id, child.span);
-                        missing.push((o, c));
-                    }
+                if let Target::Ref(id) = &child.target
+                    && !self.doc.ids.contains_key(id)
+                {
+                    self.unknown_id(id, child.span);
+                    missing.push((o, c));
                 }
             }
         }
@@ -518,30 +295,5 @@ impl<'r> Parser<'r> {
         known.sort_unstable();
         let message = format!("nothing has the id `{id}`");
         self.report.error_help(span, message, "referred to here", suggestion(id, known));
-    }
-
-    /// A `-D` that nothing asks for is a misspelling.
-    fn check_defines(&self) {
-        for define in self.defines.iter().filter(|d| d.forced && !d.used.get()) {
-            let names = self.defines.iter().filter(|d| d.used.get()).map(|d| d.name.as_str());
-            let hint =
-                suggestion(&define.name, names).map(|s| format!(", {s}")).unwrap_or_default();
-            self.report
-                .warn_nowhere(format!("-D {}: the scene has no such name{hint}", define.name));
-        }
-    }
-}
-
-/// What a tag's value must look like.
-fn expectation(tag: &str) -> &'static str {
-    match tag {
-        "boolean" => "`true` or `false`",
-        "integer" => "a whole number",
-        "float" => "a number",
-        "rgb" | "srgb" | "color" => "one number, three, or #rrggbb",
-        "spectrum" => "one number or nm:value pairs",
-        "point" | "vector" => "three numbers",
-        "blackbody" => "a temperature in kelvin",
-        _ => "a value",
     }
 }

@@ -2,6 +2,8 @@
 
 use gi_core::math::Rgb;
 
+use crate::document::Node;
+
 /// Dielectrics: index at the sodium line, as Mitsuba lists them.
 pub(crate) const DIELECTRICS: [(&str, f32); 24] = [
     ("vacuum", 1.0),
@@ -93,6 +95,52 @@ pub(crate) fn conductor(name: &str) -> Option<(Rgb, Rgb)> {
     let exact = CONDUCTORS.iter().find(|(n, ..)| *n == name);
     let (_, eta, k) = exact.or_else(|| CONDUCTORS.iter().find(|(n, ..)| bare(n) == bare(name)))?;
     Some((Rgb::from(*eta), Rgb::from(*k)))
+}
+
+/// (eta, k) of a conductor that a bsdf names; `None` after a reported problem.
+pub(super) fn conductor_of(node: Node<'_>, name: &str) -> Option<(Rgb, Rgb)> {
+    let found = conductor(name);
+    if found.is_none() {
+        let names = CONDUCTORS.iter().map(|(n, ..)| *n).chain(["none"]);
+        let help = crate::diagnostics::suggestion(name, names);
+        let message = format!("unknown conductor `{name}`");
+        node.report.error_help(node.span_of("material"), message, "expected a material", help);
+    }
+    found
+}
+
+/// An index of refraction given as a number or a name; `None` if it is not given (or wrong, and reported).
+pub(super) fn interface(node: Node<'_>, name: &'static str) -> Option<f32> {
+    if !node.has(name) {
+        return None;
+    }
+    let Some(material) = node.text_opt(name) else { return node.float_opt(name) };
+    let found = dielectric(material).or_else(|| material.trim().parse().ok());
+    if found.is_none() {
+        let names = DIELECTRICS.iter().map(|(n, _)| *n);
+        let help = crate::diagnostics::suggestion(material, names);
+        let message = format!("unknown dielectric `{material}`");
+        node.report.error_help(
+            node.span_of(name),
+            message,
+            "expected a material or a number",
+            help,
+        );
+    }
+    found
+}
+
+/// Index inside over index outside; `None` after a reported problem.
+pub(super) fn relative(node: Node<'_>, inside: &str) -> Option<f32> {
+    let default = |name| dielectric(name).expect("a name of the table");
+    let inside = interface(node, "int_ior").unwrap_or_else(|| default(inside));
+    let outside = interface(node, "ext_ior").unwrap_or_else(|| default("air"));
+    let eta = node.float_opt("eta").unwrap_or(inside / outside);
+    if eta > 0.0 && eta.is_finite() {
+        return Some(eta);
+    }
+    node.error(format!("the relative index of refraction is {eta}"), "expected a positive one");
+    None
 }
 
 #[cfg(test)]

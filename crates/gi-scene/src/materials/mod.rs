@@ -107,7 +107,7 @@ impl Builder<'_> {
             }
             "dielectric" | "roughdielectric" => self.dielectric(node)?,
             "thindielectric" => Material::ThinDielectric {
-                eta: relative_ior(node, "bk7")?,
+                eta: ior::relative(node, "bk7")?,
                 reflectance: self.reflectance(node, "specular_reflectance", 1.0),
                 transmittance: self.reflectance(node, "specular_transmittance", 1.0),
             },
@@ -146,7 +146,7 @@ impl Builder<'_> {
 
     fn dielectric(&mut self, node: Node<'_>) -> Option<Material> {
         Some(Material::Dielectric {
-            eta: relative_ior(node, "bk7")?,
+            eta: ior::relative(node, "bk7")?,
             reflectance: self.reflectance(node, "specular_reflectance", 1.0),
             transmittance: self.reflectance(node, "specular_transmittance", 1.0),
             roughness: self.roughness(node, "roughdielectric"),
@@ -155,7 +155,7 @@ impl Builder<'_> {
 
     fn conductor(&mut self, node: Node<'_>) -> Option<Material> {
         let named = match node.text("material") {
-            Some(name) => Some(conductor_named(node, name)?),
+            Some(name) => Some(ior::conductor_of(node, name)?),
             // A conductor of no material is copper in Mitsuba 0.6 and a mirror in Mitsuba 3.
             None if node.doc.version == 0 => ior::conductor("Cu"),
             None => ior::conductor("none"),
@@ -166,7 +166,7 @@ impl Builder<'_> {
             k = node.color("k", Meaning::Factor).unwrap_or(Rgb::WHITE);
         }
         // What matters is the index relative to the outside.
-        let outside = interface_ior(node, "ext_eta").or_else(|| interface_ior(node, "ext_ior"));
+        let outside = ior::interface(node, "ext_eta").or_else(|| ior::interface(node, "ext_ior"));
         if let Some(outside) = outside {
             (eta, k) = (eta / outside, k / outside);
         }
@@ -189,7 +189,7 @@ impl Builder<'_> {
             *alpha_v = alpha_u.clone();
         }
         Some(Material::Plastic {
-            eta: relative_ior(node, "polypropylene")?,
+            eta: ior::relative(node, "polypropylene")?,
             diffuse: self.reflectance(node, "diffuse_reflectance", 0.5),
             specular: self.reflectance(node, "specular_reflectance", 1.0),
             nonlinear: node.bool("nonlinear", false),
@@ -288,49 +288,4 @@ impl Builder<'_> {
             }
         }
     }
-}
-
-fn conductor_named(node: Node<'_>, name: &str) -> Option<(Rgb, Rgb)> {
-    let found = ior::conductor(name);
-    if found.is_none() {
-        let names = ior::CONDUCTORS.iter().map(|(n, ..)| *n).chain(["none"]);
-        let help = crate::diagnostics::suggestion(name, names);
-        let message = format!("unknown conductor `{name}`");
-        node.report.error_help(node.span_of("material"), message, "expected a material", help);
-    }
-    found
-}
-
-/// An index of refraction given as a number or a name; `None` if it is not given (or wrong, and reported).
-fn interface_ior(node: Node<'_>, name: &'static str) -> Option<f32> {
-    if !node.has(name) {
-        return None;
-    }
-    let Some(material) = node.text_opt(name) else { return node.float_opt(name) };
-    let found = ior::dielectric(material).or_else(|| material.trim().parse().ok());
-    if found.is_none() {
-        let names = ior::DIELECTRICS.iter().map(|(n, _)| *n);
-        let help = crate::diagnostics::suggestion(material, names);
-        let message = format!("unknown dielectric `{material}`");
-        node.report.error_help(
-            node.span_of(name),
-            message,
-            "expected a material or a number",
-            help,
-        );
-    }
-    found
-}
-
-/// Index inside over index outside.
-fn relative_ior(node: Node<'_>, inside: &str) -> Option<f32> {
-    let default = |name| ior::dielectric(name).expect("a name of the table");
-    let inside = interface_ior(node, "int_ior").unwrap_or_else(|| default(inside));
-    let outside = interface_ior(node, "ext_ior").unwrap_or_else(|| default("air"));
-    let eta = node.float_opt("eta").unwrap_or(inside / outside);
-    if eta > 0.0 && eta.is_finite() {
-        return Some(eta);
-    }
-    node.error(format!("the relative index of refraction is {eta}"), "expected a positive one");
-    None
 }

@@ -23,17 +23,17 @@ pub(crate) fn smooth_up_to(mesh: &mut Mesh, angle: f32) {
     let faces: Vec<Vec3> =
         (0..mesh.triangles.len()).map(|k| mesh.area_vector(k).normalize_or_zero()).collect();
     let mut round: HashMap<[u32; 3], Vec<(usize, f32)>> = HashMap::new();
-    for k in 0..mesh.triangles.len() {
+    for (k, &face) in faces.iter().enumerate() {
         let p = mesh.corners(k);
         for j in 0..3 {
             let (a, b) = (p[(j + 1) % 3] - p[j], p[(j + 2) % 3] - p[j]);
-            let at = if faces[k] == Vec3::ZERO { 0.0 } else { a.angle_between(b) };
+            let at = if face == Vec3::ZERO { 0.0 } else { a.angle_between(b) };
             round.entry(key(p[j])).or_default().push((k, at));
         }
     }
     let limit = angle.cos();
     let mut out = Mesh::default();
-    let mut known: HashMap<([u32; 3], [u32; 3], [u32; 2]), u32> = HashMap::new();
+    let mut known = HashMap::new();
     for k in 0..mesh.triangles.len() {
         let corner = |j: usize| {
             let i = mesh.triangles[k][j] as usize;

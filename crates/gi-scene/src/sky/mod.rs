@@ -81,15 +81,17 @@ impl SunSky {
             None => to_world.transform_vector3(local).normalize(),
         };
         let scale = node.float("scale", 1.0);
-        let (sun_scale, sky_scale) = (node.float("sun_scale", 1.0), node.float("sky_scale", 1.0));
+        // Mitsuba 0.6: what is said for one of them counts instead of the common factor.
+        let (sun_scale, sky_scale) =
+            (node.float("sun_scale", scale), node.float("sky_scale", scale));
         let given = node.float_opt("sun_aperture").map(|degrees| 0.5 * degrees.to_radians());
         let radius = sun::ANGULAR_RADIUS * node.float("sun_radius_scale", 1.0);
         let sky = SunSky {
             turbidity,
             albedo,
             sun_direction,
-            sun_scale: if node.plugin() == "sky" { 0.0 } else { scale * sun_scale },
-            sky_scale: if node.plugin() == "sun" { 0.0 } else { scale * sky_scale },
+            sun_scale: if node.plugin() == "sky" { 0.0 } else { sun_scale },
+            sky_scale: if node.plugin() == "sun" { 0.0 } else { sky_scale },
             angular_radius: given.unwrap_or(radius).clamp(SMALLEST_RADIUS, 1.5),
             to_world,
             extend: node.bool("extend", false),

@@ -1,0 +1,155 @@
+use std::cell::Cell;
+
+use glam::{Affine3A, Vec3};
+
+use super::substitute::Element;
+use super::{Parser, XmlNode};
+use crate::diagnostics::suggestion;
+use crate::document::{ObjectId, Property, Value};
+use crate::files;
+use crate::spectrum::Spectrum;
+use crate::{transform, value};
+
+/// The tags of plain values.
+const TAGS: [&str; 12] = [
+    "boolean",
+    "integer",
+    "float",
+    "string",
+    "rgb",
+    "srgb",
+    "color",
+    "spectrum",
+    "blackbody",
+    "point",
+    "vector",
+    "transform",
+];
+
+impl Parser<'_> {
+    pub(super) fn transform(
+        &mut self,
+        node: XmlNode<'_, '_>,
+        element: &Element,
+        file: usize,
+        parent: ObjectId,
+    ) {
+        let mut m = Affine3A::IDENTITY;
+        for op in node.children().filter(|n| n.is_element()) {
+            let op = self.element(op, file);
+            let tag = if op.tag == "look_at" { "lookat" } else { op.tag.as_str() };
+            if !transform::OPERATIONS.contains(&tag) {
+                let help = suggestion(tag, transform::OPERATIONS);
+                let message = format!("unknown operation `{}`", op.tag);
+                self.report.error_help(op.span, message, "expected an operation", help);
+                continue;
+            }
+            match transform::operation(tag, &|name| op.text(name)) {
+                Ok(next) => m = next * m,
+                Err(why) => self.report.error(op.span, why, ""),
+            }
+        }
+        self.add(element, parent, Value::Transform(m));
+    }
+
+    /// A plain value; other tags are noted and dropped.
+    pub(super) fn property(&mut self, element: &Element, parent: ObjectId) {
+        if !TAGS.contains(&element.tag.as_str()) {
+            let hint = suggestion(&element.tag, TAGS).map(|s| format!(", {s}")).unwrap_or_default();
+            self.report.warn(element.span, format!("unknown tag `{}`: ignored{hint}", element.tag));
+            return;
+        }
+        match self.value(element) {
+            Ok(value) => self.add(element, parent, value),
+            Err(why) => {
+                let expected = format!("expected {}", expectation(&element.tag));
+                self.report.error(element.span_of("value"), why, &expected);
+            }
+        }
+    }
+
+    fn value(&mut self, element: &Element) -> Result<Value, String> {
+        let text = element.text("value").ok_or("`value` is missing");
+        Ok(match element.tag.as_str() {
+            "boolean" => Value::Bool(value::boolean(text?)?),
+            "integer" => Value::Integer(value::integer(text?)?),
+            "float" => Value::Float(value::number(text?)?),
+            "string" => Value::Text(text?.to_owned()),
+            "rgb" | "color" => Value::Color(value::color(text?, false)?),
+            "srgb" => Value::Color(value::color(text?, true)?),
+            "blackbody" => {
+                let kelvin = element.text("temperature").ok_or("`temperature` is missing")?;
+                let kelvin = value::number(kelvin.trim_end_matches(['K', 'k']))?;
+                let scale = element.text("scale").map_or(Ok(1.0), value::number)?;
+                Value::Spectrum(Spectrum::Blackbody { kelvin, scale })
+            }
+            "spectrum" => self.spectrum(element)?,
+            _ => match element.text("value") {
+                Some(text) => Value::Vector(value::triple(text)?),
+                None => {
+                    let axis = |name| element.text(name).map_or(Ok(0.0), value::number);
+                    Value::Vector(Vec3::new(axis("x")?, axis("y")?, axis("z")?))
+                }
+            },
+        })
+    }
+
+    fn spectrum(&mut self, element: &Element) -> Result<Value, String> {
+        if let Some(name) = element.text("filename") {
+            let folder = files::folder_of(self.stack.last().expect("a file is being read"));
+            let (files::Found::Exact(path) | files::Found::OtherCase(path)) =
+                files::find(name, &folder, &self.doc.search)
+            else {
+                return Err(format!("cannot find `{name}`"));
+            };
+            let text = files::read_text(&path)?;
+            self.doc.hash.bytes(text.as_bytes());
+            let lines = text.lines().map(|l| l.split('#').next().unwrap_or_default().trim());
+            let lines = lines.filter(|l| !l.is_empty());
+            let joined: Vec<String> =
+                lines.map(|l| value::words(l).collect::<Vec<_>>().join(":")).collect();
+            return Ok(Value::Spectrum(Spectrum::Pairs(value::pairs(&joined.join(" "))?)));
+        }
+        let text = element.text("value").ok_or("`value` is missing")?;
+        if text.contains(':') {
+            return Ok(Value::Spectrum(Spectrum::Pairs(value::pairs(text)?)));
+        }
+        match value::numbers(text)?.as_slice() {
+            [v] => Ok(Value::Spectrum(Spectrum::Flat(*v))),
+            [_, _, _] => Ok(Value::Color(value::color(text, false)?)),
+            other => Err(format!("{} numbers without wavelengths", other.len())),
+        }
+    }
+
+    fn add(&mut self, element: &Element, parent: ObjectId, value: Value) {
+        let Some(name) = element.get("name") else {
+            // Nameless values are the children of `<spectrum>` and the like in no dialect that we know.
+            return self.report.error(
+                element.span,
+                format!("`{}` without a name", element.tag),
+                "",
+            );
+        };
+        let property = Property {
+            name: value::snake_case(&name.value),
+            span: element.span_of("value"),
+            value,
+            used: Cell::new(false),
+        };
+        self.doc.objects[parent].properties.push(property);
+    }
+}
+
+/// What a tag's value must look like.
+fn expectation(tag: &str) -> &'static str {
+    match tag {
+        "boolean" => "`true` or `false`",
+        "integer" => "a whole number",
+        "float" => "a number",
+        "rgb" | "srgb" | "color" => "one number, three, or #rrggbb",
+        "spectrum" => "one number or nm:value pairs",
+        "point" | "vector" => "three numbers",
+        "blackbody" => "a temperature in kelvin",
+        _ => "a value",
+    }
+}

@@ -1,0 +1,116 @@
+use std::cell::Cell;
+
+use super::{Parser, XmlNode};
+use crate::diagnostics::{Span, suggestion};
+use crate::value;
+
+/// How long an attribute may grow by substitution: `$a` = `$b$b`, `$b` = `$c$c`, ... doubles each time.
+const MAX_ATTRIBUTE: usize = 1 << 16;
+
+pub(super) struct Define {
+    pub(super) name: String,
+    pub(super) value: String,
+    /// Given with `-D`: wins over `<default>`, and is missed if nobody asks for it.
+    pub(super) forced: bool,
+    pub(super) used: Cell<bool>,
+}
+
+pub(super) struct Attribute {
+    pub(super) name: String,
+    pub(super) value: String,
+    pub(super) span: Span,
+}
+
+pub(super) struct Element {
+    pub(super) tag: String,
+    pub(super) span: Span,
+    pub(super) attributes: Vec<Attribute>,
+}
+
+impl Element {
+    pub(super) fn get(&self, name: &str) -> Option<&Attribute> {
+        self.attributes.iter().find(|a| a.name == name)
+    }
+
+    pub(super) fn text(&self, name: &str) -> Option<&str> {
+        self.get(name).map(|a| a.value.as_str())
+    }
+
+    /// Where an attribute's value stands, or the tag.
+    pub(super) fn span_of(&self, name: &str) -> Span {
+        self.get(name).map_or(self.span, |a| a.span)
+    }
+}
+
+impl Parser<'_> {
+    pub(super) fn default(&mut self, element: &Element) {
+        let (Some(name), Some(value)) = (element.text("name"), element.text("value")) else {
+            return self.report.error(element.span, "`default` needs `name` and `value`", "");
+        };
+        if let Some(known) = self.defines.iter().find(|d| d.name == name) {
+            known.used.set(true);
+        } else {
+            let (name, value) = (name.to_owned(), value.to_owned());
+            if name.starts_with("gi.") {
+                self.doc.presets.insert(name.clone(), value.clone());
+            }
+            self.defines.push(Define { name, value, forced: false, used: Cell::new(true) });
+        }
+    }
+
+    /// An element's tag and attributes, `$name`s substituted.
+    pub(super) fn element(&self, node: XmlNode<'_, '_>, file: usize) -> Element {
+        let start = node.range().start + 1; // past the angle bracket
+        let tag = node.tag_name().name();
+        let span = Span { file, start, end: start + tag.len() };
+        let attributes = node.attributes().map(|a| {
+            let range = a.range_value();
+            let span = Span { file, start: range.start, end: range.end };
+            let value = self.substitute(a.value(), span);
+            Attribute { name: a.name().to_owned(), value, span }
+        });
+        let attributes = attributes.collect();
+        Element { tag: value::snake_case(tag), span, attributes }
+    }
+
+    fn substitute(&self, text: &str, span: Span) -> String {
+        let Some(first) = text.find('$') else { return text.to_owned() };
+        let mut out = text[..first].to_owned();
+        let mut rest = &text[first..];
+        while let Some(after) = rest.strip_prefix('$') {
+            let known = self.defines.iter().filter(|d| after.starts_with(&d.name));
+            if let Some(define) = known.max_by_key(|d| d.name.len()) {
+                define.used.set(true);
+                out.push_str(&define.value);
+                rest = &after[define.name.len()..];
+            } else {
+                let end = after.find(|c: char| !c.is_alphanumeric() && c != '_');
+                let name = &after[..end.unwrap_or(after.len())];
+                let names = self.defines.iter().map(|d| d.name.as_str());
+                let help = suggestion(name, names);
+                let message = format!("`${name}` is not defined");
+                self.report.error_help(span, message, "expected a <default> or -D", help);
+                return String::new();
+            }
+            let end = rest.find('$').unwrap_or(rest.len());
+            out.push_str(&rest[..end]);
+            rest = &rest[end..];
+            if out.len() > MAX_ATTRIBUTE {
+                self.report.error(span, "substitution makes this attribute too long", "");
+                return String::new();
+            }
+        }
+        out
+    }
+
+    /// A `-D` that nothing asks for is a misspelling.
+    pub(super) fn check_defines(&self) {
+        for define in self.defines.iter().filter(|d| d.forced && !d.used.get()) {
+            let names = self.defines.iter().filter(|d| d.used.get()).map(|d| d.name.as_str());
+            let hint =
+                suggestion(&define.name, names).map(|s| format!(", {s}")).unwrap_or_default();
+            self.report
+                .warn_nowhere(format!("-D {}: the scene has no such name{hint}", define.name));
+        }
+    }
+}
