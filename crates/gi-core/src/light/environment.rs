@@ -48,7 +48,10 @@ impl Environment {
     /// Radiance from direction `d` (unit, pointing to where the light comes from).
     #[inline]
     pub fn radiance(&self, d: Vec3) -> Rgb {
-        self.image.eval(Vec2::from_array(self.to_uv(d))) * self.scale
+        // The picture repeats round the horizon, but not over the poles: stay within the middles of the outer rows.
+        let [u, v] = self.to_uv(d);
+        let half_row = 0.5 / self.image.height() as f32;
+        self.image.eval(Vec2::new(u, v.clamp(half_row, 1.0 - half_row))) * self.scale
     }
 
     /// A direction and its density per solid angle.
@@ -87,4 +90,19 @@ impl Environment {
 fn row_measure(y: usize, h: usize) -> f32 {
     let cos = |y: usize| (PI * y as f32 / h as f32).cos();
     cos(y) - cos(y + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::texture::{Lookup, Texels, Wrap};
+
+    #[test]
+    fn the_zenith_does_not_mix_with_the_nadir() {
+        let texels = (0..4).flat_map(|y| [Rgb::grey(if y == 0 { 8.0 } else { 0.0 }); 8]).collect();
+        let image = Bitmap::new(8, 4, Texels::Float(texels), Wrap::Repeat, Lookup::Bilinear);
+        let map = Environment::new(image, 1.0, Mat3::IDENTITY);
+        assert_eq!(map.radiance(Vec3::Y).r, 8.0);
+        assert_eq!(map.radiance(-Vec3::Y).r, 0.0);
+    }
 }
