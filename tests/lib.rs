@@ -2,7 +2,7 @@
 
 use gi_core::camera::{Camera, CameraSpec};
 use gi_core::film::{Film, Show};
-use gi_core::filter::{Filter, FilterSampler};
+use gi_core::filter::Filter;
 use gi_core::geometry::{Geometry, Mesh, Shape};
 use gi_core::material::Material;
 use gi_core::math::{Frame, Rgb};
@@ -11,21 +11,19 @@ use gi_core::technique::{Setting, Technique};
 use gi_core::texture::Texture;
 use glam::Vec3;
 
-/// A scene, its camera and filter.
+/// A scene and its camera; pictures are made with the box filter, so that pixels are independent.
 pub struct World {
     /// Surfaces and lights.
     pub scene: Scene,
     /// The eye.
     pub camera: Camera,
-    /// How samples make a pixel.
-    pub filter: FilterSampler,
 }
 
 impl World {
     /// A world of `parts` seen through `camera`.
     pub fn new(parts: SceneParts, camera: &CameraSpec) -> Self {
         let scene = Scene::new(parts).expect("a valid scene");
-        World { scene, camera: Camera::new(camera), filter: FilterSampler::new(Filter::Box) }
+        World { scene, camera: Camera::new(camera) }
     }
 
     /// A scene file's world, its picture scaled to `size`.
@@ -46,9 +44,8 @@ impl World {
         seed: u32,
         show: Show,
     ) -> Film {
-        let setting =
-            Setting { scene: &self.scene, camera: &self.camera, filter: &self.filter, seed };
-        let mut film = Film::new(self.camera.size(), show);
+        let setting = Setting { scene: &self.scene, camera: &self.camera, seed };
+        let mut film = Film::new(self.camera.size(), Filter::Box, show);
         let mut technique = T::prepare(setting, params);
         (0..passes).for_each(|k| technique.pass(k, &mut film));
         film

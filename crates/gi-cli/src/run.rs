@@ -1,13 +1,13 @@
 //! A run from command line to picture.
 
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use gi_core::camera::Camera;
 use gi_core::film::Film;
-use gi_core::filter::FilterSampler;
 use gi_core::scene::Scene;
 use gi_core::technique::{Setting, Technique};
-use gi_scene::Loaded;
+use gi_scene::{ExportError, Loaded};
 use serde_json::{Map, Value, json};
 
 use crate::progress::Progress;
@@ -40,6 +40,9 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<(), Failure> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
         pool.map_err(|e| Failure::Other(format!("cannot start {threads} threads: {e}")))?;
     }
+    if let Some(out) = &first.common().export_mitsuba {
+        return export(first.common(), out);
+    }
     let clock = Instant::now();
     let loaded = load(first.common())?;
     let load_time = clock.elapsed();
@@ -57,10 +60,10 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<(), Failure> {
     let scene = Scene::new(parts)
         .map_err(|e| Failure::Input(format!("error: {}: {e}", common.scene.display())))?;
     let build_time = clock.elapsed();
-    let (camera, filter) = (Camera::new(&camera), FilterSampler::new(filter));
+    let camera = Camera::new(&camera);
     say_scene(common, &scene, camera.size());
-    let setting = Setting { scene: &scene, camera: &camera, filter: &filter, seed: common.seed };
-    let mut film = Film::new(camera.size(), common.show());
+    let setting = Setting { scene: &scene, camera: &camera, seed: common.seed };
+    let mut film = Film::new(camera.size(), filter, common.show());
 
     let clock = Instant::now();
     let mut technique = P::Technique::prepare(setting, &args.params());
@@ -83,10 +86,22 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<(), Failure> {
     save(&record, &film, &output)
 }
 
-/// Read the scene; with `--export-mitsuba`, write it and end.
+/// Read the scene.
 fn load(common: &Common) -> Result<Loaded, Failure> {
     gi_scene::load(&common.scene, &common.scene_options())
         .map_err(|problems| Failure::Input(problems.to_string()))
+}
+
+/// Write the scene as it was understood.
+fn export(common: &Common, out: &Path) -> Result<(), Failure> {
+    match gi_scene::export_mitsuba(&common.scene, &common.scene_options(), out) {
+        Ok(warnings) => {
+            say_warnings(common, &warnings);
+            Ok(())
+        }
+        Err(ExportError::Scene(problems)) => Err(Failure::Input(problems.to_string())),
+        Err(error) => Err(Failure::Other(format!("cannot write {}: {error}", out.display()))),
+    }
 }
 
 /// Passes until the budget is spent.

@@ -1,12 +1,14 @@
 //! The film: what passes add up to.
 //!
 //! Pixels lie in tiles of 16 x 16, tiles in Morton order, so that threads own disjoint pieces and neighbours in
-//! the picture are neighbours in time. Every pixel adds up its samples in the order of the passes: the same bits for
-//! any number of threads.
+//! the picture are neighbours in time. A pass has two halves: every pixel takes its sample, then every pixel gathers
+//! the samples round it that the filter reaches, in a fixed order. No pixel is written by two threads, and the bits
+//! are the same for any number of them.
 
 use glam::Vec3;
 use rayon::prelude::*;
 
+use crate::filter::{Filter, FilterTable};
 use crate::image_io::Layers;
 use crate::math::Rgb;
 
@@ -24,8 +26,8 @@ pub struct Sample {
     pub normal: Vec3,
     /// Distance to the first surface; 0 where there is none.
     pub depth: f32,
-    /// Factor on the radiance from the reconstruction filter; 1 but for filters with negative lobes.
-    pub weight: f32,
+    /// Where in the pixel the sample was taken, from its middle: -0.5 to 0.5 along each axis.
+    pub offset: [f32; 2],
 }
 
 /// Radiance parted by the kind of path; the whole is the sum. In the notation of light paths (E eye, L light,
@@ -85,57 +87,102 @@ impl Show {
     }
 }
 
-/// What a pixel has added up.
+/// What a pixel has added up: over passes, sums of weights W and of weighted radiance A; the pixel is their ratio.
 #[derive(Clone, Debug, Default)]
 struct Pixel {
-    count: u32,
-    /// Sums of direct, indirect and caustic radiance.
+    passes: u32,
+    /// W.
+    weight: f64,
+    /// A by component: direct, indirect, caustic.
     sums: [[f64; 3]; 3],
-    /// Running mean and sum of squared deviations of what is shown \[Welford62\].
-    mean: [f64; 3],
-    deviation: [f64; 3],
+    /// Sums over passes of W W, and of A W and A A of what is shown.
+    weight_sq: f64,
+    cross: [f64; 3],
+    shown_sq: [f64; 3],
+    /// Running means of the pixel's own samples.
     albedo: Rgb,
     normal: Vec3,
     depth: f32,
 }
 
 impl Pixel {
-    fn add(&mut self, sample: &Sample, show: Show) {
-        self.count += 1;
-        let n = f64::from(self.count);
-        let parts = [sample.radiance.direct, sample.radiance.indirect, sample.radiance.caustic];
+    /// Take a pass in: the weight that fell on the pixel and the weighted radiance.
+    fn add(&mut self, weight: f32, radiance: &Components, show: Show) {
+        self.passes += 1;
+        let w = f64::from(weight);
+        self.weight += w;
+        self.weight_sq += w * w;
+        let parts = [radiance.direct, radiance.indirect, radiance.caustic];
         for (sum, part) in self.sums.iter_mut().zip(parts) {
-            let part = part * sample.weight;
             sum.iter_mut().zip(part.to_array()).for_each(|(s, v)| *s += f64::from(v));
         }
-        let shown = (show.of(&sample.radiance) * sample.weight).to_array();
-        for (k, v) in shown.into_iter().enumerate() {
-            let d = f64::from(v) - self.mean[k];
-            self.mean[k] += d / n;
-            self.deviation[k] += d * (f64::from(v) - self.mean[k]);
+        for (k, a) in show.of(radiance).to_array().into_iter().enumerate() {
+            let a = f64::from(a);
+            self.cross[k] += a * w;
+            self.shown_sq[k] += a * a;
         }
-        let share = 1.0 / self.count as f32;
+    }
+
+    /// Take in what the pixel's own sample says of the first surface.
+    fn add_surface(&mut self, sample: &Sample) {
+        let share = 1.0 / (self.passes + 1) as f32;
         self.albedo = self.albedo.lerp(sample.albedo, share);
         self.normal = self.normal.lerp(sample.normal, share);
         self.depth += (sample.depth - self.depth) * share;
     }
+
+    /// Radiance of channel `k` of a component.
+    fn component(&self, component: usize, k: usize) -> f64 {
+        if self.weight == 0.0 { 0.0 } else { self.sums[component][k] / self.weight }
+    }
+
+    /// What is shown of channel `k`.
+    fn shown(&self, k: usize, show: Show) -> f64 {
+        match show {
+            Show::All => (0..3).map(|c| self.component(c, k)).sum(),
+            Show::Direct => self.component(0, k),
+            Show::Indirect => self.component(1, k),
+            Show::Caustic => self.component(2, k),
+        }
+    }
+
+    /// Variance of what is shown of channel `k`: passes are independent, and for the ratio x = sum A / sum W it is
+    /// sum (A - x W)^2 / (sum W)^2 in first order, n / (n - 1) times for n passes.
+    fn variance(&self, k: usize, show: Show) -> f64 {
+        if self.passes < 2 || self.weight == 0.0 {
+            return 0.0;
+        }
+        let (n, x) = (f64::from(self.passes), self.shown(k, show));
+        let squares = self.shown_sq[k] - 2.0 * x * self.cross[k] + x * x * self.weight_sq;
+        squares.max(0.0) / (self.weight * self.weight) * n / (n - 1.0)
+    }
+}
+
+/// A sample's radiance, kept until the pixels round it have gathered it.
+#[derive(Clone, Copy, Default)]
+struct Kept {
+    offset: [f32; 2],
+    radiance: Components,
 }
 
 /// The picture while it is made.
 pub struct Film {
     size: [usize; 2],
+    filter: FilterTable,
     show: Show,
     /// Corners of the tiles, in Morton order.
     tiles: Vec<[usize; 2]>,
     /// Which tile, in that order, covers a place of the grid of tiles.
     tile_at: Vec<u32>,
     pixels: Vec<Pixel>,
+    /// This pass's samples, in the order of the pixels.
+    kept: Vec<Kept>,
     passes: u32,
 }
 
 impl Film {
     /// An empty film of `size` pixels across and down.
-    pub fn new(size: [usize; 2], show: Show) -> Self {
+    pub fn new(size: [usize; 2], filter: Filter, show: Show) -> Self {
         let grid = size.map(|n| n.div_ceil(TILE));
         let mut tiles: Vec<[usize; 2]> =
             (0..grid[0] * grid[1]).map(|i| [i % grid[0], i / grid[0]]).collect();
@@ -146,7 +193,22 @@ impl Film {
         }
         let pixels = vec![Pixel::default(); tiles.len() * TILE * TILE];
         let tiles = tiles.into_iter().map(|t| t.map(|c| c * TILE)).collect();
-        Film { size, show, tiles, tile_at, pixels, passes: 0 }
+        let kept = vec![Kept::default(); pixels.len()];
+        Film {
+            size,
+            filter: FilterTable::new(filter),
+            show,
+            tiles,
+            tile_at,
+            pixels,
+            kept,
+            passes: 0,
+        }
+    }
+
+    /// How samples make a pixel.
+    pub fn filter(&self) -> &FilterTable {
+        &self.filter
     }
 
     /// Pixels across and down.
@@ -159,19 +221,63 @@ impl Film {
         self.passes
     }
 
-    /// Add one sample to every pixel, tiles in parallel. `sample` must be a pure function of the pixel.
+    /// Take one sample in every pixel, tiles in parallel, and filter. `sample` must be a pure function of the pixel.
     pub fn add_pass(&mut self, sample: impl Fn([usize; 2]) -> Sample + Sync) {
-        let ([w, h], show) = (self.size, self.show);
-        let tiles = self.pixels.par_chunks_mut(TILE * TILE).zip(&self.tiles);
-        tiles.with_max_len(1).for_each(|(pixels, &[x0, y0])| {
-            for (i, pixel) in pixels.iter_mut().enumerate() {
+        if self.filter.reach() == 0 {
+            return self.add_unfiltered(sample);
+        }
+        let mut kept = std::mem::take(&mut self.kept);
+        self.for_each_pixel(&mut kept, |_, at, pixel, kept| {
+            let sample = sample(at);
+            pixel.add_surface(&sample);
+            *kept = Kept { offset: sample.offset, radiance: sample.radiance };
+        });
+        let mut nothing = vec![(); kept.len()];
+        self.for_each_pixel(&mut nothing, |film, at, pixel, ()| {
+            let (weight, radiance) = film.gather(&kept, at);
+            pixel.add(weight, &radiance, film.show);
+        });
+        self.kept = kept;
+        self.passes += 1;
+    }
+
+    /// Add to every pixel what `sample` says, as it is: for pictures that are filtered already.
+    pub fn add_unfiltered(&mut self, sample: impl Fn([usize; 2]) -> Sample + Sync) {
+        let mut nothing = vec![(); self.pixels.len()];
+        self.for_each_pixel(&mut nothing, |film, at, pixel, ()| {
+            let sample = sample(at);
+            pixel.add_surface(&sample);
+            pixel.add(1.0, &sample.radiance, film.show);
+        });
+        self.passes += 1;
+    }
+
+    /// Call `work` for every pixel with its place, tiles in parallel, and with its entry of `extra`.
+    fn for_each_pixel<E: Send>(
+        &mut self,
+        extra: &mut [E],
+        work: impl Fn(&Frame, [usize; 2], &mut Pixel, &mut E) + Sync,
+    ) {
+        let frame = Frame {
+            size: self.size,
+            filter: &self.filter,
+            show: self.show,
+            tile_at: &self.tile_at,
+        };
+        let [w, h] = self.size;
+        let tiles = self
+            .pixels
+            .par_chunks_mut(TILE * TILE)
+            .zip(extra.par_chunks_mut(TILE * TILE))
+            .zip(&self.tiles);
+        tiles.with_max_len(1).for_each(|((pixels, extra), &[x0, y0])| {
+            for (i, (pixel, extra)) in pixels.iter_mut().zip(extra).enumerate() {
                 let [x, y] = [x0 + i % TILE, y0 + i / TILE];
                 if x < w && y < h {
-                    pixel.add(&sample([x, y]), show);
+                    work(&frame, [x, y], pixel, extra);
                 }
             }
         });
-        self.passes += 1;
     }
 
     /// Everything as named channels: radiance as R G B, its variance (of the mean), direct, indirect and caustic
@@ -182,14 +288,12 @@ impl Film {
         let mut push = |name: String, value: &dyn Fn(&Pixel) -> f64| {
             channels.push((name, pixels.iter().map(|p| value(p) as f32).collect()));
         };
-        let n = |p: &Pixel| f64::from(p.count.max(1));
+        let show = self.show;
         for (k, c) in ["R", "G", "B"].into_iter().enumerate() {
-            push(c.to_string(), &|p| p.mean[k]);
-            push(format!("Variance.{c}"), &|p| {
-                if p.count > 1 { p.deviation[k] / ((n(p) - 1.0) * n(p)) } else { 0.0 }
-            });
+            push(c.to_string(), &|p| p.shown(k, show));
+            push(format!("Variance.{c}"), &|p| p.variance(k, show));
             for (j, part) in ["Direct", "Indirect", "Caustic"].into_iter().enumerate() {
-                push(format!("{part}.{c}"), &|p| p.sums[j][k] / n(p));
+                push(format!("{part}.{c}"), &|p| p.component(j, k));
             }
             push(format!("Albedo.{c}"), &|p| f64::from(p.albedo.to_array()[k]));
         }
@@ -202,17 +306,50 @@ impl Film {
 
     /// The shown radiance, row by row from the top.
     pub fn radiance(&self) -> Vec<Rgb> {
-        (0..self.size[0] * self.size[1])
-            .map(|i| Rgb::from(self.pixel(i).mean.map(|v| v as f32)))
-            .collect()
+        let shown = |p: &Pixel| Rgb::from([0, 1, 2].map(|k| p.shown(k, self.show) as f32));
+        (0..self.size[0] * self.size[1]).map(|i| shown(self.pixel(i))).collect()
     }
 
     /// Pixel `i` of the picture in row order.
     fn pixel(&self, i: usize) -> &Pixel {
-        let (x, y) = (i % self.size[0], i / self.size[0]);
-        let tile = self.tile_at[(y / TILE) * self.size[0].div_ceil(TILE) + x / TILE] as usize;
-        &self.pixels[tile * TILE * TILE + (y % TILE) * TILE + x % TILE]
+        &self.pixels[place(self.size, &self.tile_at, [i % self.size[0], i / self.size[0]])]
     }
+}
+
+/// What stays the same during a pass.
+struct Frame<'a> {
+    size: [usize; 2],
+    filter: &'a FilterTable,
+    show: Show,
+    tile_at: &'a [u32],
+}
+
+impl Frame<'_> {
+    /// The filter's weights of all samples round a pixel, and their weighted radiance, row by row.
+    fn gather(&self, kept: &[Kept], [x, y]: [usize; 2]) -> (f32, Components) {
+        let reach = self.filter.reach();
+        let ([w, h], mut weight, mut sum) = (self.size, 0.0, Components::default());
+        for j in y.saturating_sub(reach)..(y + reach + 1).min(h) {
+            for i in x.saturating_sub(reach)..(x + reach + 1).min(w) {
+                let sample = &kept[place(self.size, self.tile_at, [i, j])];
+                let dx = i as f32 - x as f32 + sample.offset[0];
+                let dy = j as f32 - y as f32 + sample.offset[1];
+                let f = self.filter.weight(dx) * self.filter.weight(dy);
+                weight += f;
+                sum.direct += sample.radiance.direct * f;
+                sum.indirect += sample.radiance.indirect * f;
+                sum.caustic += sample.radiance.caustic * f;
+            }
+        }
+        (weight, sum)
+    }
+}
+
+/// Where the pixel at (x, y) lies in memory.
+#[inline]
+fn place(size: [usize; 2], tile_at: &[u32], [x, y]: [usize; 2]) -> usize {
+    let tile = tile_at[(y / TILE) * size[0].div_ceil(TILE) + x / TILE] as usize;
+    tile * TILE * TILE + (y % TILE) * TILE + x % TILE
 }
 
 /// Interleave the bits of two coordinates.
@@ -227,14 +364,13 @@ mod tests {
 
     #[test]
     fn every_pixel_gets_its_own_samples_and_their_variance() {
-        let mut film = Film::new([37, 21], Show::All);
+        let mut film = Film::new([37, 21], Filter::Box, Show::All);
         for pass in 0..3u32 {
             film.add_pass(|[x, y]| Sample {
                 radiance: Components {
                     direct: Rgb::grey((x + 100 * y) as f32 + pass as f32),
                     ..Default::default()
                 },
-                weight: 1.0,
                 ..Default::default()
             });
         }
@@ -245,6 +381,54 @@ mod tests {
             assert_eq!(r[i], (i % 37 + 100 * (i / 37)) as f32 + 1.0);
             // Values k, k+1, k+2: variance 1, of the mean of three 1/3.
             assert!((v[i] - 1.0 / 3.0).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn a_constant_picture_stays_constant_under_every_filter_and_an_edge_gets_its_share() {
+        for filter in [Filter::Tent, Filter::Gaussian { stddev: 0.5 }, Filter::Lanczos { lobes: 3 }]
+        {
+            let mut film = Film::new([20, 20], filter, Show::All);
+            let mut rng = crate::rng::Pcg::new(2, 9);
+            for _ in 0..200 {
+                let offsets: Vec<[f32; 2]> =
+                    (0..400).map(|_| rng.next_2d().map(|u| u - 0.5)).collect();
+                film.add_pass(|[x, y]| {
+                    let offset = offsets[20 * y + x];
+                    // One everywhere; in the second component one right of x = 10.
+                    let right = if x as f32 + 0.5 + offset[0] > 10.0 { 1.0 } else { 0.0 };
+                    let radiance = Components {
+                        direct: Rgb::WHITE,
+                        indirect: Rgb::grey(right),
+                        ..Default::default()
+                    };
+                    Sample { radiance, offset, ..Default::default() }
+                });
+            }
+            let layers = film.layers();
+            let (direct, edge) = (
+                layers.channel("Direct.G").expect("a layer"),
+                layers.channel("Indirect.G").expect("a layer"),
+            );
+            assert!(direct.iter().all(|v| (v - 1.0).abs() < 1e-5), "{filter:?}");
+            // The step through the filter: one half at the edge, in symmetry about it.
+            let column = |x: usize| (4..16).map(|y| edge[20 * y + x]).sum::<f32>() / 12.0;
+            assert!(
+                (column(9) + column(10) - 1.0).abs() < 0.02,
+                "{filter:?}: {} {}",
+                column(9),
+                column(10)
+            );
+            let step = column(10) - column(9);
+            // Integral of the filter from -1/2 to 1/2 of a pixel.
+            let table = FilterTable::new(filter);
+            let total: f32 = (-400..400).map(|i| table.weight((i as f32 + 0.5) * 0.01)).sum();
+            let middle: f32 = (-50..50).map(|i| table.weight((i as f32 + 0.5) * 0.01)).sum();
+            assert!(
+                (step - middle / total).abs() < 0.02,
+                "{filter:?}: {step} is not {}",
+                middle / total
+            );
         }
     }
 

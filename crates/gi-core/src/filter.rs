@@ -83,38 +83,30 @@ fn sinc(x: f32) -> f32 {
     if x < 1e-5 { 1.0 } else { (PI * x).sin() / (PI * x) }
 }
 
-/// A filter ready to be sampled.
+/// A filter, tabulated.
 #[derive(Clone, Debug)]
-pub struct FilterSampler {
+pub struct FilterTable {
     filter: Filter,
-    /// Distribution function of |filter| at the cells' borders, from 0 to 1.
-    cdf: Vec<f32>,
-    /// Integral of |filter| over integral of the filter, along one axis: 1 for filters without negative lobes.
-    sign_weight: f32,
+    /// Values at distances k / STEPS from the middle, up to the radius and one beyond.
+    values: Vec<f32>,
     /// One over the filter's integral along one axis.
     normalisation: f32,
 }
 
-/// Cells of the tabulated distribution along one axis; the filters are smooth at a thirtieth of a pixel.
-const CELLS: usize = 192;
+/// Entries of the table a pixel: the filters are straight lines over a sixty-fourth of one.
+const STEPS: f32 = 64.0;
 
-impl FilterSampler {
+impl FilterTable {
     /// Tabulate a filter.
     pub fn new(filter: Filter) -> Self {
-        let (radius, n) = (f64::from(filter.radius()), CELLS as f64);
-        let width = 2.0 * radius / n;
-        let middle = |k: usize| ((k as f64 + 0.5) * width - radius) as f32;
-        let mut cdf = vec![0.0];
-        let (mut sum, mut signed) = (0.0f64, 0.0f64);
-        for k in 0..CELLS {
-            let value = f64::from(filter.eval(middle(k)));
-            sum += value.abs();
-            signed += value;
-            cdf.push(sum as f32);
-        }
-        cdf.iter_mut().for_each(|c| *c /= sum as f32);
-        let normalisation = (1.0 / (signed * width)) as f32;
-        FilterSampler { filter, cdf, sign_weight: (sum / signed) as f32, normalisation }
+        let entries = (filter.radius() * STEPS).ceil() as usize;
+        let values = (0..=entries + 1).map(|k| filter.eval(k as f32 / STEPS)).collect();
+        // Midpoint rule over both halves.
+        let n = 64 * entries;
+        let width = filter.radius() / n as f32;
+        let half: f64 =
+            (0..n).map(|k| f64::from(filter.eval((k as f32 + 0.5) * width) * width)).sum();
+        FilterTable { filter, values, normalisation: (0.5 / half) as f32 }
     }
 
     /// Which filter this is.
@@ -122,22 +114,26 @@ impl FilterSampler {
         self.filter
     }
 
-    /// An offset from the pixel's middle, and the weight of a sample there:
-    /// one, or of either sign where the filter has negative lobes.
+    /// How many pixels to each side of a sample's own the filter reaches into.
+    pub fn reach(&self) -> usize {
+        // A sample lies up to half a pixel off its pixel's middle.
+        (self.filter.radius() + 0.5).ceil() as usize - 1
+    }
+
+    /// The filter at distance `x` along one axis, not normalised.
     #[inline]
-    pub fn sample(&self, u: [f32; 2]) -> ([f32; 2], f32) {
-        match self.filter {
-            Filter::Box => ([u[0] - 0.5, u[1] - 0.5], 1.0),
-            Filter::Tent => (u.map(sample_tent), 1.0),
-            _ => {
-                let [(x, wx), (y, wy)] = u.map(|u| self.sample_table(u));
-                ([x, y], wx * wy)
-            }
+    pub fn weight(&self, x: f32) -> f32 {
+        let t = x.abs() * STEPS;
+        let k = t as usize;
+        match self.values.get(k..k + 2) {
+            Some(&[a, b]) => a + (b - a) * (t - k as f32),
+            _ => 0.0,
         }
     }
 
-    /// The adjoint: which pixel a splat at `film` (pixels from the corner, one entry an axis) falls on, and its
-    /// weight there. In the mean every pixel gets the filter's value at its distance. The pixel may lie outside.
+    /// Which pixel light that falls on the film at `film` (pixels from the corner, one entry an axis) is given to, and
+    /// with what weight. In the mean every pixel gets the normalised filter's value at its distance. The pixel may lie
+    /// outside.
     #[inline]
     pub fn splat(&self, film: [f32; 2], u: [f32; 2]) -> ([i32; 2], f32) {
         let (x, wx) = self.splat_axis(film[0], u[0]);
@@ -164,25 +160,6 @@ impl FilterSampler {
         }
         (x.floor() as i32, 0.0)
     }
-
-    fn sample_table(&self, u: f32) -> (f32, f32) {
-        let k = (self.cdf.partition_point(|&c| c <= u).max(1) - 1).min(CELLS - 1);
-        let (c0, c1) = (self.cdf[k], self.cdf[k + 1]);
-        let within = if c1 > c0 { (u - c0) / (c1 - c0) } else { 0.5 };
-        let cell = 2.0 * self.filter.radius() / CELLS as f32;
-        let middle = (k as f32 + 0.5) * cell - self.filter.radius();
-        (
-            (k as f32 + within) * cell - self.filter.radius(),
-            self.sign_weight * self.filter.eval(middle).signum(),
-        )
-    }
-}
-
-/// Invert the tent's distribution function on [-1, 1].
-#[inline]
-fn sample_tent(u: f32) -> f32 {
-    let v = 2.0 * u;
-    if v < 1.0 { v.sqrt() - 1.0 } else { 1.0 - (2.0 - v).sqrt() }
 }
 
 #[cfg(test)]
@@ -199,55 +176,44 @@ mod tests {
     ];
 
     #[test]
-    fn samples_have_the_filters_moments() {
+    fn the_table_is_the_filter() {
         for filter in ALL {
-            let sampler = FilterSampler::new(filter);
-            let n = 4000;
-            let (mut zeroth, mut second) = (0.0f64, 0.0f64);
-            for i in 0..n {
-                let ([x, y], w) = sampler.sample([(i as f32 + 0.5) / n as f32, 0.5]);
-                // At v = 0.5 the second axis contributes the constant sign weight of the filter's middle.
-                let w = f64::from(
-                    w / if matches!(filter, Filter::Box | Filter::Tent) {
-                        1.0
-                    } else {
-                        sampler.sign_weight
-                    },
+            let table = FilterTable::new(filter);
+            let samples = 4001;
+            let mut integral = 0.0f64;
+            for i in 0..samples {
+                let x = (i as f32 / (samples - 1) as f32 * 2.0 - 1.0) * (filter.radius() + 0.3);
+                // The box jumps within the last step of its table.
+                let near_jump = filter == Filter::Box && (x.abs() - 0.5).abs() < 1.0 / STEPS;
+                assert!(
+                    near_jump || (table.weight(x) - filter.eval(x)).abs() < 2e-3,
+                    "{filter:?} at {x}"
                 );
-                assert!(y.abs() < 0.02, "{filter:?}: the median is the middle");
-                zeroth += w / n as f64;
-                second += w * f64::from(x * x) / n as f64;
+                integral +=
+                    f64::from(filter.eval(x) * (2.0 * (filter.radius() + 0.3)) / samples as f32);
             }
-            let (mut area, mut moment) = (0.0f64, 0.0f64);
-            let steps = 20_000;
-            for i in 0..steps {
-                let x = ((i as f32 + 0.5) / steps as f32 * 2.0 - 1.0) * filter.radius();
-                area += f64::from(filter.eval(x));
-                moment += f64::from(filter.eval(x) * x * x);
-            }
-            assert!((zeroth - 1.0).abs() < 2e-3, "{filter:?}: weights sum to {zeroth}");
             assert!(
-                (second - moment / area).abs() < 4e-3,
-                "{filter:?}: {second} is not {}",
-                moment / area
+                (integral * f64::from(table.normalisation) - 1.0).abs() < 2e-3,
+                "{filter:?}: {integral}"
             );
         }
+        assert_eq!(ALL.map(|f| FilterTable::new(f).reach()), [0, 1, 2, 2, 2, 3]);
     }
 
     #[test]
     fn splats_give_each_pixel_the_filters_value_at_its_distance() {
         for filter in ALL {
-            let sampler = FilterSampler::new(filter);
+            let table = FilterTable::new(filter);
             let (n, x) = (20_000, 7.3f32);
             let mut got = [0.0f64; 16];
             for i in 0..n {
-                let ([px, _], w) = sampler.splat([x, 3.5], [(i as f32 + 0.5) / n as f32, 0.5]);
+                let ([px, _], w) = table.splat([x, 3.5], [(i as f32 + 0.5) / n as f32, 0.5]);
                 // The second axis: at u = 0.5 the middle pixel is chosen, whose weight is a constant of the filter.
-                let (_, wy) = sampler.splat_axis(3.5, 0.5);
+                let (_, wy) = table.splat_axis(3.5, 0.5);
                 got[px as usize] += f64::from(w / wy) / n as f64;
             }
             for (i, &g) in got.iter().enumerate() {
-                let expected = filter.eval(x - (i as f32 + 0.5)) * sampler.normalisation;
+                let expected = filter.eval(x - (i as f32 + 0.5)) * table.normalisation;
                 assert!(
                     (g - f64::from(expected)).abs() < 1e-3,
                     "{filter:?}, pixel {i}: {g} is not {expected}"

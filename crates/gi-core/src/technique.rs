@@ -2,7 +2,6 @@
 
 use crate::camera::Camera;
 use crate::film::Film;
-use crate::filter::FilterSampler;
 use crate::scene::Scene;
 
 /// Where a technique works and with which numbers.
@@ -12,8 +11,6 @@ pub struct Setting<'a> {
     pub scene: &'a Scene,
     /// The eye.
     pub camera: &'a Camera,
-    /// How samples make a pixel.
-    pub filter: &'a FilterSampler,
     /// Seed of every random number.
     pub seed: u32,
 }

@@ -34,10 +34,10 @@ impl PathTracer<'_> {
         let camera = self.setting.camera;
         let stream = (y * camera.size()[0] + x) as u32;
         let mut sampler = Sampler::new(self.setting.seed, stream, index);
-        let ([dx, dy], weight) = self.setting.filter.sample(sampler.next_2d());
+        let [u, v] = sampler.next_2d();
         let lens = if camera.has_lens() { sampler.next_2d() } else { [0.5; 2] };
-        let ray = camera.ray([x as f32 + 0.5 + dx, y as f32 + 0.5 + dy], lens);
-        let mut sample = Sample { weight, ..Sample::default() };
+        let ray = camera.ray([x as f32 + u, y as f32 + v], lens);
+        let mut sample = Sample { offset: [u - 0.5, v - 0.5], ..Sample::default() };
         self.trace(ray, &mut sampler, &mut sample);
         sample
     }

@@ -3,6 +3,7 @@
 use gi_core::bsdf::Transport;
 use gi_core::camera::Connection;
 use gi_core::film::{Components, Film, Sample};
+use gi_core::filter::FilterTable;
 use gi_core::light::Light;
 use gi_core::math::Rgb;
 use gi_core::ray::Ray;
@@ -28,6 +29,7 @@ impl PathTracer<'_> {
     /// As many light paths as there are pixels; every vertex is connected to the eye.
     pub(crate) fn light_pass(&mut self, index: u32, film: &mut Film) {
         let [w, h] = film.size();
+        let filter = film.filter();
         let paths = (w * h) as u64;
         let chunks: Vec<Vec<Splat>> = (0..paths.div_ceil(CHUNK) as usize)
             .into_par_iter()
@@ -36,7 +38,7 @@ impl PathTracer<'_> {
                 let mut splats = Vec::new();
                 let chunk = chunk as u64;
                 for path in chunk * CHUNK..((chunk + 1) * CHUNK).min(paths) {
-                    self.light_path(index, path, &mut splats);
+                    self.light_path(index, path, filter, &mut splats);
                 }
                 splats
             })
@@ -47,7 +49,7 @@ impl PathTracer<'_> {
             *picture[splat.pixel as usize].of_path(splat.rough, splat.after_delta) +=
                 splat.power * (1.0 / paths as f32);
         }
-        film.add_pass(|[x, y]| {
+        film.add_unfiltered(|[x, y]| {
             let mut sample = self.look([x, y], index);
             let light = &picture[y * w + x];
             sample.radiance.direct += light.direct;
@@ -59,7 +61,7 @@ impl PathTracer<'_> {
     }
 
     /// Walk one path and connect its vertices.
-    fn light_path(&self, pass: u32, path: u64, splats: &mut Vec<Splat>) {
+    fn light_path(&self, pass: u32, path: u64, filter: &FilterTable, splats: &mut Vec<Splat>) {
         let scene = self.setting.scene;
         // Passes are streams; within one, paths are the points of a sequence.
         let sampler = Sampler::new(self.setting.seed ^ 0x6c69_6768, pass, path as u32);
@@ -68,7 +70,7 @@ impl PathTracer<'_> {
         // Seen directly: connect the point on the light itself.
         let emission = *walk.emission();
         if let Light::Area { .. } = &scene.lights().all()[emission.light as usize]
-            && let Some((c, pixel)) = self.connect(emission.p, walk.sampler())
+            && let Some((c, pixel)) = self.connect(emission.p, filter, walk.sampler())
         {
             // The power of a cosine-distributed direction is pi times radiance per density of the point.
             let radiance = emission.power * std::f32::consts::FRAC_1_PI;
@@ -86,7 +88,7 @@ impl PathTracer<'_> {
                 return;
             }
             if !vertex.bsdf.is_delta() {
-                self.connect_vertex(&vertex, walk.sampler(), splats);
+                self.connect_vertex(&vertex, filter, walk.sampler(), splats);
             }
             if !walk.scatter(&vertex, roulette) {
                 return;
@@ -94,8 +96,14 @@ impl PathTracer<'_> {
         }
     }
 
-    fn connect_vertex(&self, vertex: &LightVertex, sampler: &mut Sampler, splats: &mut Vec<Splat>) {
-        let Some((c, pixel)) = self.connect(vertex.surface.p, sampler) else { return };
+    fn connect_vertex(
+        &self,
+        vertex: &LightVertex,
+        filter: &FilterTable,
+        sampler: &mut Sampler,
+        splats: &mut Vec<Splat>,
+    ) {
+        let Some((c, pixel)) = self.connect(vertex.surface.p, filter, sampler) else { return };
         let f_cos = vertex.bsdf.f_cos(vertex.wo, c.wi);
         let power = vertex.power
             * f_cos
@@ -114,11 +122,16 @@ impl PathTracer<'_> {
 
 impl PathTracer<'_> {
     /// How a point meets the camera, and the pixel that its light falls on; the filter's weight is in the importance.
-    fn connect(&self, p: Vec3, sampler: &mut Sampler) -> Option<(Connection, u32)> {
+    fn connect(
+        &self,
+        p: Vec3,
+        filter: &FilterTable,
+        sampler: &mut Sampler,
+    ) -> Option<(Connection, u32)> {
         let (u_lens, u_filter) = (sampler.next_2d(), sampler.next_2d());
-        let margin = self.setting.filter.filter().radius();
+        let margin = filter.filter().radius();
         let mut c = self.setting.camera.connect(p, u_lens, margin)?;
-        let ([x, y], weight) = self.setting.filter.splat(c.film, u_filter);
+        let ([x, y], weight) = filter.splat(c.film, u_filter);
         c.importance *= weight;
         let [w, h] = self.setting.camera.size();
         let inside = (0..w as i32).contains(&x) && (0..h as i32).contains(&y);
@@ -139,10 +152,10 @@ impl PathTracer<'_> {
     fn look(&self, [x, y]: [usize; 2], index: u32) -> Sample {
         let (scene, camera) = (self.setting.scene, self.setting.camera);
         let mut sampler = Sampler::new(self.setting.seed, (y * camera.size()[0] + x) as u32, index);
-        let ([dx, dy], weight) = self.setting.filter.sample(sampler.next_2d());
-        let mut ray = camera.ray([x as f32 + 0.5 + dx, y as f32 + 0.5 + dy], sampler.next_2d());
-        let mut sample = Sample { weight: 1.0, ..Sample::default() };
-        let mut left = Rgb::grey(weight);
+        let [u, v] = sampler.next_2d();
+        let mut ray = camera.ray([x as f32 + u, y as f32 + v], sampler.next_2d());
+        let mut sample = Sample::default();
+        let mut left = Rgb::WHITE;
         while !left.is_black() {
             let Some((surface, t)) = scene.intersect(&ray) else {
                 sample.radiance.direct = left * scene.background(ray.d);
