@@ -158,11 +158,45 @@ impl Pixel {
     }
 }
 
-/// A sample's radiance, kept until the pixels round it have gathered it.
-#[derive(Clone, Copy, Default)]
+/// Samples of a pass, kept until the pixels round them have gathered them. A sample is a run of floats: the filter
+/// along x at the pixels from `-reach` to `reach` of the sample's own, the same along y, then its nine numbers of
+/// radiance (direct, indirect, caustic).
 struct Kept {
-    offset: [f32; 2],
-    radiance: Components,
+    /// Pixels in a run of weights: 2 reach + 1.
+    width: usize,
+    floats: Vec<f32>,
+}
+
+/// Numbers of radiance a sample has.
+const RADIANCE: usize = 9;
+
+impl Kept {
+    fn stride(&self) -> usize {
+        2 * self.width + RADIANCE
+    }
+
+    /// The run of the sample in place `place`, as weights along x, along y, and radiance.
+    #[inline]
+    fn read(&self, place: usize) -> (&[f32], &[f32], &[f32; RADIANCE]) {
+        let run = &self.floats[place * self.stride()..(place + 1) * self.stride()];
+        let (x, rest) = run.split_at(self.width);
+        let (y, radiance) = rest.split_at(self.width);
+        (x, y, radiance.first_chunk().expect("nine numbers"))
+    }
+}
+
+/// Write a sample down as [`Kept`] has it.
+fn keep(run: &mut [f32], sample: &Sample, filter: &FilterTable) {
+    let reach = filter.reach();
+    let width = 2 * reach + 1;
+    for (axis, offset) in sample.offset.into_iter().enumerate() {
+        for (k, weight) in run[axis * width..(axis + 1) * width].iter_mut().enumerate() {
+            *weight = filter.weight(k as f32 - reach as f32 - offset);
+        }
+    }
+    let Components { direct, indirect, caustic } = sample.radiance;
+    let numbers = [direct, indirect, caustic].into_iter().flat_map(Rgb::to_array);
+    run[2 * width..].iter_mut().zip(numbers).for_each(|(to, from)| *to = from);
 }
 
 /// The picture while it is made.
@@ -176,7 +210,7 @@ pub struct Film {
     tile_at: Vec<u32>,
     pixels: Vec<Pixel>,
     /// This pass's samples, in the order of the pixels.
-    kept: Vec<Kept>,
+    kept: Kept,
     passes: u32,
 }
 
@@ -193,17 +227,13 @@ impl Film {
         }
         let pixels = vec![Pixel::default(); tiles.len() * TILE * TILE];
         let tiles = tiles.into_iter().map(|t| t.map(|c| c * TILE)).collect();
-        let kept = vec![Kept::default(); pixels.len()];
-        Film {
-            size,
-            filter: FilterTable::new(filter),
-            show,
-            tiles,
-            tile_at,
-            pixels,
-            kept,
-            passes: 0,
+        let filter = FilterTable::new(filter);
+        let mut kept = Kept { width: 2 * filter.reach() + 1, floats: Vec::new() };
+        // The box needs none of it.
+        if filter.reach() > 0 {
+            kept.floats = vec![0.0; pixels.len() * kept.stride()];
         }
+        Film { size, filter, show, tiles, tile_at, pixels, kept, passes: 0 }
     }
 
     /// How samples make a pixel.
@@ -226,14 +256,16 @@ impl Film {
         if self.filter.reach() == 0 {
             return self.add_unfiltered(sample);
         }
-        let mut kept = std::mem::take(&mut self.kept);
-        self.for_each_pixel(&mut kept, |_, at, pixel, kept| {
+        let floats = std::mem::take(&mut self.kept.floats);
+        let mut kept = Kept { width: self.kept.width, floats };
+        let stride = kept.stride();
+        let runs = kept.floats.par_chunks_mut(TILE * TILE * stride);
+        self.for_each_pixel(runs, |film, at, pixel, i, runs| {
             let sample = sample(at);
             pixel.add_surface(&sample);
-            *kept = Kept { offset: sample.offset, radiance: sample.radiance };
+            keep(&mut runs[i * stride..(i + 1) * stride], &sample, film.filter);
         });
-        let mut nothing = vec![(); kept.len()];
-        self.for_each_pixel(&mut nothing, |film, at, pixel, ()| {
+        self.for_each_pixel(self.nothing(), |film, at, pixel, _, ()| {
             let (weight, radiance) = film.gather(&kept, at);
             pixel.add(weight, &radiance, film.show);
         });
@@ -243,8 +275,7 @@ impl Film {
 
     /// Add to every pixel what `sample` says, as it is: for pictures that are filtered already.
     pub fn add_unfiltered(&mut self, sample: impl Fn([usize; 2]) -> Sample + Sync) {
-        let mut nothing = vec![(); self.pixels.len()];
-        self.for_each_pixel(&mut nothing, |film, at, pixel, ()| {
+        self.for_each_pixel(self.nothing(), |film, at, pixel, _, ()| {
             let sample = sample(at);
             pixel.add_surface(&sample);
             pixel.add(1.0, &sample.radiance, film.show);
@@ -252,11 +283,12 @@ impl Film {
         self.passes += 1;
     }
 
-    /// Call `work` for every pixel with its place, tiles in parallel, and with its entry of `extra`.
+    /// Call `work` for every pixel with its place in the picture, tiles in parallel; with its number in the tile,
+    /// and with the tile's entry of `extra`.
     fn for_each_pixel<E: Send>(
         &mut self,
-        extra: &mut [E],
-        work: impl Fn(&Frame, [usize; 2], &mut Pixel, &mut E) + Sync,
+        extra: impl IndexedParallelIterator<Item = E>,
+        work: impl Fn(&Frame, [usize; 2], &mut Pixel, usize, &mut E) + Sync,
     ) {
         let frame = Frame {
             size: self.size,
@@ -265,19 +297,20 @@ impl Film {
             tile_at: &self.tile_at,
         };
         let [w, h] = self.size;
-        let tiles = self
-            .pixels
-            .par_chunks_mut(TILE * TILE)
-            .zip(extra.par_chunks_mut(TILE * TILE))
-            .zip(&self.tiles);
-        tiles.with_max_len(1).for_each(|((pixels, extra), &[x0, y0])| {
-            for (i, (pixel, extra)) in pixels.iter_mut().zip(extra).enumerate() {
+        let tiles = self.pixels.par_chunks_mut(TILE * TILE).zip(extra).zip(&self.tiles);
+        tiles.with_max_len(1).for_each(|((pixels, mut extra), &[x0, y0])| {
+            for (i, pixel) in pixels.iter_mut().enumerate() {
                 let [x, y] = [x0 + i % TILE, y0 + i / TILE];
                 if x < w && y < h {
-                    work(&frame, [x, y], pixel, extra);
+                    work(&frame, [x, y], pixel, i, &mut extra);
                 }
             }
         });
+    }
+
+    /// No extra for any tile.
+    fn nothing(&self) -> impl IndexedParallelIterator<Item = ()> + use<> {
+        rayon::iter::repeat_n((), self.tiles.len())
     }
 
     /// Everything as named channels: radiance as R G B, its variance (of the mean), direct, indirect and caustic
@@ -326,22 +359,28 @@ struct Frame<'a> {
 
 impl Frame<'_> {
     /// The filter's weights of all samples round a pixel, and their weighted radiance, row by row.
-    fn gather(&self, kept: &[Kept], [x, y]: [usize; 2]) -> (f32, Components) {
+    fn gather(&self, kept: &Kept, [x, y]: [usize; 2]) -> (f32, Components) {
         let reach = self.filter.reach();
-        let ([w, h], mut weight, mut sum) = (self.size, 0.0, Components::default());
+        let ([w, h], mut weight, mut sum) = (self.size, 0.0, [0.0; RADIANCE]);
+        let columns = x.saturating_sub(reach)..(x + reach + 1).min(w);
+        // Within one tile, neighbours in a row are neighbours in memory.
+        let one_tile = columns.start / TILE == (columns.end - 1) / TILE;
         for j in y.saturating_sub(reach)..(y + reach + 1).min(h) {
-            for i in x.saturating_sub(reach)..(x + reach + 1).min(w) {
-                let sample = &kept[place(self.size, self.tile_at, [i, j])];
-                let dx = i as f32 - x as f32 + sample.offset[0];
-                let dy = j as f32 - y as f32 + sample.offset[1];
-                let f = self.filter.weight(dx) * self.filter.weight(dy);
+            let first = place(self.size, self.tile_at, [columns.start, j]);
+            for i in columns.clone() {
+                let at = if one_tile {
+                    first + i - columns.start
+                } else {
+                    place(self.size, self.tile_at, [i, j])
+                };
+                let (along_x, along_y, radiance) = kept.read(at);
+                let f = along_x[x + reach - i] * along_y[y + reach - j];
                 weight += f;
-                sum.direct += sample.radiance.direct * f;
-                sum.indirect += sample.radiance.indirect * f;
-                sum.caustic += sample.radiance.caustic * f;
+                sum.iter_mut().zip(radiance).for_each(|(s, r)| *s += f * r);
             }
         }
-        (weight, sum)
+        let part = |k: usize| Rgb::new(sum[k], sum[k + 1], sum[k + 2]);
+        (weight, Components { direct: part(0), indirect: part(3), caustic: part(6) })
     }
 }
 

@@ -58,8 +58,8 @@ pub struct EmitterPoint {
 }
 
 /// Triangles whose area is below this share of the squared distance are sampled by area: over so small a piece of the
-/// sphere (a hand at arm's length) cosine and distance vary little, and spherical trigonometry costs ten times as much.
-const FAR: f32 = 0.03;
+/// sphere (a page at arm's length) cosine and distance vary little, and spherical trigonometry costs ten times as much.
+const FAR: f32 = 0.1;
 /// A triangle round nearly the whole hemisphere loses too many digits in spherical trigonometry.
 const LARGEST_SOLID_ANGLE: f32 = 6.2;
 
