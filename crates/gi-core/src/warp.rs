@@ -106,7 +106,7 @@ pub fn solid_angle(a: Vec3, b: Vec3, c: Vec3) -> f32 {
     2.0 * volume.atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a)).abs()
 }
 
-/// A direction uniform in the spherical triangle through three unit vectors, given its [`solid_angle`] [Arvo95].
+/// A direction uniform in the spherical triangle through three unit vectors, given its [`solid_angle`] \[Arvo95\].
 /// Its density per solid angle is one over that. `None` for a degenerate triangle.
 #[inline]
 pub fn spherical_triangle(

@@ -1,7 +1,7 @@
 //! Discrete and piecewise constant distributions.
 
 /// Indices drawn in proportion to weights, by inversion: neighbouring numbers give neighbouring indices,
-/// so that stratified numbers stay stratified. A guide table says where to begin the search [Chen74], so that a draw
+/// so that stratified numbers stay stratified. A guide table says where to begin the search \[Chen74\], so that a draw
 /// takes two looks at memory however many indices there are.
 #[derive(Clone, Debug, Default)]
 pub struct Discrete {

@@ -5,199 +5,21 @@
 //! the samples round it that the filter reaches, in a fixed order. No pixel is written by two threads, and the bits
 //! are the same for any number of them.
 
-use glam::Vec3;
+mod kept;
+mod pixel;
+mod sample;
+
 use rayon::prelude::*;
 
 use crate::filter::{Filter, FilterTable};
 use crate::image_io::Layers;
 use crate::math::Rgb;
+use kept::{Kept, RADIANCE, keep};
+use pixel::Pixel;
+pub use sample::{Components, Sample, Show};
 
 /// Side of a tile in pixels.
 const TILE: usize = 16;
-
-/// What one sample of a pixel found.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Sample {
-    /// Radiance by the kind of path that brought it.
-    pub radiance: Components,
-    /// Albedo of the first surface.
-    pub albedo: Rgb,
-    /// Shading normal of the first surface; zero where there is none.
-    pub normal: Vec3,
-    /// Distance to the first surface; 0 where there is none.
-    pub depth: f32,
-    /// Where in the pixel the sample was taken, from its middle: -0.5 to 0.5 along each axis.
-    pub offset: [f32; 2],
-}
-
-/// Radiance parted by the kind of path; the whole is the sum. In the notation of light paths (E eye, L light,
-/// S delta lobe, D any other):
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Components {
-    /// E S* L and E S* D L: seen, or after one scattering.
-    pub direct: Rgb,
-    /// E S* D .* D .* L: after two scatterings or more.
-    pub indirect: Rgb,
-    /// E S* D S+ L: focused by mirrors and glass onto what the eye sees.
-    pub caustic: Rgb,
-}
-
-impl Components {
-    /// Everything.
-    #[inline]
-    pub fn all(&self) -> Rgb {
-        self.direct + self.indirect + self.caustic
-    }
-
-    /// The kind of path that has met `rough` scatterings on its way from the eye and then, up to the light,
-    /// delta scatterings or none.
-    #[inline]
-    pub fn of_path(&mut self, rough: u32, then_delta: bool) -> &mut Rgb {
-        match (rough, then_delta) {
-            (0, _) | (1, false) => &mut self.direct,
-            (1, true) => &mut self.caustic,
-            _ => &mut self.indirect,
-        }
-    }
-}
-
-/// Which components a picture shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Show {
-    /// The whole.
-    #[default]
-    All,
-    /// [`Components::direct`].
-    Direct,
-    /// [`Components::indirect`].
-    Indirect,
-    /// [`Components::caustic`].
-    Caustic,
-}
-
-impl Show {
-    #[inline]
-    fn of(self, c: &Components) -> Rgb {
-        match self {
-            Show::All => c.all(),
-            Show::Direct => c.direct,
-            Show::Indirect => c.indirect,
-            Show::Caustic => c.caustic,
-        }
-    }
-}
-
-/// What a pixel has added up: over passes, sums of weights W and of weighted radiance A; the pixel is their ratio.
-#[derive(Clone, Debug, Default)]
-struct Pixel {
-    passes: u32,
-    /// W.
-    weight: f64,
-    /// A by component: direct, indirect, caustic.
-    sums: [[f64; 3]; 3],
-    /// Sums over passes of W W, and of A W and A A of what is shown.
-    weight_sq: f64,
-    cross: [f64; 3],
-    shown_sq: [f64; 3],
-    /// Running means of the pixel's own samples.
-    albedo: Rgb,
-    normal: Vec3,
-    depth: f32,
-}
-
-impl Pixel {
-    /// Take a pass in: the weight that fell on the pixel and the weighted radiance.
-    fn add(&mut self, weight: f32, radiance: &Components, show: Show) {
-        self.passes += 1;
-        let w = f64::from(weight);
-        self.weight += w;
-        self.weight_sq += w * w;
-        let parts = [radiance.direct, radiance.indirect, radiance.caustic];
-        for (sum, part) in self.sums.iter_mut().zip(parts) {
-            sum.iter_mut().zip(part.to_array()).for_each(|(s, v)| *s += f64::from(v));
-        }
-        for (k, a) in show.of(radiance).to_array().into_iter().enumerate() {
-            let a = f64::from(a);
-            self.cross[k] += a * w;
-            self.shown_sq[k] += a * a;
-        }
-    }
-
-    /// Take in what the pixel's own sample says of the first surface.
-    fn add_surface(&mut self, sample: &Sample) {
-        let share = 1.0 / (self.passes + 1) as f32;
-        self.albedo = self.albedo.lerp(sample.albedo, share);
-        self.normal = self.normal.lerp(sample.normal, share);
-        self.depth += (sample.depth - self.depth) * share;
-    }
-
-    /// Radiance of channel `k` of a component.
-    fn component(&self, component: usize, k: usize) -> f64 {
-        if self.weight == 0.0 { 0.0 } else { self.sums[component][k] / self.weight }
-    }
-
-    /// What is shown of channel `k`.
-    fn shown(&self, k: usize, show: Show) -> f64 {
-        match show {
-            Show::All => (0..3).map(|c| self.component(c, k)).sum(),
-            Show::Direct => self.component(0, k),
-            Show::Indirect => self.component(1, k),
-            Show::Caustic => self.component(2, k),
-        }
-    }
-
-    /// Variance of what is shown of channel `k`: passes are independent, and for the ratio x = sum A / sum W it is
-    /// sum (A - x W)^2 / (sum W)^2 in first order, n / (n - 1) times for n passes.
-    fn variance(&self, k: usize, show: Show) -> f64 {
-        if self.passes < 2 || self.weight == 0.0 {
-            return 0.0;
-        }
-        let (n, x) = (f64::from(self.passes), self.shown(k, show));
-        let squares = self.shown_sq[k] - 2.0 * x * self.cross[k] + x * x * self.weight_sq;
-        squares.max(0.0) / (self.weight * self.weight) * n / (n - 1.0)
-    }
-}
-
-/// Samples of a pass, kept until the pixels round them have gathered them. A sample is a run of floats: the filter
-/// along x at the pixels from `-reach` to `reach` of the sample's own, the same along y, then its nine numbers of
-/// radiance (direct, indirect, caustic).
-struct Kept {
-    /// Pixels in a run of weights: 2 reach + 1.
-    width: usize,
-    floats: Vec<f32>,
-}
-
-/// Numbers of radiance a sample has.
-const RADIANCE: usize = 9;
-
-impl Kept {
-    fn stride(&self) -> usize {
-        2 * self.width + RADIANCE
-    }
-
-    /// The run of the sample in place `place`, as weights along x, along y, and radiance.
-    #[inline]
-    fn read(&self, place: usize) -> (&[f32], &[f32], &[f32; RADIANCE]) {
-        let run = &self.floats[place * self.stride()..(place + 1) * self.stride()];
-        let (x, rest) = run.split_at(self.width);
-        let (y, radiance) = rest.split_at(self.width);
-        (x, y, radiance.first_chunk().expect("nine numbers"))
-    }
-}
-
-/// Write a sample down as [`Kept`] has it.
-fn keep(run: &mut [f32], sample: &Sample, filter: &FilterTable) {
-    let reach = filter.reach();
-    let width = 2 * reach + 1;
-    for (axis, offset) in sample.offset.into_iter().enumerate() {
-        for (k, weight) in run[axis * width..(axis + 1) * width].iter_mut().enumerate() {
-            *weight = filter.weight(k as f32 - reach as f32 - offset);
-        }
-    }
-    let Components { direct, indirect, caustic } = sample.radiance;
-    let numbers = [direct, indirect, caustic].into_iter().flat_map(Rgb::to_array);
-    run[2 * width..].iter_mut().zip(numbers).for_each(|(to, from)| *to = from);
-}
 
 /// The picture while it is made.
 pub struct Film {
@@ -469,15 +291,5 @@ mod tests {
                 middle / total
             );
         }
-    }
-
-    #[test]
-    fn components_are_disjoint_by_path() {
-        let mut c = Components::default();
-        for (rough, delta) in [(0, false), (0, true), (1, false), (1, true), (2, false), (2, true)]
-        {
-            *c.of_path(rough, delta) += Rgb::WHITE;
-        }
-        assert_eq!([c.direct.r, c.caustic.r, c.indirect.r], [3.0, 1.0, 2.0]);
     }
 }
