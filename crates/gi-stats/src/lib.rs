@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 
 mod chi2;
+pub mod flip;
 mod means;
 pub mod metrics;
 mod running;

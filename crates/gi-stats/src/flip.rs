@@ -1,0 +1,316 @@
+//! FLIP: the difference that a person sees when flipping between two pictures \[Andersson20\], and its extension to
+//! high dynamic range \[Andersson21\]. 0 is no difference, 1 the largest.
+
+use std::f64::consts::PI;
+
+/// Pixels a degree of visual angle on a 0.7 m wide 4K screen seen from 0.7 m, the authors' default.
+pub const PIXELS_PER_DEGREE: f64 = 67.020_643_276_582_26;
+
+type Color = [f64; 3];
+
+/// One plane of numbers in row order.
+#[derive(Clone)]
+struct Plane {
+    width: usize,
+    height: usize,
+    values: Vec<f64>,
+}
+
+/// FLIP of two pictures in linear RGB, values clipped to [0, 1]: one number a pixel.
+///
+/// # Panics
+/// If the pictures are not `width` times `height` RGB triples.
+pub fn flip_ldr(
+    picture: &[f32],
+    reference: &[f32],
+    width: usize,
+    height: usize,
+    pixels_per_degree: f64,
+) -> Vec<f64> {
+    assert!(
+        picture.len() == 3 * width * height && reference.len() == picture.len(),
+        "two RGB pictures of one size"
+    );
+    let opponent = |p: &[f32]| -> [Plane; 3] {
+        let colors: Vec<Color> = p
+            .chunks_exact(3)
+            .map(|c| to_opponent([0, 1, 2].map(|k| f64::from(c[k]).clamp(0.0, 1.0))))
+            .collect();
+        [0, 1, 2].map(|k| Plane { width, height, values: colors.iter().map(|c| c[k]).collect() })
+    };
+    let (test, truth) = (opponent(picture), opponent(reference));
+    let color = color_difference(&test, &truth, pixels_per_degree);
+    let feature = feature_difference(&test[0], &truth[0], pixels_per_degree);
+    color.into_iter().zip(feature).map(|(c, f)| c.powf(1.0 - f)).collect()
+}
+
+/// FLIP of two pictures in linear RGB of any range: the largest of LDR-FLIP over the exposures at which the
+/// reference can be looked at, tone-mapped as ACES does.
+///
+/// # Panics
+/// If the pictures are not `width` times `height` RGB triples.
+pub fn flip_hdr(
+    picture: &[f32],
+    reference: &[f32],
+    width: usize,
+    height: usize,
+    pixels_per_degree: f64,
+) -> Vec<f64> {
+    let (start, stop) = exposures(reference);
+    let count = ((stop - start).ceil() as usize).max(2);
+    let mut worst = vec![0.0f64; width * height];
+    for k in 0..count {
+        let exposure = start + (stop - start) * k as f64 / (count - 1) as f64;
+        let expose = |p: &[f32]| -> Vec<f32> {
+            p.iter().map(|&v| aces(f64::from(v) * exposure.exp2()) as f32).collect()
+        };
+        let map = flip_ldr(&expose(picture), &expose(reference), width, height, pixels_per_degree);
+        worst.iter_mut().zip(map).for_each(|(w, v)| *w = w.max(v));
+    }
+    worst
+}
+
+/// The coefficients of the rational curve that fits the ACES tone mapper.
+const ACES: [f64; 6] = [0.36 * 2.51, 0.6 * 0.03, 0.0, 0.36 * 2.43, 0.6 * 0.59, 0.14];
+
+fn aces(x: f64) -> f64 {
+    let x = x.max(0.0);
+    let [a, b, c, d, e, f] = ACES;
+    ((a * x * x + b * x + c) / (d * x * x + e * x + f)).clamp(0.0, 1.0)
+}
+
+/// Exposures (powers of two) at which the brightest and the median pixel of a picture reach 85 % of the tone curve.
+fn exposures(reference: &[f32]) -> (f64, f64) {
+    const SHARE: f64 = 0.85;
+    let [k0, k1, k2, k3, k4, k5] = ACES;
+    let (a, b, c) = (k0 - SHARE * k3, k1 - SHARE * k4, k2 - SHARE * k5);
+    let x = (-b + (b * b - 4.0 * a * c).sqrt()) / (2.0 * a);
+    let mut luminance: Vec<f64> =
+        reference.chunks_exact(3).map(|p| to_xyz([0, 1, 2].map(|k| f64::from(p[k])))[1]).collect();
+    luminance.sort_by(f64::total_cmp);
+    let brightest = luminance.last().copied().unwrap_or(0.0).max(1e-12);
+    let middle = luminance.len() / 2;
+    let median = match luminance.len() {
+        0 => 1.0,
+        n if n % 2 == 0 => 0.5 * (luminance[middle - 1] + luminance[middle]),
+        _ => luminance[middle],
+    };
+    ((x / brightest).log2(), (x / median.max(1e-12)).log2())
+}
+
+/// Color difference in [0, 1]: filtered by what the eye resolves, compared in a perceptual space.
+fn color_difference(test: &[Plane; 3], truth: &[Plane; 3], ppd: f64) -> Vec<f64> {
+    /// Exponent, and the two points between which errors are stretched.
+    const Q: f64 = 0.7;
+    const C: f64 = 0.4;
+    const T: f64 = 0.95;
+    let seen = |p: &[Plane; 3]| -> Vec<Color> {
+        let [y, cx, cz] = [0, 1, 2].map(|k| resolve(&p[k], k, ppd));
+        (0..y.values.len())
+            .map(|i| {
+                let rgb = to_rgb(from_opponent([y.values[i], cx.values[i], cz.values[i]]));
+                hunt(to_lab(to_xyz(rgb.map(|v| v.clamp(0.0, 1.0)))))
+            })
+            .collect()
+    };
+    let largest =
+        hyab(hunt(to_lab(to_xyz([0.0, 1.0, 0.0]))), hunt(to_lab(to_xyz([0.0, 0.0, 1.0])))).powf(Q);
+    let bend = C * largest;
+    let stretch = |d: f64| {
+        if d < bend { T / bend * d } else { T + (d - bend) / (largest - bend) * (1.0 - T) }
+    };
+    seen(test).into_iter().zip(seen(truth)).map(|(a, b)| stretch(hyab(a, b).powf(Q))).collect()
+}
+
+/// Convolve an opponent channel with the eye's contrast sensitivity: a sum of Gaussians in degrees.
+fn resolve(plane: &Plane, channel: usize, ppd: f64) -> Plane {
+    /// Pairs (a, b) of a sqrt(pi / b) exp(-pi^2 x^2 / b) for the achromatic, red-green and blue-yellow channel.
+    const GAUSSIANS: [[(f64, f64); 2]; 3] =
+        [[(1.0, 0.0047), (0.0, 1e-5)], [(1.0, 0.0053), (0.0, 1e-5)], [(34.1, 0.04), (13.5, 0.025)]];
+    let radius = (3.0 * (0.04 / (2.0 * PI * PI)).sqrt() * ppd).ceil() as i64;
+    // A Gaussian of the distance is a product over the axes; the sum of both is normalised as a whole.
+    let mut total = 0.0;
+    let mut sum = Plane { values: vec![0.0; plane.values.len()], ..plane.clone() };
+    for (a, b) in GAUSSIANS[channel] {
+        if a == 0.0 {
+            continue;
+        }
+        let kernel: Vec<f64> =
+            (-radius..=radius).map(|i| (-PI * PI * (i as f64 / ppd).powi(2) / b).exp()).collect();
+        let scale = a * (PI / b).sqrt();
+        total += scale * kernel.iter().sum::<f64>().powi(2);
+        let part = convolve(&convolve(plane, &kernel, true), &kernel, false);
+        sum.values.iter_mut().zip(part.values).for_each(|(s, v)| *s += scale * v);
+    }
+    sum.values.iter_mut().for_each(|v| *v /= total);
+    sum
+}
+
+/// Difference of edges and points in [0, 1].
+fn feature_difference(test: &Plane, truth: &Plane, ppd: f64) -> Vec<f64> {
+    /// Width of the detector, degrees.
+    const WIDTH: f64 = 0.082;
+    let sigma = 0.5 * WIDTH * ppd;
+    let radius = (3.0 * sigma).ceil() as i64;
+    let gauss = |x: f64| (-x * x / (2.0 * sigma * sigma)).exp();
+    let across: Vec<f64> = (-radius..=radius).map(|i| gauss(i as f64)).collect();
+    let along = |shape: &dyn Fn(f64) -> f64| -> Vec<f64> {
+        let raw: Vec<f64> = (-radius..=radius).map(|i| shape(i as f64) * gauss(i as f64)).collect();
+        // Positive weights sum to one and negative ones to minus one, over the whole square.
+        let all: f64 = across.iter().sum();
+        let plus: f64 = raw.iter().filter(|v| **v > 0.0).sum::<f64>() * all;
+        let minus: f64 = -raw.iter().filter(|v| **v < 0.0).sum::<f64>() * all;
+        raw.into_iter().map(|v| if v > 0.0 { v / plus } else { v / minus }).collect()
+    };
+    let kernels = [along(&|x| -x), along(&|x| x * x / (sigma * sigma) - 1.0)];
+    let strength = |plane: &Plane, kernel: &[f64]| -> Vec<f64> {
+        let grey = Plane {
+            values: plane.values.iter().map(|v| (v + 16.0) / 116.0).collect(),
+            ..plane.clone()
+        };
+        let x = convolve(&convolve(&grey, kernel, true), &across, false);
+        let y = convolve(&convolve(&grey, &across, true), kernel, false);
+        x.values.into_iter().zip(y.values).map(|(x, y)| x.hypot(y)).collect()
+    };
+    let [edges, points] = kernels.map(|k| -> Vec<f64> {
+        strength(test, &k)
+            .into_iter()
+            .zip(strength(truth, &k))
+            .map(|(a, b)| (a - b).abs())
+            .collect()
+    });
+    edges.into_iter().zip(points).map(|(e, p)| (e.max(p) / 2f64.sqrt()).sqrt()).collect()
+}
+
+/// Convolve along one axis, the border repeated outward.
+fn convolve(plane: &Plane, kernel: &[f64], along_x: bool) -> Plane {
+    let (w, h, radius) = (plane.width as i64, plane.height as i64, (kernel.len() / 2) as i64);
+    let value = |x: i64, y: i64| {
+        let at = |k: i64| {
+            let (x, y) =
+                if along_x { ((x + k).clamp(0, w - 1), y) } else { (x, (y + k).clamp(0, h - 1)) };
+            plane.values[(y * w + x) as usize]
+        };
+        (-radius..=radius).zip(kernel).map(|(k, f)| f * at(k)).sum()
+    };
+    let values = (0..w * h).map(|i| value(i % w, i / w)).collect();
+    Plane { values, ..*plane }
+}
+
+/// Linear Rec. 709 to XYZ, the matrix exact for the primaries' published chromaticities.
+const TO_XYZ: [Color; 3] = [
+    [10_135_552.0 / 24_577_794.0, 8_788_810.0 / 24_577_794.0, 4_435_075.0 / 24_577_794.0],
+    [2_613_072.0 / 12_288_897.0, 8_788_810.0 / 12_288_897.0, 887_015.0 / 12_288_897.0],
+    [1_425_312.0 / 73_733_382.0, 8_788_810.0 / 73_733_382.0, 70_074_185.0 / 73_733_382.0],
+];
+
+fn apply(m: &[Color; 3], c: Color) -> Color {
+    m.map(|row| row[0] * c[0] + row[1] * c[1] + row[2] * c[2])
+}
+
+fn to_xyz(rgb: Color) -> Color {
+    apply(&TO_XYZ, rgb)
+}
+
+/// XYZ to linear Rec. 709: Cramer's rule on [`TO_XYZ`].
+fn to_rgb(xyz: Color) -> Color {
+    let [a, b, c] = [0, 1, 2].map(|k| TO_XYZ.map(|row| row[k])); // columns
+    let cross = |u: Color, v: Color| {
+        [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+    };
+    let dot = |u: Color, v: Color| u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+    let det = dot(a, cross(b, c));
+    [dot(xyz, cross(b, c)) / det, dot(a, cross(xyz, c)) / det, dot(a, cross(b, xyz)) / det]
+}
+
+fn white() -> Color {
+    to_xyz([1.0; 3])
+}
+
+/// Linear RGB to an opponent space that is linear in it, so that filtering there is filtering light.
+fn to_opponent(rgb: Color) -> Color {
+    let (c, w) = (to_xyz(rgb), white());
+    let [x, y, z] = [c[0] / w[0], c[1] / w[1], c[2] / w[2]];
+    [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
+}
+
+/// Back to XYZ.
+fn from_opponent([l, cx, cz]: Color) -> Color {
+    let y = (l + 16.0) / 116.0;
+    let w = white();
+    [(y + cx / 500.0) * w[0], y * w[1], (y - cz / 200.0) * w[2]]
+}
+
+fn to_lab(xyz: Color) -> Color {
+    const DELTA: f64 = 6.0 / 29.0;
+    let f =
+        |t: f64| if t > DELTA.powi(3) { t.cbrt() } else { t / (3.0 * DELTA * DELTA) + 4.0 / 29.0 };
+    let w = white();
+    let [x, y, z] = [f(xyz[0] / w[0]), f(xyz[1] / w[1]), f(xyz[2] / w[2])];
+    [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
+}
+
+/// Colors look less colorful where it is dark (Hunt's effect).
+fn hunt([l, a, b]: Color) -> Color {
+    [l, 0.01 * l * a, 0.01 * l * b]
+}
+
+/// City-block distance in lightness, Euclidean in color.
+fn hyab(p: Color, q: Color) -> f64 {
+    (p[0] - q[0]).abs() + (p[1] - q[1]).hypot(p[2] - q[2])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two pictures by formula, with values up to `scale`.
+    fn pictures(scale: f32) -> (Vec<f32>, Vec<f32>) {
+        let (w, h) = (48usize, 32usize);
+        let reference = |i: usize, k: usize| {
+            let (x, y) = ((i % w) as f32 / w as f32, (i / w) as f32 / h as f32);
+            let bar = if ((i % w) / 6).is_multiple_of(2) { 0.25 } else { 0.0 };
+            scale * (0.1 + 0.5 * [x, y, 1.0 - x][k] * (1.0 - 0.5 * y) + bar)
+        };
+        let noise = |i: usize, k: usize| ((i * 7 + k * 13) % 17) as f32 / 17.0 - 0.5;
+        let truth: Vec<f32> = (0..w * h).flat_map(|i| [0, 1, 2].map(|k| reference(i, k))).collect();
+        let test = (0..w * h)
+            .flat_map(|i| [0, 1, 2].map(|k| (reference(i, k) * (1.0 + 0.4 * noise(i, k))).max(0.0)))
+            .collect();
+        (test, truth)
+    }
+
+    fn mean(map: &[f64]) -> f64 {
+        map.iter().sum::<f64>() / map.len() as f64
+    }
+
+    #[test]
+    fn equal_pictures_do_not_differ_and_black_on_white_differs_fully() {
+        let (_, truth) = pictures(1.0);
+        assert!(flip_ldr(&truth, &truth, 48, 32, PIXELS_PER_DEGREE).iter().all(|v| *v == 0.0));
+        let (black, white) = (vec![0.0; 300], vec![1.0; 300]);
+        let found = mean(&flip_ldr(&black, &white, 10, 10, PIXELS_PER_DEGREE));
+        assert!(found > 0.9 && found <= 1.0, "{found}");
+    }
+
+    #[test]
+    fn xyz_and_back() {
+        let c = [0.2, 0.5, 0.7];
+        let back = to_rgb(from_opponent(to_opponent(c)));
+        assert!((0..3).all(|k| (c[k] - back[k]).abs() < 1e-12), "{back:?}");
+    }
+
+    #[test]
+    fn agrees_with_the_authors_implementation() {
+        // Means of the published evaluator (1.7), which works in single precision, on the same pictures.
+        let (test, truth) = pictures(1.0);
+        let ldr = mean(&flip_ldr(&test, &truth, 48, 32, PIXELS_PER_DEGREE));
+        assert!((ldr - LDR).abs() < 1e-6, "{ldr} is not {LDR}");
+        let (test, truth) = pictures(20.0);
+        let hdr = mean(&flip_hdr(&test, &truth, 48, 32, PIXELS_PER_DEGREE));
+        assert!((hdr - HDR).abs() < 3e-6, "{hdr} is not {HDR}");
+    }
+
+    const LDR: f64 = 0.046_830_17;
+    const HDR: f64 = 0.035_533_07;
+}
