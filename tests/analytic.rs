@@ -2,7 +2,7 @@
 
 use gi_core::camera::CameraSpec;
 use gi_core::film::{Film, Show};
-use gi_core::geometry::Shape;
+use gi_core::geometry::{Geometry, Shape};
 use gi_core::light::LightSource;
 use gi_core::material::Material;
 use gi_core::math::Rgb;
@@ -10,7 +10,7 @@ use gi_core::scene::SceneParts;
 use gi_core::texture::Texture;
 use gi_stats::z_test;
 use gi_tests::{World, cube_inside, furnace, grey, mean_and_variance, polygon, sphere};
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
 use pathtrace::{Mode, Params, PathTracer};
 
 /// Probability below which a deviation is no chance. Seeds are fixed: a pass stays a pass.
@@ -211,5 +211,92 @@ fn a_glass_ball_in_a_white_furnace_cannot_be_seen() {
         let (mean, variance) = mean_and_variance(&film);
         assert!((mean - 1.0).abs() < 4.0 * variance.sqrt() + 1e-5, "{name}: mean {mean}");
         assert!(worst < 1.0, "{name}: a pixel is off by {worst}");
+    }
+}
+
+#[test]
+fn a_scene_ten_times_as_large_gives_the_same_picture() {
+    let read = |scale: f32| {
+        let path =
+            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/cornell-glossy.xml");
+        let options = gi_scene::Options { size: Some([24, 24]), ..Default::default() };
+        let mut loaded =
+            gi_scene::load(&path, &options).unwrap_or_else(|problems| panic!("{problems}"));
+        let map = Affine3A::from_scale(Vec3::splat(scale));
+        for shape in &mut loaded.parts.shapes {
+            match &mut shape.geometry {
+                Geometry::Mesh(mesh) => mesh.transform(&map),
+                Geometry::Sphere { center, radius, .. } => {
+                    *center *= scale;
+                    *radius *= scale;
+                }
+                other => panic!("no {other:?} in this scene"),
+            }
+        }
+        loaded.camera.to_world.translation *= scale;
+        World::new(loaded.parts, &loaded.camera)
+    };
+    for mode in modes() {
+        let render = |scale| trace(&read(scale), mode, None, 32);
+        let (one, other) = (mean_and_variance(&render(1.0)), mean_and_variance(&render(10.0)));
+        // The same random numbers: only rounding differs, but a path that it turns aside is another path.
+        assert!(
+            (one.0 - other.0).abs() < 0.2 * one.1.sqrt(),
+            "{mode:?}: {} against {}",
+            one.0,
+            other.0
+        );
+    }
+}
+
+#[test]
+fn components_add_up_to_the_whole_and_a_mask_of_one_half_lets_half_through() {
+    let world = World::load("cornell-spheres.xml", [16, 16], &[]);
+    let film = trace(&world, Mode::Path, None, 16);
+    let layers = film.layers();
+    let layer = |name: &str| layers.channel(name).expect("a layer").to_vec();
+    let parts = [layer("Direct.R"), layer("Indirect.R"), layer("Caustic.R")];
+    for (i, whole) in layer("R").into_iter().enumerate() {
+        let sum: f32 = parts.iter().map(|p| p[i]).sum();
+        assert!((sum - whole).abs() < 1e-5 * (1.0 + whole), "pixel {i}: {sum} is not {whole}");
+    }
+    // A black screen with holes in front of a white sky.
+    let mask = Material::Mask { opacity: Texture::grey(0.5), inner: 0 };
+    let screen = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [9.0, 9.0, 0.0], [-9.0, 9.0, 0.0]]
+        .map(Vec3::from_array);
+    let floor = [[-1.0, -1.0, -1.0], [1.0, -1.0, -1.0], [1.0, 1.0, -1.0], [-1.0, 1.0, -1.0]]
+        .map(Vec3::from_array);
+    let light = LightSource::Directional {
+        direction: -Vec3::Z,
+        irradiance: Rgb::grey(std::f32::consts::PI),
+    };
+    let parts = SceneParts {
+        shapes: vec![
+            Shape::new("screen", polygon(&screen), 1),
+            Shape::new("floor", polygon(&floor), 2),
+        ],
+        materials: vec![grey(0.0), mask, grey(0.5)],
+        lights: vec![light],
+        ..SceneParts::default()
+    };
+    let camera = CameraSpec::look_at(
+        Vec3::new(0.0, 0.3, -0.2),
+        Vec3::new(0.0, 0.0, -1.0),
+        Vec3::Y,
+        0.5,
+        [8, 8],
+    );
+    for mode in modes() {
+        // Lit through the screen: half of 0.5 pi / pi.
+        let world = World::new(
+            SceneParts {
+                shapes: parts.shapes.clone(),
+                materials: parts.materials.clone(),
+                lights: parts.lights.clone(),
+                ..SceneParts::default()
+            },
+            &camera,
+        );
+        assert_mean(&format!("behind a mask, {mode:?}"), &trace(&world, mode, None, 256), 0.25);
     }
 }
