@@ -96,20 +96,19 @@ impl Bitmap {
 
     /// The value at `uv`.
     pub fn eval(&self, uv: Vec2) -> Rgb {
-        let size = Vec2::new(self.width as f32, self.height as f32);
+        let p = uv * Vec2::new(self.width as f32, self.height as f32);
         match self.lookup {
             Lookup::Nearest => {
-                let p = (uv * size).floor();
-                self.texel(self.wrapped(p.x, self.width), self.wrapped(p.y, self.height))
+                let [(x, _), (y, _)] = [p.x, p.y].map(floor);
+                self.texel(self.wrapped(x, self.width), self.wrapped(y, self.height))
             }
             Lookup::Bilinear => {
-                let p = uv * size - 0.5;
-                let (base, f) = (p.floor(), p - p.floor());
-                let [x0, x1] = [base.x, base.x + 1.0].map(|x| self.wrapped(x, self.width));
-                let [y0, y1] = [base.y, base.y + 1.0].map(|y| self.wrapped(y, self.height));
-                let top = self.texel(x0, y0).lerp(self.texel(x1, y0), f.x);
-                let bottom = self.texel(x0, y1).lerp(self.texel(x1, y1), f.x);
-                top.lerp(bottom, f.y)
+                let [(x, fx), (y, fy)] = [p.x - 0.5, p.y - 0.5].map(floor);
+                let [x0, x1] = [x, x.wrapping_add(1)].map(|x| self.wrapped(x, self.width));
+                let [y0, y1] = [y, y.wrapping_add(1)].map(|y| self.wrapped(y, self.height));
+                let top = self.texel(x0, y0).lerp(self.texel(x1, y0), fx);
+                let bottom = self.texel(x0, y1).lerp(self.texel(x1, y1), fx);
+                top.lerp(bottom, fy)
             }
         }
     }
@@ -126,21 +125,31 @@ impl Bitmap {
         Rgb::from(sum.map(|s| (s / (self.width * self.height) as f64) as f32))
     }
 
-    /// Bring a texel coordinate (a whole number, perhaps huge or not finite) into 0..n.
+    /// Bring a texel coordinate into 0..n.
     #[inline]
-    fn wrapped(&self, i: f32, n: usize) -> usize {
-        let n_f = n as f32;
+    fn wrapped(&self, i: i32, n: usize) -> usize {
+        let size = n as i32; // at most 2^26
+        if (0..size).contains(&i) {
+            return i as usize;
+        }
         let inside = match self.wrap {
-            Wrap::Repeat => i - n_f * (i / n_f).floor(),
-            Wrap::Clamp => i,
+            Wrap::Repeat => i.rem_euclid(size),
+            Wrap::Clamp => i.clamp(0, size - 1),
             Wrap::Mirror => {
-                let period = 2.0 * n_f;
-                let j = i - period * (i / period).floor();
-                if j < n_f { j } else { period - 1.0 - j }
+                let j = i.rem_euclid(2 * size);
+                if j < size { j } else { 2 * size - 1 - j }
             }
         };
-        (inside.max(0.0) as usize).min(n - 1) // `as` reads NaN as 0
+        inside as usize
     }
+}
+
+/// The whole number below `x` and what is left. Numbers too large for an `i32`, and those that are none, become some number.
+#[inline]
+fn floor(x: f32) -> (i32, f32) {
+    let toward_zero = x as i32; // saturates, and reads NaN as 0
+    let below = if (toward_zero as f32) > x { toward_zero.wrapping_sub(1) } else { toward_zero };
+    (below, x - below as f32)
 }
 
 #[cfg(test)]
