@@ -180,10 +180,11 @@ fn on_triangle(p: Vec3, w: Vec3, v: [Vec3; 3], normal: Vec3) -> Option<EmitterPo
     let (d11, d12, d22) = (e1.dot(e1), e1.dot(e2), e2.dot(e2));
     let (q1, q2) = (q.dot(e1), q.dot(e2));
     let det = d11 * d22 - d12 * d12;
-    let s = ((d22 * q1 - d12 * q2) / det).clamp(0.0, 1.0);
-    let r = ((d11 * q2 - d12 * q1) / det).clamp(0.0, 1.0 - s);
+    // (`max` and `min` instead of `clamp`: from a point on the plane all of this may be no number.)
+    let s = ((d22 * q1 - d12 * q2) / det).max(0.0).min(1.0);
+    let r = ((d11 * q2 - d12 * q1) / det).max(0.0).min(1.0 - s);
     let point = EmitterPoint { p: v[0] + e1 * s + e2 * r, normal, uv: Vec2::new(s, r) };
-    (t > 0.0 && point.p.is_finite()).then_some(point)
+    (t > 0.0 && t.is_finite() && point.p.is_finite()).then_some(point)
 }
 
 /// The cone that a sphere fills as seen from `p`: a frame along its axis and 1 - cos of its half angle.

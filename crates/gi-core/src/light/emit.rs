@@ -2,10 +2,10 @@
 
 use std::f32::consts::PI;
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 use super::table::spot_fade;
-use super::{Light, Lights};
+use super::{EmitterPoint, Light, Lights};
 use crate::math::{Frame, Rgb};
 use crate::warp;
 
@@ -32,7 +32,7 @@ impl Lights {
         u_light: f32,
         u_p: [f32; 2],
         u_d: [f32; 2],
-        emission: impl Fn(u32, u32, Vec2) -> Rgb,
+        emission: impl Fn(u32, u32, &EmitterPoint) -> Rgb,
     ) -> Option<Emission> {
         let (light, probability, _) = self.choose(u_light)?;
         let start = |p, ng, d, power: Rgb| {
@@ -42,7 +42,7 @@ impl Lights {
             Light::Area { emitter, shape, primitive } => {
                 let point = emitter.sample_area(u_p);
                 let d = Frame::from_normal(point.normal).to_world(warp::cosine_hemisphere(u_d));
-                let power = emission(*shape, *primitive, point.uv) * (PI * emitter.area());
+                let power = emission(*shape, *primitive, &point) * (PI * emitter.area());
                 start(point.p, point.normal, d, power)
             }
             Light::Point { position, intensity } => {

@@ -37,10 +37,10 @@ impl Environment {
     /// Radiance from direction `d` (unit, pointing to where the light comes from).
     #[inline]
     pub fn radiance(&self, d: Vec3) -> Rgb {
-        // The picture repeats round the horizon, but not over the poles: stay within the middles of the outer rows.
+        // As Mitsuba has it: the first and the last row lie on the poles, columns in the middles of their cells.
         let [u, v] = self.to_uv(d);
-        let half_row = 0.5 / self.image.height() as f32;
-        self.image.eval(Vec2::new(u, v.clamp(half_row, 1.0 - half_row))) * self.scale
+        let h = self.image.height() as f32;
+        self.image.eval(Vec2::new(u, (v * (h - 1.0) + 0.5) / h)) * self.scale
     }
 
     /// A direction and its density per solid angle.
@@ -81,7 +81,8 @@ fn density(luminance: &[f32], w: usize, h: usize) -> Grid {
     /// By how much the brightest texel of a cell may exceed its mean, in the mean over the picture.
     const CONTRAST: f32 = 1.15;
     let at = |x: usize, y: usize| luminance[y * w + x];
-    // Interpolation reaches into the eight neighbours: where one of them shines, so does the texel's border.
+    // Interpolation, and rows that lie up to half a row off, reach into the eight neighbours: where one of them
+    // shines, so may the cell.
     let around = |x: usize, y: usize| {
         let columns = [(x + w - 1) % w, x, (x + 1) % w];
         let rows = [y.saturating_sub(1), y, (y + 1).min(h - 1)];

@@ -1,8 +1,8 @@
 use std::f32::consts::PI;
 
-use glam::{Mat3, Vec2, Vec3};
+use glam::{Mat3, Vec3};
 
-use super::{Discrete, Emitter, Environment, LightSource};
+use super::{Discrete, Emitter, EmitterPoint, Environment, LightSource};
 use crate::geometry::{Geometry, Shape};
 use crate::math::{Frame, Rgb, sqr};
 use crate::warp;
@@ -156,7 +156,7 @@ impl Lights {
         light: usize,
         p: Vec3,
         u: [f32; 2],
-        emission: impl Fn(u32, u32, Vec2) -> Rgb,
+        emission: impl Fn(u32, u32, &EmitterPoint) -> Rgb,
     ) -> Option<LightSample> {
         let delta = |position: Vec3, intensity: Rgb| {
             let to = position - p;
@@ -177,7 +177,7 @@ impl Lights {
             Light::Area { emitter, shape, primitive } => {
                 let (point, pdf_w) = emitter.sample_from(p, u)?;
                 let wi = (point.p - p).try_normalize()?;
-                let radiance = emission(*shape, *primitive, point.uv);
+                let radiance = emission(*shape, *primitive, &point);
                 Some(LightSample { wi, p: Some(point.p), radiance, pdf_w, delta: false })
             }
             Light::Point { position, intensity } => delta(*position, *intensity),

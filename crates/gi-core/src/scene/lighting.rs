@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use super::Scene;
 use crate::bsdf::Transport;
 use crate::geometry::Surface;
-use crate::light::{Emission, Light, LightSample};
+use crate::light::{Emission, EmitterPoint, Light, LightSample};
 use crate::math::Rgb;
 use crate::ray::Ray;
 
@@ -39,7 +39,7 @@ impl Scene {
         let (light, probability, u0) = self.lights.choose(u[0])?;
         let u = [u0, u[1]];
         let mut sample =
-            self.lights.sample_light(light, p, u, |s, k, uv| self.emission_at(s, k, uv))?;
+            self.lights.sample_light(light, p, u, |s, k, point| self.emission_at(s, k, point))?;
         sample.pdf_w *= probability;
         Some(sample)
     }
@@ -59,15 +59,15 @@ impl Scene {
 
     /// Begin a light path, see [`Emission`].
     pub fn emit(&self, u_light: f32, u_p: [f32; 2], u_d: [f32; 2]) -> Option<Emission> {
-        self.lights.emit(u_light, u_p, u_d, |s, k, uv| self.emission_at(s, k, uv))
+        self.lights.emit(u_light, u_p, u_d, |s, k, point| self.emission_at(s, k, point))
     }
 
-    /// Radiance of a shining primitive at parameters `uv`.
+    /// Radiance of a shining primitive at one of its points.
     #[inline]
-    fn emission_at(&self, shape: u32, primitive: u32, uv: Vec2) -> Rgb {
+    fn emission_at(&self, shape: u32, primitive: u32, point: &EmitterPoint) -> Rgb {
         match &self.shapes[shape as usize].emission {
             Some(emission) if emission.is_constant() => emission.eval(Vec2::ZERO),
-            Some(emission) => emission.eval(self.texture_coordinates(shape, primitive, uv)),
+            Some(emission) => emission.eval(self.texture_coordinates(shape, primitive, point)),
             None => Rgb::BLACK,
         }
     }

@@ -6,6 +6,7 @@ use glam::{Vec2, Vec3};
 
 use super::Scene;
 use crate::geometry::{Geometry, Mesh, Surface, Tangents};
+use crate::light::EmitterPoint;
 use crate::math::{Frame, INV_PI};
 use crate::ray::{Hit, Ray};
 
@@ -97,11 +98,16 @@ impl Scene {
         }
     }
 
-    /// Texture coordinates at parameters `uv` (as [`Hit`]'s u, v) of a primitive that shines.
-    pub(super) fn texture_coordinates(&self, shape: u32, primitive: u32, uv: Vec2) -> Vec2 {
+    /// Texture coordinates at a point of a primitive that shines.
+    pub(super) fn texture_coordinates(
+        &self,
+        shape: u32,
+        primitive: u32,
+        point: &EmitterPoint,
+    ) -> Vec2 {
         match &self.shapes[shape as usize].geometry {
-            Geometry::Mesh(mesh) => mesh_uv(mesh, primitive as usize, uv),
-            _ => uv,
+            Geometry::Mesh(mesh) => mesh_uv(mesh, primitive as usize, point.uv),
+            solid => on_solid(solid, point.p, point.uv).uv,
         }
     }
 }
@@ -119,7 +125,7 @@ fn on_mesh(mesh: &Mesh, k: usize, b: Vec2) -> Local {
     let [p0, p1, p2] = mesh.corners(k);
     let b0 = 1.0 - b.x - b.y;
     let p = p0 * b0 + p1 * b.x + p2 * b.y;
-    let ng = (p1 - p0).cross(p2 - p0).normalize();
+    let ng = triangle_normal(p1 - p0, p2 - p0);
     let uv = mesh_uv(mesh, k, b);
     if mesh.normals.is_empty() {
         return Local { p, ng, ns: ng, uv };
@@ -127,6 +133,15 @@ fn on_mesh(mesh: &Mesh, k: usize, b: Vec2) -> Local {
     let [n0, n1, n2] = mesh.triangles[k].map(|i| mesh.normals[i as usize]);
     let ns = (n0 * b0 + n1 * b.x + n2 * b.y).try_normalize().unwrap_or(ng);
     Local { p, ng: if ng.dot(ns) < 0.0 { -ng } else { ng }, ns, uv }
+}
+
+/// Unit normal of a triangle with these edges, however small they are.
+#[inline]
+fn triangle_normal(e1: Vec3, e2: Vec3) -> Vec3 {
+    e1.cross(e2).try_normalize().unwrap_or_else(|| {
+        let scale = 1.0 / e1.abs().max_element().max(e2.abs().max_element());
+        (e1 * scale).cross(e2 * scale).try_normalize().unwrap_or(Vec3::Z)
+    })
 }
 
 fn mesh_tangents(mesh: &Mesh, k: usize) -> Option<Tangents> {
