@@ -30,7 +30,7 @@ pub struct Common {
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u32,
     /// Threads [default: one a processor]
-    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// Most segments of a light path: 1 shows lights, 2 adds direct light; -1 is unbounded
     #[arg(long, value_name = "N", default_value_t = -1, allow_negative_numbers = true)]

@@ -46,16 +46,19 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<(), Failure> {
     let clock = Instant::now();
     let loaded = load(first.common())?;
     let load_time = clock.elapsed();
-    let args: P = parse(&with_presets::<P>(arguments, program, &loaded)?);
+    let args: P =
+        parse(&with_presets::<P>(arguments, program, first.common().time.is_some(), &loaded)?);
     let common = args.common();
     common.check()?;
     let output = Output::new(common.output(program))?;
     if let Some(path) = &common.stats {
+        output.check_apart(path)?;
         check_writable(path)?;
     }
     say_warnings(common, &loaded.warnings);
 
     let Loaded { parts, camera, filter, warnings, hash, .. } = loaded;
+    check_film(camera.size)?;
     let clock = Instant::now();
     let scene = Scene::new(parts)
         .map_err(|e| Failure::Input(format!("error: {}: {e}", common.scene.display())))?;
@@ -104,6 +107,17 @@ fn export(common: &Common, out: &Path) -> Result<(), Failure> {
     }
 }
 
+/// Largest picture that is made, in pixels: the film of one takes about twelve gigabytes.
+const MAX_PIXELS: usize = 1 << 26;
+
+fn check_film([w, h]: [usize; 2]) -> Result<(), Failure> {
+    if w.saturating_mul(h) <= MAX_PIXELS {
+        return Ok(());
+    }
+    let advice = format!("{MAX_PIXELS} pixels are the most; give a smaller --size");
+    Err(Failure::Input(format!("error: a film of {w} x {h} pixels is too large: {advice}")))
+}
+
 /// Passes until the budget is spent.
 fn passes<'a>(
     technique: &mut impl Technique<'a>,
@@ -122,10 +136,28 @@ fn passes<'a>(
     progress.finish();
 }
 
+/// Flags that a scene cannot set: they are needed before it is read, or say where files go.
+const NOT_PRESETS: [&str; 13] = [
+    "size",
+    "threads",
+    "define",
+    "origin",
+    "target",
+    "up",
+    "fov",
+    "output",
+    "stats",
+    "quiet",
+    "time",
+    "export-mitsuba",
+    "help",
+];
+
 /// The command line with the scene's presets `gi.PROGRAM.FLAG` in front, so that what was typed wins.
 fn with_presets<P: Program>(
     arguments: &[String],
     program: &str,
+    timed: bool,
     loaded: &Loaded,
 ) -> Result<Vec<String>, Failure> {
     let prefix = format!("gi.{program}.");
@@ -136,13 +168,26 @@ fn with_presets<P: Program>(
     let mut all = arguments[..1].to_vec();
     for (name, flag, value) in presets {
         let flag = flag.replace('_', "-");
-        if !P::command().get_arguments().any(|a| a.get_long() == Some(&flag)) {
-            let text = format!(
-                "error: the scene's preset {name} names no flag: {program} has no --{flag}"
-            );
-            return Err(Failure::Input(text));
+        if NOT_PRESETS.contains(&flag.as_str()) {
+            return Err(Failure::Input(format!(
+                "error: the scene's preset {name}: a scene cannot set --{flag}"
+            )));
         }
-        all.push(format!("--{flag}={value}"));
+        let argument = format!("--{flag}={value}");
+        // Alone it must be understood, so that the message can name the preset.
+        let alone = [arguments[0].clone(), argument.clone(), "scene.xml".to_string()];
+        if let Err(problem) = P::command().try_get_matches_from(alone) {
+            let cause = problem.to_string();
+            let cause =
+                cause.lines().next().unwrap_or_default().trim_start_matches("error: ").to_string();
+            return Err(Failure::Input(format!(
+                "error: the scene's preset {name}={value}: {cause}"
+            )));
+        }
+        // A typed --time is another budget than the scene's number of passes.
+        if !(timed && matches!(flag.as_str(), "spp" | "passes")) {
+            all.push(argument);
+        }
     }
     all.extend_from_slice(&arguments[1..]);
     Ok(all)
@@ -163,7 +208,7 @@ fn say_scene(common: &Common, scene: &Scene, [w, h]: [usize; 2]) {
             common.scene.display(),
             scene.shapes().len()
         );
-        if scene.lights().is_empty() {
+        if scene.lights().all().is_empty() {
             eprintln!("warning: nothing shines in this scene; the picture will be black");
         }
     }

@@ -21,7 +21,17 @@ impl Output {
             Failure::Input(format!("error: cannot save to {}: {advice}", path.display()))
         })?;
         check_writable(&path)?;
+        check_writable(&path.with_extension("png"))?;
         Ok(Output { path, format })
+    }
+
+    /// Check that another file to write is neither the picture nor its view.
+    pub(crate) fn check_apart(&self, other: &Path) -> Result<(), Failure> {
+        if other == self.path || other == self.path.with_extension("png") {
+            let text = format!("error: --stats {} would overwrite the picture", other.display());
+            return Err(Failure::Input(text));
+        }
+        Ok(())
     }
 
     pub(crate) fn path(&self) -> &Path {

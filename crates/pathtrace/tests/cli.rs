@@ -99,7 +99,11 @@ fn damaged_input_is_one_clear_error_and_status_2() {
     for (scene, says) in cases {
         assert_refused(&run(&[scene, "-o", out]), 2, says, folder.path(), before);
     }
-    let usage: [&[&str]; 6] = [
+    let usage: [&[&str]; 10] = [
+        &["--size", "32768x32768"],
+        &["-t", "60000"],
+        &["-D", "gi.pathtrace.size=8x8"],
+        &["-D", "gi.pathtrace.mode=sideways"],
         &["--spp", "0"],
         &["--size", "12"],
         &["--max-depth", "0"],
@@ -148,5 +152,45 @@ fn presets_of_a_scene_are_defaults_that_flags_override() {
     };
     assert!(stats_of(&[]).contains("light_paths"), "the preset chooses the mode");
     assert!(!stats_of(&["--mode", "path"]).contains("light_paths"), "the flag wins");
+    assert!(stats_of(&["-D", "gi.pathtrace.spp=3"]).contains("\"passes\": 1"), "--spp 1 was typed");
     assert!(!stats_of(&["-D", "gi.pathtrace.mode=path"]).contains("light_paths"), "so does -D");
+}
+
+#[test]
+fn a_preset_number_of_passes_gives_way_to_a_typed_time() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("p.exr");
+    let out = out.to_str().expect("UTF-8");
+    let cornell = scene("cornell-box");
+    let budget = ["--time", "50ms", "-D", "gi.pathtrace.spp=1000000", "--size", "8x8"];
+    let output = run(&[&[cornell.as_str(), "-o", out], &budget[..]].concat());
+    assert!(output.status.success(), "{}", text(&output));
+}
+
+#[test]
+fn statistics_do_not_overwrite_the_picture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    for stats in [at("p.exr"), at("p.png")] {
+        let output =
+            run(&[&scene("cornell-box"), "-o", &at("p.exr"), "--stats", &stats, "--spp", "1"]);
+        assert_refused(&output, 2, &["overwrite"], folder.path(), 0);
+    }
+}
+
+#[test]
+fn an_exported_scene_is_read_again_and_gives_the_same_picture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let export = run(&[&scene("cornell-glossy"), "--export-mitsuba", &at("clean.xml")]);
+    assert!(export.status.success(), "{}", text(&export));
+    let render = |scene: &str, out: &str| {
+        let output = run(&[scene, "-o", out, "--spp", "4", "--size", "16x16", "-q"]);
+        assert!(output.status.success(), "{}", text(&output));
+        read_exr(Path::new(out)).expect("an EXR")
+    };
+    let (first, second) =
+        (render(&scene("cornell-glossy"), &at("a.exr")), render(&at("clean.xml"), &at("b.exr")));
+    assert_eq!(first.channel("R"), second.channel("R"));
+    assert!(!Path::new(&at("clean.exr")).exists(), "an export renders nothing");
 }
