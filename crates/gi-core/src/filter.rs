@@ -123,6 +123,9 @@ impl FilterTable {
     /// The filter at distance `x` along one axis, not normalised.
     #[inline]
     pub fn weight(&self, x: f32) -> f32 {
+        if self.filter == Filter::Tent {
+            return (1.0 - x.abs()).max(0.0);
+        }
         let t = x.abs() * STEPS;
         let k = t as usize;
         match self.values.get(k..k + 2) {

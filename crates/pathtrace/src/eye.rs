@@ -56,14 +56,15 @@ impl PathTracer<'_> {
         let mut seen = false;
         loop {
             // Intersect.
-            let Some((surface, t)) = scene.intersect(&ray) else {
+            let Some(hit) = scene.closest(&ray) else {
                 self.add_background(ray.d, &prefix, &mut out.radiance);
                 return;
             };
+            let surface = scene.surface(&ray, &hit);
             let wo = -ray.d;
             let bsdf = scene.bsdf(&surface, wo, Transport::Radiance);
             if !seen {
-                (out.albedo, out.normal, out.depth) = (bsdf.albedo_hint(wo), surface.ns(), t);
+                (out.albedo, out.normal, out.depth) = (bsdf.albedo_hint(wo), surface.ns(), hit.t);
                 seen = true;
             }
             // Add the light of an emitter.

@@ -2,19 +2,18 @@
 
 use super::{Components, Sample};
 use crate::filter::FilterTable;
-use crate::math::Rgb;
 
 /// Samples of a pass, kept until the pixels round them have gathered them. A sample is a run of floats: the filter
-/// along x at the pixels from `-reach` to `reach` of the sample's own, the same along y, then its nine numbers of
-/// radiance (direct, indirect, caustic).
+/// along x at the pixels from `-reach` to `reach` of the sample's own, the same along y, then its radiance (direct,
+/// indirect, caustic; nine numbers, and padding that lets four be added at once).
 pub(super) struct Kept {
     /// Pixels in a run of weights: 2 reach + 1.
     pub(super) width: usize,
     pub(super) floats: Vec<f32>,
 }
 
-/// Numbers of radiance a sample has.
-pub(super) const RADIANCE: usize = 9;
+/// Floats of radiance a sample has.
+pub(super) const RADIANCE: usize = 12;
 
 impl Kept {
     pub(super) fn stride(&self) -> usize {
@@ -27,20 +26,22 @@ impl Kept {
         let run = &self.floats[place * self.stride()..(place + 1) * self.stride()];
         let (x, rest) = run.split_at(self.width);
         let (y, radiance) = rest.split_at(self.width);
-        (x, y, radiance.first_chunk().expect("nine numbers"))
+        (x, y, radiance.first_chunk().expect("a run ends with its radiance"))
     }
 }
 
 /// Write a sample down as [`Kept`] has it.
 pub(super) fn keep(run: &mut [f32], sample: &Sample, filter: &FilterTable) {
     let reach = filter.reach();
-    let width = 2 * reach + 1;
-    for (axis, offset) in sample.offset.into_iter().enumerate() {
-        for (k, weight) in run[axis * width..(axis + 1) * width].iter_mut().enumerate() {
-            *weight = filter.weight(k as f32 - reach as f32 - offset);
+    let (along_x, rest) = run.split_at_mut(2 * reach + 1);
+    let (along_y, radiance) = rest.split_at_mut(2 * reach + 1);
+    for (axis, offset) in [along_x, along_y].into_iter().zip(sample.offset) {
+        let mut x = -(reach as f32) - offset;
+        for weight in axis {
+            *weight = filter.weight(x);
+            x += 1.0;
         }
     }
-    let Components { direct, indirect, caustic } = sample.radiance;
-    let numbers = [direct, indirect, caustic].into_iter().flat_map(Rgb::to_array);
-    run[2 * width..].iter_mut().zip(numbers).for_each(|(to, from)| *to = from);
+    let Components { direct: d, indirect: i, caustic: c } = sample.radiance;
+    radiance.copy_from_slice(&[d.r, d.g, d.b, i.r, i.g, i.b, c.r, c.g, c.b, 0.0, 0.0, 0.0]);
 }

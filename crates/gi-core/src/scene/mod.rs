@@ -13,7 +13,7 @@ use crate::geometry::{Shape, Surface};
 use crate::light::Lights;
 use crate::math::Bounds;
 use crate::medium::Medium;
-use crate::ray::Ray;
+use crate::ray::{Hit, Ray};
 pub use build::SceneError;
 pub use parts::SceneParts;
 
@@ -70,6 +70,12 @@ impl Scene {
     /// Radius of the scene's bounding sphere: the unit of relative lengths.
     pub fn radius(&self) -> f32 {
         0.5 * self.bounds.extent().length()
+    }
+
+    /// What a ray meets first; [`Scene::surface`] makes a surface point of it.
+    #[inline]
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        self.tree.closest(ray)
     }
 
     /// The first surface that a ray meets, and the ray parameter there.
