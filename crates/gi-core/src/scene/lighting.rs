@@ -94,14 +94,19 @@ impl Scene {
     fn transmittance_through(&self, mut ray: Ray) -> Rgb {
         let mut left = Rgb::WHITE;
         let toward = -ray.d.normalize();
-        while let Some((surface, t)) = self.intersect(&ray) {
+        while let Some(hit) = self.closest(&ray) {
+            let shape = &self.shapes[self.shape_of[hit.prim as usize] as usize];
+            if !self.materials[shape.material].has_null {
+                return Rgb::BLACK;
+            }
+            let surface = self.surface(&ray, &hit);
             left *= self.bsdf(&surface, toward, Transport::Radiance).straight_through(toward);
             if left.is_black() {
                 return Rgb::BLACK;
             }
             // Go on behind the surface; the part of the segment that is left shrinks by what was passed.
             let o = self.tree.offset_origin(surface.p, surface.ng, ray.d);
-            ray = Ray { o, tmin: 0.0, d: ray.d, tmax: ray.tmax - t };
+            ray = Ray { o, tmin: 0.0, d: ray.d, tmax: ray.tmax - hit.t };
         }
         left
     }
