@@ -9,6 +9,7 @@ use gi_core::texture::Texture;
 
 use crate::build::Builder;
 use crate::document::{Class, Meaning, Node};
+use crate::texels;
 
 /// The plugins that are understood.
 const KNOWN: [&str; 24] = [
@@ -37,6 +38,11 @@ const KNOWN: [&str; 24] = [
     "lambertian",
     "opacity",
 ];
+
+/// Largest roughness.
+const MAX_ALPHA: f32 = 10.0;
+/// Largest exponent of Phong's lobe: a hundredth of a degree wide, a mirror to any eye.
+const MAX_EXPONENT: f32 = 1e6;
 
 /// How deep materials may refer to each other: the builder recurses, and no scene comes near.
 const MAX_NESTING: usize = 32;
@@ -95,34 +101,31 @@ impl Builder<'_> {
     fn make_material(&mut self, node: Node<'_>) -> Option<Material> {
         Some(match node.plugin() {
             "diffuse" | "lambertian" => {
-                Material::Diffuse { reflectance: self.reflectance(node, "reflectance", 0.5) }
+                Material::Diffuse { reflectance: self.share(node, "reflectance", 0.5) }
             }
             "roughdiffuse" => {
                 node.ignore(&["use_fast_approx"]);
                 let alpha = self.texture(node, "alpha", Texture::grey(0.2), Meaning::Factor);
-                Material::RoughDiffuse {
-                    reflectance: self.reflectance(node, "reflectance", 0.5),
-                    alpha,
-                }
+                Material::RoughDiffuse { reflectance: self.share(node, "reflectance", 0.5), alpha }
             }
             "dielectric" | "roughdielectric" => self.dielectric(node)?,
             "thindielectric" => Material::ThinDielectric {
                 eta: ior::relative(node, "bk7")?,
-                reflectance: self.reflectance(node, "specular_reflectance", 1.0),
-                transmittance: self.reflectance(node, "specular_transmittance", 1.0),
+                reflectance: self.share(node, "specular_reflectance", 1.0),
+                transmittance: self.share(node, "specular_transmittance", 1.0),
             },
             "conductor" | "roughconductor" => self.conductor(node)?,
             "plastic" | "roughplastic" | "pplastic" => self.plastic(node)?,
             "phong" => Material::Phong {
-                diffuse: self.reflectance(node, "diffuse_reflectance", 0.5),
-                specular: self.reflectance(node, "specular_reflectance", 0.2),
-                exponent: self.texture(node, "exponent", Texture::grey(30.0), Meaning::Factor),
+                diffuse: self.share(node, "diffuse_reflectance", 0.5),
+                specular: self.share(node, "specular_reflectance", 0.2),
+                exponent: self.exponent(node),
             },
             "ward" => self.ward(node),
             "principled" | "principledthin" => return self.principled(node),
             "null" => Material::Null,
             "mask" | "opacity" => {
-                let opacity = self.texture(node, "opacity", Texture::grey(0.5), Meaning::Factor);
+                let opacity = self.share(node, "opacity", 0.5);
                 Material::Mask { opacity, inner: self.only_child(node)? }
             }
             "twosided" => self.twosided(node)?,
@@ -147,8 +150,8 @@ impl Builder<'_> {
     fn dielectric(&mut self, node: Node<'_>) -> Option<Material> {
         Some(Material::Dielectric {
             eta: ior::relative(node, "bk7")?,
-            reflectance: self.reflectance(node, "specular_reflectance", 1.0),
-            transmittance: self.reflectance(node, "specular_transmittance", 1.0),
+            reflectance: self.share(node, "specular_reflectance", 1.0),
+            transmittance: self.share(node, "specular_transmittance", 1.0),
             roughness: self.roughness(node, "roughdielectric"),
         })
     }
@@ -170,7 +173,7 @@ impl Builder<'_> {
         if let Some(outside) = outside {
             (eta, k) = (eta / outside, k / outside);
         }
-        let reflectance = self.reflectance(node, "specular_reflectance", 1.0);
+        let reflectance = self.share(node, "specular_reflectance", 1.0);
         Some(Material::Conductor {
             eta,
             k,
@@ -190,8 +193,8 @@ impl Builder<'_> {
         }
         Some(Material::Plastic {
             eta: ior::relative(node, "polypropylene")?,
-            diffuse: self.reflectance(node, "diffuse_reflectance", 0.5),
-            specular: self.reflectance(node, "specular_reflectance", 1.0),
+            diffuse: self.share(node, "diffuse_reflectance", 0.5),
+            specular: self.share(node, "specular_reflectance", 1.0),
             nonlinear: node.bool("nonlinear", false),
             roughness,
         })
@@ -219,10 +222,43 @@ impl Builder<'_> {
                 return None;
             }
         };
-        let alpha = self.texture(node, "alpha", Texture::grey(0.1), Meaning::Factor);
-        let alpha_u = self.texture(node, "alpha_u", alpha.clone(), Meaning::Factor);
-        let alpha_v = self.texture(node, "alpha_v", alpha, Meaning::Factor);
+        let alpha = self.alpha(node, "alpha", Texture::grey(0.1));
+        let alpha_u = self.alpha(node, "alpha_u", alpha.clone());
+        let alpha_v = self.alpha(node, "alpha_v", alpha);
         Some(Roughness { distribution, alpha_u, alpha_v })
+    }
+
+    /// A roughness: 0 is smooth, 1 as rough as a surface is thought to be, some files go a little beyond.
+    fn alpha(&mut self, node: Node<'_>, name: &'static str, default: Texture) -> Texture {
+        let alpha = self.texture(node, name, default.clone(), Meaning::Factor);
+        let [least, most] = texels::range(&alpha, &self.origins);
+        if 0.0 <= least && most <= MAX_ALPHA {
+            return alpha;
+        }
+        let value = if least < 0.0 { least } else { most };
+        let message = format!("`{name}` is {value}");
+        node.report.error(node.place_of(name), message, "expected 0 to 10");
+        default
+    }
+
+    /// Phong's exponent.
+    fn exponent(&mut self, node: Node<'_>) -> Texture {
+        let default = Texture::grey(30.0);
+        let exponent = self.texture(node, "exponent", default.clone(), Meaning::Factor);
+        let [least, most] = texels::range(&exponent, &self.origins);
+        if least < 0.0 {
+            let message = format!("`exponent` is {least}");
+            node.report.error(node.place_of("exponent"), message, "expected 0 or more");
+            return default;
+        }
+        match exponent {
+            Texture::Constant(c) if most > MAX_EXPONENT => {
+                let message = format!("`exponent` {most} is taken for {MAX_EXPONENT}");
+                node.report.warn(node.place_of("exponent"), message);
+                Texture::Constant(c.map(|v| v.min(MAX_EXPONENT)))
+            }
+            texture => texture,
+        }
     }
 
     /// A material that transmits light has two sides already; a mask round one that does not changes places
@@ -254,7 +290,7 @@ impl Builder<'_> {
     }
 
     fn blend(&mut self, node: Node<'_>) -> Option<Material> {
-        let weight = self.texture(node, "weight", Texture::grey(0.5), Meaning::Factor);
+        let weight = self.share(node, "weight", 0.5);
         match node.children(Class::Bsdf).as_slice() {
             [a, b] => {
                 let (first, second) = (self.material(*a), self.material(*b));

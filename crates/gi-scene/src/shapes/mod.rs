@@ -10,12 +10,11 @@ use std::path::PathBuf;
 
 use gi_core::geometry::{Geometry, Mesh, Shape};
 use gi_core::material::Material;
-use gi_core::math::Rgb;
 use gi_core::texture::Texture;
 use glam::{Affine3A, Vec3};
 
 use crate::build::{Builder, ShapeOrigin};
-use crate::document::{Class, Meaning, Node};
+use crate::document::{Class, Node};
 
 /// The plugins that are understood.
 const KNOWN: [&str; 10] = [
@@ -190,7 +189,10 @@ impl Builder<'_> {
                 let (geometry, mirrored) = solids::disk(&to_world);
                 (geometry, ShapeOrigin::Itself, mirrored)
             }
-            "cylinder" => (solids::cylinder(node, &to_world)?, ShapeOrigin::Itself, false),
+            "cylinder" => {
+                let (geometry, mirrored) = solids::cylinder(node, &to_world)?;
+                (geometry, ShapeOrigin::Itself, mirrored)
+            }
             _ => {
                 let (file, portable, mesh) = self.assets.take_mesh(node.id)?;
                 let origin = if portable && !node.has("max_smooth_angle") {
@@ -237,6 +239,6 @@ impl Builder<'_> {
             return None;
         }
         emitter.ignore(&["sampling_weight"]);
-        Some(self.texture(*emitter, "radiance", Texture::Constant(Rgb::WHITE), Meaning::Light))
+        Some(self.light_texture(*emitter, "radiance"))
     }
 }

@@ -1,0 +1,286 @@
+//! Numbers that no picture can be made with: each is refused, or noted and put right.
+
+mod common;
+
+use common::{Folder, scene};
+use gi_core::texture::Texture;
+use gi_scene::{CameraOverride, Options, load};
+use glam::Vec3;
+
+/// The problems of a scene of one line.
+fn problems(body: &str) -> String {
+    Folder::new().problems(body)
+}
+
+/// That a body fails at a place, saying `message`.
+fn refused(body: &str, message: &str, expected: &str) {
+    let shown = problems(body);
+    assert!(shown.contains(message) && shown.contains(expected), "{body}\n{shown}");
+    assert!(shown.contains("scene.xml:2:"), "{shown}");
+}
+
+fn bsdf(kind: &str, inner: &str) -> String {
+    format!("<shape type='rectangle'><bsdf type='{kind}'>{inner}</bsdf></shape>")
+}
+
+fn float(name: &str, value: &str) -> String {
+    format!("<float name='{name}' value='{value}'/>")
+}
+
+/// A PFM of one row.
+fn pfm(texels: &[[f32; 3]]) -> Vec<u8> {
+    let mut out = format!("PF\n{} 1\n-1.0\n", texels.len()).into_bytes();
+    out.extend(texels.iter().flatten().flat_map(|v| v.to_le_bytes()));
+    out
+}
+
+const SENSOR: &str = "<sensor type='perspective'/>";
+const NAN: [f32; 3] = [1.0, f32::NAN, 1.0];
+
+#[test]
+fn a_size_of_ones_own_gives_no_false_warnings_about_the_film() {
+    let scenes = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    let mut count = 0;
+    for entry in std::fs::read_dir(scenes).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|e| e != "xml") {
+            continue;
+        }
+        let options = Options { size: Some([32, 20]), ..Options::default() };
+        let loaded = load(&path, &options).unwrap();
+        assert_eq!(loaded.camera.size, [32, 20]);
+        let plain = load(&path, &Options::default()).unwrap();
+        assert_eq!(loaded.warnings, plain.warnings);
+        assert!(loaded.warnings.iter().all(|w| !w.contains("hdrfilm")), "{:?}", loaded.warnings);
+        count += 1;
+    }
+    assert!(count > 0);
+}
+
+#[test]
+fn a_size_of_ones_own_does_not_hide_the_films_mistakes() {
+    let folder = Folder::new();
+    let text = "<scene version='3.0.0'><sensor type='perspective'><film type='hdrfilm'>
+        <integer name='width' value='0'/></film></sensor><shape type='sphere'/></scene>";
+    let options = Options { size: Some([8, 8]), ..Options::default() };
+    let shown = load(&folder.write("a.xml", text), &options).unwrap_err().to_string();
+    assert!(shown.contains("a film of 0 x 576"), "{shown}");
+}
+
+#[test]
+fn a_texel_that_is_not_finite_is_named_with_its_file() {
+    let picture = "<string name='filename' value='bad.pfm'/>";
+    let bodies = [
+        bsdf("diffuse", &format!("<texture name='reflectance' type='bitmap'>{picture}</texture>")),
+        format!("<emitter type='envmap'>{picture}</emitter>"),
+        format!(
+            "<shape type='sphere'><emitter type='area'>\
+             <texture name='radiance' type='bitmap'>{picture}</texture></emitter></shape>"
+        ),
+    ];
+    for body in bodies {
+        let folder = Folder::new();
+        folder.write("bad.pfm", pfm(&[[0.5; 3], NAN]));
+        let shown = folder.problems(&body);
+        assert!(
+            shown.contains("cannot read `bad.pfm`: texel (1, 0) is not finite: 1 NaN 1"),
+            "{shown}"
+        );
+    }
+}
+
+#[test]
+fn negative_texels_of_light_are_zero_and_noted() {
+    let folder = Folder::new();
+    folder.write("neg.pfm", pfm(&[[0.5; 3], [1.0, -1.0, 2.0]]));
+    let picture = "<string name='filename' value='neg.pfm'/>";
+    let body = format!(
+        "<shape type='sphere'><emitter type='area'>\
+         <texture name='radiance' type='bitmap'>{picture}</texture></emitter></shape>\
+         <emitter type='envmap'>{picture}</emitter>"
+    );
+    let loaded = folder.scene("3.0.0", &body).unwrap();
+    let noted = loaded.warnings.iter().filter(|w| w.contains("texel (1, 0)")).count();
+    assert!(noted > 0, "{:?}", loaded.warnings);
+    let Some(Texture::Bitmap { bitmap, .. }) = &loaded.parts.shapes[0].emission else { panic!() };
+    assert_eq!(bitmap.texel(1, 0).to_array(), [1.0, 0.0, 2.0]);
+    let gi_core::light::LightSource::Environment { image, .. } = &loaded.parts.lights[0] else {
+        panic!()
+    };
+    assert_eq!(image.texel(1, 0).to_array(), [1.0, 0.0, 2.0]);
+}
+
+#[test]
+fn a_picture_that_reflects_more_than_arrives_is_noted_once() {
+    let folder = Folder::new();
+    folder.write("two.pfm", pfm(&[[0.5; 3], [1.0, 2.0, 2.0]]));
+    let body = bsdf(
+        "diffuse",
+        "<texture name='reflectance' type='bitmap'><string name='filename' value='two.pfm'/></texture>",
+    );
+    let loaded = folder.scene("3.0.0", &format!("{SENSOR}{body}")).unwrap();
+    assert_eq!(loaded.warnings.len(), 1, "{:?}", loaded.warnings);
+    assert!(loaded.warnings[0].contains("outside of [0, 1]: 0.5 to 2"), "{:?}", loaded.warnings);
+}
+
+#[test]
+fn a_filter_of_no_width_or_of_all_the_picture_is_refused() {
+    let film = |filter: &str| {
+        format!(
+            "<sensor type='perspective'><film type='hdrfilm'>{filter}</film></sensor>\
+             <shape type='sphere'/>"
+        )
+    };
+    for stddev in ["0", "1e-40", "-1", "4.5", "1e10"] {
+        let filter = format!("<rfilter type='gaussian'>{}</rfilter>", float("stddev", stddev));
+        refused(&film(&filter), "stddev", "expected more than 0 and at most 4");
+    }
+    for name in ["b", "c", "B"] {
+        let filter = format!("<rfilter type='mitchell'>{}</rfilter>", float(name, "11"));
+        refused(&film(&filter), &format!("{} 11", name.to_lowercase()), "expected -10 to 10");
+    }
+    for lobes in ["0", "-1", "9"] {
+        let filter =
+            format!("<rfilter type='lanczos'><integer name='lobes' value='{lobes}'/></rfilter>");
+        refused(&film(&filter), &format!("lobes {lobes}"), "expected 1 to 8");
+    }
+}
+
+#[test]
+fn light_below_zero_is_refused() {
+    let lights = [
+        "<emitter type='point'><rgb name='intensity' value='1 -1 1'/></emitter>",
+        "<emitter type='spot'><float name='intensity' value='-1'/></emitter>",
+        "<emitter type='constant'><spectrum name='radiance' value='-1'/></emitter>",
+        "<emitter type='constant'><spectrum name='radiance' value='400:-1 600:1'/></emitter>",
+        "<emitter type='directional'><rgb name='irradiance' value='-1'/></emitter>",
+        "<emitter type='sunsky'><float name='scale' value='-1'/></emitter>",
+        "<shape type='sphere'><emitter type='area'><rgb name='radiance' value='-1'/></emitter></shape>",
+        "<emitter type='constant'><spectrum type='d65' name='radiance'><float name='scale' value='-2'/></spectrum></emitter>",
+    ];
+    for light in lights {
+        refused(light, "light cannot be negative", "expected 0 or more");
+    }
+}
+
+#[test]
+fn light_of_one_wavelength_is_not_taken_for_negative() {
+    for light in ["480:0 490:1 500:0", "690:0 700:1 710:0"] {
+        let body = format!(
+            "<emitter type='constant'><spectrum name='radiance' value='{light}'/></emitter>"
+        );
+        scene(&body);
+    }
+}
+
+#[test]
+fn numbers_that_would_overflow_later_are_refused() {
+    refused(&bsdf("bumpmap", &float("scale", "2e15")), "too large", "a number");
+    let moved = "<transform name='to_world'><scale value='1e10'/><scale value='1e10'/></transform>";
+    refused(&format!("<shape type='cube'>{moved}</shape>"), "product is too large", "1e15");
+    refused(
+        "<emitter type='point'><rgb name='intensity' value='1e16'/></emitter>",
+        "too large",
+        "number",
+    );
+}
+
+#[test]
+fn parameters_of_materials_outside_of_their_range_are_refused() {
+    for (kind, name, value) in [
+        ("dielectric", "int_ior", "1e10"),
+        ("plastic", "int_ior", "0.01"),
+        ("thindielectric", "ext_ior", "100"),
+    ] {
+        refused(&bsdf(kind, &float(name, value)), "inside over outside", "expected 0.1 to 10");
+    }
+    for kind in ["roughconductor", "roughdielectric", "roughplastic"] {
+        refused(&bsdf(kind, &float("alpha", "-0.1")), "`alpha` is -0.1", "expected 0 to 10");
+        refused(&bsdf(kind, &float("alpha", "11")), "`alpha` is 11", "expected 0 to 10");
+        scene(&bsdf(kind, &float("alpha", "2")));
+    }
+    refused(&bsdf("phong", &float("exponent", "-1")), "`exponent` is -1", "0 or more");
+}
+
+#[test]
+fn shares_outside_of_zero_to_one_and_huge_exponents_are_clamped_with_a_warning() {
+    let two = "<bsdf type='diffuse'/><bsdf type='null'/>";
+    let bodies = [
+        bsdf("mask", &format!("{}<bsdf type='diffuse'/>", float("opacity", "1.5"))),
+        bsdf("blendbsdf", &format!("{}{two}", float("weight", "-1"))),
+        bsdf("phong", &float("exponent", "1e9")),
+    ];
+    for body in bodies {
+        let loaded = scene(&format!("{SENSOR}{body}"));
+        assert_eq!(loaded.warnings.len(), 1, "{body} {:?}", loaded.warnings);
+    }
+}
+
+#[test]
+fn parameters_of_cameras_and_skies_outside_of_their_range_are_refused() {
+    let lens =
+        |inner: &str| format!("<sensor type='thinlens'>{inner}</sensor><shape type='sphere'/>");
+    refused(&lens(&float("aperture_radius", "-1")), "aperture_radius -1", "0 or more");
+    refused(&lens(&float("near_clip", "-1")), "near_clip -1", "0 or more");
+    let focus = float("aperture_radius", "1") + &float("focus_distance", "0");
+    refused(&lens(&focus), "focus_distance 0", "more than 0");
+    let sky = |inner: &str| format!("<emitter type='sunsky'>{inner}</emitter>");
+    refused(&sky(&float("albedo", "1.5")), "albedo is 1.5", "0 to 1");
+    refused(&sky(&float("sun_radius_scale", "-1")), "sun_radius_scale -1", "0 or more");
+}
+
+fn with_camera(camera: CameraOverride) -> Result<gi_scene::Loaded, String> {
+    let folder = Folder::new();
+    let path = folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let options = Options { camera, ..Options::default() };
+    load(&path, &options).map_err(|e| e.to_string())
+}
+
+#[test]
+fn a_camera_of_the_command_line_that_sees_nothing_is_refused() {
+    let none = CameraOverride::default();
+    for fov in [0.0, -5.0, 180.0, f32::NAN] {
+        let shown = with_camera(CameraOverride { fov: Some(fov), ..none }).unwrap_err();
+        assert!(shown.contains("--fov"), "{shown}");
+    }
+    for bad in [Vec3::splat(f32::NAN), Vec3::splat(f32::INFINITY), Vec3::splat(1e13)] {
+        for camera in [
+            CameraOverride { origin: Some(bad), ..none },
+            CameraOverride { target: Some(bad), ..none },
+            CameraOverride { up: Some(bad), ..none },
+        ] {
+            assert!(with_camera(camera).unwrap_err().contains("expected finite numbers"));
+        }
+    }
+    let same = CameraOverride { origin: Some(Vec3::ONE), target: Some(Vec3::ONE), ..none };
+    assert!(with_camera(same).unwrap_err().contains("looks at itself"));
+    assert!(with_camera(CameraOverride { up: Some(Vec3::ZERO), ..none }).is_err());
+    let along = CameraOverride { up: Some(Vec3::Z), ..none };
+    assert!(with_camera(along).unwrap_err().contains("lies along the view"));
+    let above = CameraOverride { origin: Some(Vec3::Y), target: Some(Vec3::ZERO), ..none };
+    let seen = with_camera(above).unwrap();
+    assert!(seen.warnings[0].contains("looks along y"), "{:?}", seen.warnings);
+    assert!(seen.camera.to_world.is_finite());
+}
+
+#[test]
+fn a_camera_of_the_command_line_is_not_silently_dropped_for_a_scene_with_a_sensor() {
+    let folder = Folder::new();
+    let text = "<scene version='3.0.0'><sensor type='perspective'/><shape type='sphere'/></scene>";
+    let path = folder.write("a.xml", text);
+    let camera = CameraOverride { origin: Some(Vec3::ONE), ..CameraOverride::default() };
+    let loaded = load(&path, &Options { camera, ..Options::default() }).unwrap();
+    assert!(loaded.warnings.iter().any(|w| w.starts_with("--origin has no effect")));
+}
+
+#[test]
+fn the_normals_of_a_mirrored_cylinder_are_turned_round() {
+    let flipped = |x: &str| {
+        let body = format!(
+            "<shape type='cylinder'><transform name='to_world'><scale value='{x} 1 1'/>\
+             </transform></shape>"
+        );
+        scene(&body).parts.shapes[0].flip_normals
+    };
+    assert_eq!([flipped("1"), flipped("-1")], [false, true]);
+}
