@@ -18,7 +18,7 @@ use crate::files::{self, Found};
 use crate::framing;
 use crate::hash::Hash;
 use crate::load::{Loaded, Options};
-use crate::shapes::obj;
+use crate::shapes::{obj, smooth};
 use crate::texels;
 use crate::textures::BitmapFile;
 
@@ -91,8 +91,10 @@ impl Reader<'_> {
             }
             let entry = known.cloned().unwrap_or_default();
             let (material, emission) = (self.material(&entry), self.emission(&entry));
-            if mesh.normals.iter().any(|n| !n.is_finite() || n.length_squared() < 1e-12) {
-                mesh.normals.clear();
+            let replaced = smooth::replace_bad_normals(&mut mesh);
+            if replaced > 0 {
+                let name = if name.is_empty() { "the mesh" } else { &name };
+                self.report.warn_nowhere(smooth::bad_normals(replaced, name));
             }
             // Material boundaries part the mesh, so smooth normals would show the seams: flat without `vn`.
             let mut shape = Shape::new(name, Geometry::Mesh(mesh), material);
