@@ -53,6 +53,10 @@ impl Builder<'_> {
         if let Some(at) = negative {
             warn_negative(node, file, at);
         }
+        let brightest = texels::brightest(&image, &file.path);
+        if !node.check_light("scale", Rgb::grey(scale * brightest)) {
+            return;
+        }
         let image = Bitmap::clone(&image);
         self.push_light(LightSource::Environment { image, scale, to_world }, origin);
     }

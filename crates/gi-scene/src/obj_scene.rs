@@ -18,9 +18,11 @@ use crate::files::{self, Found};
 use crate::framing;
 use crate::hash::Hash;
 use crate::load::{Loaded, Options};
+use crate::materials::ior::RELATIVE;
 use crate::shapes::{obj, smooth};
 use crate::texels;
 use crate::textures::BitmapFile;
+use crate::value::MAX_NUMBER;
 
 /// Index of refraction of glass that names none.
 const DEFAULT_IOR: f32 = 1.5;
@@ -172,7 +174,12 @@ impl Reader<'_> {
     }
 
     fn glass(&mut self, m: &tobj::Material, id: Option<String>) -> usize {
-        let eta = m.optical_density.filter(|n| *n > 0.0 && n.is_finite()).unwrap_or(DEFAULT_IOR);
+        // Exporters write 0 where no index was chosen.
+        let eta = m.optical_density.filter(|n| *n != 0.0).unwrap_or(DEFAULT_IOR);
+        if !RELATIVE.contains(&eta) {
+            let name = &m.name;
+            self.report.error_nowhere(format!("material `{name}`: `Ni {eta}`: expected 0.1 to 10"));
+        }
         let tint = m.unknown_param.get("Tf").and_then(|t| crate::value::triple(t).ok());
         let transmittance = Texture::Constant(
             tint.map_or(Rgb::WHITE, |t| Rgb::from(t.clamp(Vec3::ZERO, Vec3::ONE).to_array())),
@@ -200,7 +207,16 @@ impl Reader<'_> {
         let parse = |t: &String| crate::value::triple(t).ok().map(|v| v.to_array());
         let given = m.emissive.or_else(|| m.unknown_param.get("Ke").and_then(parse));
         let map = m.unknown_param.get("map_Ke").cloned();
-        let value = color(given?);
+        let given = Rgb::from(given?);
+        if given.to_array().iter().any(|v| !(0.0..=MAX_NUMBER).contains(v)) {
+            let [r, g, b] = given.to_array();
+            let name = &m.name;
+            self.report.error_nowhere(format!(
+                "material `{name}`: light `Ke {r} {g} {b}`: expected 0 to 1e15"
+            ));
+            return None;
+        }
+        let value = given;
         if value.is_black() {
             return None;
         }

@@ -52,6 +52,15 @@ pub(crate) fn as_light(
     (Arc::new(clamped), Some((x, y)))
 }
 
+/// The largest number of a picture.
+pub(crate) fn brightest(bitmap: &Bitmap, path: &Path) -> f32 {
+    if !holds_floats(path) {
+        return 1.0;
+    }
+    let all = (0..bitmap.height()).flat_map(|y| (0..bitmap.width()).map(move |x| (x, y)));
+    all.map(|(x, y)| bitmap.texel(x, y).max()).fold(0.0, f32::max)
+}
+
 /// Of what a texture gives, the least and the largest number.
 pub(crate) fn range(texture: &Texture, origins: &Origins) -> [f32; 2] {
     let join = |a: [f32; 2], b: [f32; 2]| [a[0].min(b[0]), a[1].max(b[1])];

@@ -369,3 +369,41 @@ fn wrap_modes_that_are_read_otherwise_are_noted() {
     assert!(warnings(&two("clamp", "clamp")).is_empty());
     assert!(warnings(&mode("wrap_mode", "mirror")).is_empty());
 }
+
+#[test]
+fn a_flattened_instance_is_noted() {
+    let body = format!(
+        "{SENSOR}<shape type='shapegroup' id='g'><shape type='cube'/></shape>\
+         <shape type='instance'><ref id='g'/><transform name='to_world'><scale value='1 1 0'/>\
+         </transform></shape>"
+    );
+    let shown = scene(&body).warnings;
+    assert!(shown[0].contains("the instance is flattened"), "{shown:?}");
+}
+
+#[test]
+fn an_environment_scaled_beyond_all_measure_is_refused() {
+    let folder = Folder::new();
+    folder.write("a.pfm", pfm(&[[1e10; 3]]));
+    let body = format!(
+        "<emitter type='envmap'><string name='filename' value='a.pfm'/>{}</emitter>",
+        float("scale", "1e10")
+    );
+    let shown = folder.problems(&body);
+    assert!(shown.contains("`scale` is too large"), "{shown}");
+}
+
+#[test]
+fn a_library_with_light_below_zero_or_glass_that_is_none_is_refused() {
+    let folder = Folder::new();
+    let obj = "mtllib a.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let path = folder.write("a.obj", obj);
+    for (line, shown) in [
+        ("Ke 1 -1 1", "material `m`: light `Ke 1 -1 1`: expected 0 to 1e15"),
+        ("illum 4\nNi 100", "material `m`: `Ni 100`: expected 0.1 to 10"),
+    ] {
+        folder.write("a.mtl", format!("newmtl m\n{line}\n"));
+        let problems = load(&path, &Options::default()).unwrap_err().to_string();
+        assert!(problems.contains(shown), "{problems}");
+    }
+}

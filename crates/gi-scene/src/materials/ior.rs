@@ -33,7 +33,7 @@ pub(crate) const DIELECTRICS: [(&str, f32); 24] = [
 ];
 
 /// Relative indices of anything like matter; far beyond, Fresnel's formulas lose all digits.
-const RELATIVE: std::ops::RangeInclusive<f32> = 0.1..=10.0;
+pub(crate) const RELATIVE: std::ops::RangeInclusive<f32> = 0.1..=10.0;
 
 /// The index of a dielectric.
 pub(crate) fn dielectric(name: &str) -> Option<f32> {

@@ -2,6 +2,7 @@
 
 mod approximate;
 pub(crate) mod ior;
+mod parameters;
 
 use gi_core::material::{Distribution, Material, Roughness};
 use gi_core::math::Rgb;
@@ -9,7 +10,6 @@ use gi_core::texture::Texture;
 
 use crate::build::Builder;
 use crate::document::{Class, Meaning, Node};
-use crate::texels;
 
 /// The plugins that are understood.
 const KNOWN: [&str; 24] = [
@@ -38,11 +38,6 @@ const KNOWN: [&str; 24] = [
     "lambertian",
     "opacity",
 ];
-
-/// Largest roughness.
-const MAX_ALPHA: f32 = 10.0;
-/// Largest exponent of Phong's lobe: a hundredth of a degree wide, a mirror to any eye.
-const MAX_EXPONENT: f32 = 1e6;
 
 /// How deep materials may refer to each other: the builder recurses, and no scene comes near.
 const MAX_NESTING: usize = 32;
@@ -226,39 +221,6 @@ impl Builder<'_> {
         let alpha_u = self.alpha(node, "alpha_u", alpha.clone());
         let alpha_v = self.alpha(node, "alpha_v", alpha);
         Some(Roughness { distribution, alpha_u, alpha_v })
-    }
-
-    /// A roughness: 0 is smooth, 1 as rough as a surface is thought to be, some files go a little beyond.
-    fn alpha(&mut self, node: Node<'_>, name: &'static str, default: Texture) -> Texture {
-        let alpha = self.texture(node, name, default.clone(), Meaning::Factor);
-        let [least, most] = texels::range(&alpha, &self.origins);
-        if 0.0 <= least && most <= MAX_ALPHA {
-            return alpha;
-        }
-        let value = if least < 0.0 { least } else { most };
-        let message = format!("`{name}` is {value}");
-        node.report.error(node.place_of(name), message, "expected 0 to 10");
-        default
-    }
-
-    /// Phong's exponent.
-    fn exponent(&mut self, node: Node<'_>) -> Texture {
-        let default = Texture::grey(30.0);
-        let exponent = self.texture(node, "exponent", default.clone(), Meaning::Factor);
-        let [least, most] = texels::range(&exponent, &self.origins);
-        if least < 0.0 {
-            let message = format!("`exponent` is {least}");
-            node.report.error(node.place_of("exponent"), message, "expected 0 or more");
-            return default;
-        }
-        match exponent {
-            Texture::Constant(c) if most > MAX_EXPONENT => {
-                let message = format!("`exponent` {most} is taken for {MAX_EXPONENT}");
-                node.report.warn(node.place_of("exponent"), message);
-                Texture::Constant(c.map(|v| v.min(MAX_EXPONENT)))
-            }
-            texture => texture,
-        }
     }
 
     /// A material that transmits light has two sides already; a mask round one that does not changes places
