@@ -36,7 +36,10 @@ pub(crate) fn frame(
     let origin = camera.origin.unwrap_or(target + Vec3::Z * (radius / narrow.sin()));
     let target = if origin == target { origin - Vec3::Z } else { target };
     let Some(view) = (target - origin).try_normalize() else {
-        report.error_nowhere("the camera stands too near to its target to look at it");
+        let (from, to) = (list(origin), list(target));
+        report.error_nowhere(format!(
+            "the camera cannot look from {from} to {to}: give --origin, --target or a wider --fov"
+        ));
         return None;
     };
     let up = up(camera.up, view, report)?;

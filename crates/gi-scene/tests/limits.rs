@@ -252,6 +252,8 @@ fn a_camera_of_the_command_line_that_sees_nothing_is_refused() {
             assert!(with_camera(camera).unwrap_err().contains("expected finite numbers"));
         }
     }
+    let narrow = CameraOverride { fov: Some(1e-38), ..none };
+    assert!(with_camera(narrow).unwrap_err().contains("a wider --fov"));
     let same = CameraOverride { origin: Some(Vec3::ONE), target: Some(Vec3::ONE), ..none };
     assert!(with_camera(same).unwrap_err().contains("looks at itself"));
     assert!(with_camera(CameraOverride { up: Some(Vec3::ZERO), ..none }).is_err());
