@@ -12,7 +12,7 @@ use crate::diagnostics::{Report, Span};
 use crate::document::{Class, Document, Node, ObjectId};
 use crate::files::{self, Found};
 use crate::hash::Hash;
-use crate::shapes::{MeshFile, Placement};
+use crate::shapes::{MeshFile, Placement, smooth};
 use crate::textures::BitmapFile;
 
 /// What was read, by the object that asked for it.
@@ -114,11 +114,17 @@ impl Assets {
         let done: Vec<_> = jobs
             .into_par_iter()
             .map(|(want, portable, mut mesh, place)| {
-                place.apply(&mut mesh);
-                (want.object, (want.key, portable, mesh))
+                let replaced = place.apply(&mut mesh);
+                (want.span, replaced, (want.object, (want.key, portable, mesh)))
             })
             .collect();
-        self.meshes = done.into_iter().collect();
+        for (span, replaced, (_, (file, ..))) in
+            done.iter().filter(|(_, replaced, _)| *replaced > 0)
+        {
+            let path = file.path.display().to_string();
+            report.warn(*span, smooth::bad_normals(*replaced, &path));
+        }
+        self.meshes = done.into_iter().map(|(.., mesh)| mesh).collect();
     }
 
     /// The picture that an object names; `None` if it could not be read (which is reported).

@@ -178,6 +178,10 @@ impl<'a> Builder<'a> {
 
     fn instance(&mut self, node: Node<'_>) {
         let to_world = node.transform("to_world");
+        if !to_world.inverse().is_finite() {
+            let message = "the instance is flattened: its `to_world` cannot be inverted";
+            node.report.warn(node.span_of("to_world"), message);
+        }
         match node.children(Class::Shape).as_slice() {
             [group] if group.plugin() == "shapegroup" => {
                 let group = self.group(*group);

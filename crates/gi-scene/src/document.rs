@@ -13,6 +13,7 @@ use crate::spectrum::Spectrum;
 
 mod node;
 mod parse;
+mod ranges;
 
 pub(crate) use node::{Meaning, Node};
 pub(crate) use parse::parse;

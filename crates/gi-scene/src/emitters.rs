@@ -6,8 +6,9 @@ use gi_core::texture::Bitmap;
 use glam::{Affine3A, Vec3};
 
 use crate::build::{Builder, LightOrigin};
-use crate::document::{Meaning, Node};
-use crate::sky;
+use crate::document::Node;
+use crate::textures::warn_negative;
+use crate::{sky, texels};
 
 /// The plugins that are understood at the top level.
 const KNOWN: [&str; 8] =
@@ -41,13 +42,21 @@ impl Builder<'_> {
     fn environment(&mut self, node: Node<'_>) {
         node.ignore(&["filename", "gamma", "cache", "mis_compensation"]);
         let to_world = rotation(node);
-        let scale = node.float("scale", 1.0);
+        let scale = node.light_scale("scale", 1.0);
         let (Some(image), Some(file)) =
             (self.assets.bitmap(node.id), self.assets.bitmap_file(node.id))
         else {
             return;
         };
         let origin = LightOrigin::Picture(file.path.clone());
+        let (image, negative) = texels::as_light(&image, file);
+        if let Some(at) = negative {
+            warn_negative(node, file, at);
+        }
+        let brightest = texels::brightest(&image, &file.path);
+        if !node.check_light("scale", Rgb::grey(scale * brightest)) {
+            return;
+        }
         let image = Bitmap::clone(&image);
         self.push_light(LightSource::Environment { image, scale, to_world }, origin);
     }
@@ -66,7 +75,7 @@ pub(crate) fn rotation(node: Node<'_>) -> Affine3A {
 
 /// A light's colour; grey light of 1 unless given.
 fn light_color(node: Node<'_>, name: &'static str) -> Rgb {
-    node.color(name, Meaning::Light).unwrap_or(Rgb::WHITE)
+    node.light(name).unwrap_or(Rgb::WHITE)
 }
 
 /// A place, from `position` or `to_world`.

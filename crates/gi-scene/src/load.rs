@@ -12,7 +12,7 @@ use crate::assets::Assets;
 use crate::build::{Builder, Origins};
 use crate::diagnostics::{Diagnostics, Report};
 use crate::document::{self, Class};
-use crate::{obj_scene, sensor};
+use crate::{framing, obj_scene, sensor};
 
 /// What the command line says about a scene.
 #[derive(Clone, Debug, Default)]
@@ -21,7 +21,7 @@ pub struct Options {
     pub defines: Vec<(String, String)>,
     /// The picture's width and height, instead of the scene's.
     pub size: Option<[usize; 2]>,
-    /// The camera of a bare `.obj`.
+    /// The camera of a scene without one, as a bare `.obj`.
     pub camera: CameraOverride,
 }
 
@@ -94,14 +94,20 @@ fn load_xml(path: &Path, options: &Options, report: &Report) -> Option<Loaded> {
         .find(|n| n.class() == Class::Ignored && n.object().tag == "integrator")
         .and_then(|n| n.max_depth());
     let seen = sensor::read(&doc, report, options.size);
-    let (camera, filter) = seen.unwrap_or_else(|| {
-        if !report.has_errors() {
-            report.warn_nowhere(format!("{}: no sensor: the camera is chosen", path.display()));
+    let (camera, filter) = match seen {
+        Some(seen) => {
+            framing::warn_unused(&options.camera, report);
+            seen
         }
-        let size = options.size.unwrap_or([768, 576]);
-        let camera = obj_scene::frame(&builder.parts, &options.camera, size);
-        (camera, Filter::Gaussian { stddev: 0.5 })
-    });
+        None => {
+            if !report.has_errors() {
+                report.warn_nowhere(format!("{}: no sensor: the camera is chosen", path.display()));
+            }
+            let size = options.size.unwrap_or([768, 576]);
+            let camera = framing::frame(&builder.parts, &options.camera, size, report)?;
+            (camera, Filter::Gaussian { stddev: 0.5 })
+        }
+    };
     doc.report_unused(report);
     let (parts, origins) = (builder.parts, builder.origins);
     let (presets, hash) = (doc.presets, hash.value());

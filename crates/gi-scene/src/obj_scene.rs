@@ -4,11 +4,10 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use gi_core::camera::CameraSpec;
 use gi_core::filter::Filter;
 use gi_core::geometry::{Geometry, Shape};
 use gi_core::material::Material;
-use gi_core::math::{Bounds, Rgb};
+use gi_core::math::Rgb;
 use gi_core::scene::SceneParts;
 use gi_core::texture::{Bitmap, Lookup, Texture, Wrap};
 use glam::{Affine2, Vec3};
@@ -16,13 +15,15 @@ use glam::{Affine2, Vec3};
 use crate::build::{Origins, ShapeOrigin};
 use crate::diagnostics::Report;
 use crate::files::{self, Found};
+use crate::framing;
 use crate::hash::Hash;
-use crate::load::{CameraOverride, Loaded, Options};
-use crate::shapes::obj;
+use crate::load::{Loaded, Options};
+use crate::materials::ior::RELATIVE;
+use crate::shapes::{obj, smooth};
+use crate::texels;
 use crate::textures::BitmapFile;
+use crate::value::MAX_NUMBER;
 
-/// Angle of view of a camera that is chosen, degrees.
-const DEFAULT_FOV: f32 = 45.0;
 /// Index of refraction of glass that names none.
 const DEFAULT_IOR: f32 = 1.5;
 
@@ -57,7 +58,7 @@ pub(crate) fn load(path: &Path, options: &Options, report: &Report) -> Option<Lo
     };
     reader.shapes(contents);
     let size = options.size.unwrap_or([768, 576]);
-    let camera = frame(&reader.parts, &options.camera, size);
+    let camera = framing::frame(&reader.parts, &options.camera, size, report)?;
     let presets: BTreeMap<String, String> =
         options.defines.iter().filter(|(n, _)| n.starts_with("gi.")).cloned().collect();
     Some(Loaded {
@@ -70,23 +71,6 @@ pub(crate) fn load(path: &Path, options: &Options, report: &Report) -> Option<Lo
         hash: reader.hash.value(),
         origins: reader.origins,
     })
-}
-
-/// A camera as the options say; what they do not say is chosen so that everything is in view from +z.
-pub(crate) fn frame(parts: &SceneParts, camera: &CameraOverride, size: [usize; 2]) -> CameraSpec {
-    let boxes = parts.shapes.iter().map(|s| s.geometry.bounds());
-    let bounds = boxes.fold(Bounds::EMPTY, Bounds::union);
-    let center = if bounds.is_empty() { Vec3::ZERO } else { bounds.center() };
-    let radius = (0.5 * bounds.extent().length()).max(1e-3);
-    let fov = camera.fov.unwrap_or(DEFAULT_FOV).clamp(1.0, 179.0).to_radians();
-    let narrow = ((0.5 * fov).tan() * (size[1] as f32 / size[0] as f32).min(1.0)).atan();
-    let target = camera.target.unwrap_or(center);
-    let origin = camera.origin.unwrap_or(target + Vec3::Z * (radius / narrow.sin()));
-    let target = if origin == target { origin - Vec3::Z } else { target };
-    let up = camera.up.unwrap_or(Vec3::Y);
-    let view = (target - origin).normalize();
-    let up = if up.cross(view).length() < 1e-6 { view.any_orthonormal_vector() } else { up };
-    CameraSpec::look_at(origin, target, up, fov, size)
 }
 
 struct Reader<'a> {
@@ -109,8 +93,10 @@ impl Reader<'_> {
             }
             let entry = known.cloned().unwrap_or_default();
             let (material, emission) = (self.material(&entry), self.emission(&entry));
-            if mesh.normals.iter().any(|n| !n.is_finite() || n.length_squared() < 1e-12) {
-                mesh.normals.clear();
+            let replaced = smooth::replace_bad_normals(&mut mesh);
+            if replaced > 0 {
+                let name = if name.is_empty() { "the mesh" } else { &name };
+                self.report.warn_nowhere(smooth::bad_normals(replaced, name));
             }
             // Material boundaries part the mesh, so smooth normals would show the seams: flat without `vn`.
             let mut shape = Shape::new(name, Geometry::Mesh(mesh), material);
@@ -188,7 +174,12 @@ impl Reader<'_> {
     }
 
     fn glass(&mut self, m: &tobj::Material, id: Option<String>) -> usize {
-        let eta = m.optical_density.filter(|n| *n > 0.0 && n.is_finite()).unwrap_or(DEFAULT_IOR);
+        // Exporters write 0 where no index was chosen.
+        let eta = m.optical_density.filter(|n| *n != 0.0).unwrap_or(DEFAULT_IOR);
+        if !RELATIVE.contains(&eta) {
+            let name = &m.name;
+            self.report.error_nowhere(format!("material `{name}`: `Ni {eta}`: expected 0.1 to 10"));
+        }
         let tint = m.unknown_param.get("Tf").and_then(|t| crate::value::triple(t).ok());
         let transmittance = Texture::Constant(
             tint.map_or(Rgb::WHITE, |t| Rgb::from(t.clamp(Vec3::ZERO, Vec3::ONE).to_array())),
@@ -216,8 +207,34 @@ impl Reader<'_> {
         let parse = |t: &String| crate::value::triple(t).ok().map(|v| v.to_array());
         let given = m.emissive.or_else(|| m.unknown_param.get("Ke").and_then(parse));
         let map = m.unknown_param.get("map_Ke").cloned();
-        let value = color(given?);
-        (!value.is_black()).then(|| self.picture(map.as_deref(), value, true))
+        let given = Rgb::from(given?);
+        if given.to_array().iter().any(|v| !(0.0..=MAX_NUMBER).contains(v)) {
+            let [r, g, b] = given.to_array();
+            let name = &m.name;
+            self.report.error_nowhere(format!(
+                "material `{name}`: light `Ke {r} {g} {b}`: expected 0 to 1e15"
+            ));
+            return None;
+        }
+        let value = given;
+        if value.is_black() {
+            return None;
+        }
+        let mut light = self.picture(map.as_deref(), value, true);
+        if let Texture::Bitmap { bitmap, .. } = &mut light
+            && let Some(file) = self.origins.bitmap_file(bitmap).cloned()
+        {
+            let (lifted, negative) = texels::as_light(bitmap, &file);
+            if let Some((x, y)) = negative {
+                let path = file.path.display();
+                self.report.warn_nowhere(format!(
+                    "`{path}`: texel ({x}, {y}) and maybe others are below zero: taken for zero"
+                ));
+                self.origins.note_bitmap(&lifted, &file);
+                *bitmap = lifted;
+            }
+        }
+        Some(light)
     }
 
     /// A picture times a colour, or the colour alone. Options before a picture's name are dropped.

@@ -6,6 +6,7 @@ use glam::{Affine3A, Mat3, Vec2};
 
 use crate::diagnostics::Report;
 use crate::document::{Class, Document, Node};
+use crate::value::MAX_NUMBER;
 
 /// The film of a sensor that names none.
 const DEFAULT_SIZE: [usize; 2] = [768, 576];
@@ -13,6 +14,12 @@ const DEFAULT_SIZE: [usize; 2] = [768, 576];
 const MAX_SIZE: i64 = 1 << 15;
 /// Diagonal of the 36 x 24 mm picture that a focal length is meant for, millimetres.
 const FILM_DIAGONAL: f32 = 43.266_615;
+/// Widest Gaussian filter, pixels: beyond it a picture is fog, and each sample reaches thousands of pixels.
+const MAX_STDDEV: f32 = 4.0;
+/// Mitchell's parameters are useful in [0, 1]; far beyond, the filter's weights cancel.
+const MAX_MITCHELL: f32 = 10.0;
+/// A Lanczos filter reaches so many pixels.
+const MAX_LOBES: i64 = 8;
 /// Focal length of a sensor that gives neither that nor an angle, millimetres.
 const DEFAULT_FOCAL_LENGTH: f32 = 50.0;
 
@@ -30,7 +37,9 @@ pub(crate) fn read(
     let sensor = *sensors.first()?;
     let films = sensor.children(Class::Film);
     let filter = films.first().map_or(Filter::Gaussian { stddev: 0.5 }, |film| filter(*film));
-    let size = size.unwrap_or_else(|| films.first().map_or(DEFAULT_SIZE, |film| film_size(*film)));
+    // The film is read even where its size is not wanted: its mistakes are reported all the same.
+    let film_size = films.first().map_or(DEFAULT_SIZE, |film| film_size(*film));
+    let size = size.unwrap_or(film_size);
     let principal_point_offset = Vec2::new(
         sensor.float("principal_point_offset_x", 0.0),
         sensor.float("principal_point_offset_y", 0.0),
@@ -45,7 +54,7 @@ pub(crate) fn read(
         "aperture_radius",
     ]);
     let (projection, to_world) = projection(sensor, size)?;
-    let near = sensor.float("near_clip", 0.0);
+    let near = sensor.within("near_clip", 0.0, 0.0..=MAX_NUMBER);
     Some((CameraSpec { to_world, projection, size, near, principal_point_offset }, filter))
 }
 
@@ -59,7 +68,7 @@ fn projection(sensor: Node<'_>, size: [usize; 2]) -> Option<(Projection, Affine3
     let lens = match sensor.plugin() {
         "orthographic" => return Some((Projection::Orthographic, m)),
         "perspective" | "pinhole" => 0.0,
-        "thinlens" => sensor.float("aperture_radius", 0.0),
+        "thinlens" => sensor.within("aperture_radius", 0.0, 0.0..=MAX_NUMBER),
         "perspective_rdist" => {
             sensor.warn("`perspective_rdist` is approximated by `perspective`");
             0.0
@@ -70,7 +79,8 @@ fn projection(sensor: Node<'_>, size: [usize; 2]) -> Option<(Projection, Affine3
         }
     };
     let fov_x = fov_x(sensor, size[0] as f32 / size[1] as f32)?;
-    let focus_distance = if lens > 0.0 { sensor.float("focus_distance", 1.0) } else { 1.0 };
+    let focus_distance =
+        if lens > 0.0 { sensor.above_zero("focus_distance", 1.0, MAX_NUMBER) } else { 1.0 };
     // A perspective camera has no size: only where it stands, how it is turned and whether it is mirrored count.
     let columns = [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis]
         .map(|c| crate::transform::unit(c.into()).0);
@@ -180,17 +190,23 @@ fn film_size(film: Node<'_>) -> [usize; 2] {
 fn filter(film: Node<'_>) -> Filter {
     let filters = film.children(Class::Filter);
     let Some(filter) = filters.first() else { return Filter::Gaussian { stddev: 0.5 } };
-    let third = |a: &'static str, b: &'static str| {
-        filter.float_opt(a).or_else(|| filter.float_opt(b)).unwrap_or(1.0 / 3.0)
-    };
+    let third = |name| filter.within(name, 1.0 / 3.0, -MAX_MITCHELL..=MAX_MITCHELL);
     match filter.plugin() {
         "box" => Filter::Box,
         "tent" => Filter::Tent,
-        "gaussian" => Filter::Gaussian { stddev: filter.float("stddev", 0.5) },
-        "mitchell" => Filter::Mitchell { b: third("b", "A"), c: third("c", "B") },
+        "gaussian" => {
+            let stddev = filter.above_zero("stddev", 0.5, MAX_STDDEV);
+            Filter::Gaussian { stddev }
+        }
+        "mitchell" => Filter::Mitchell { b: third("b"), c: third("c") },
         "catmullrom" => Filter::CatmullRom,
         "lanczos" => {
-            let lobes = filter.int_opt("lobes").unwrap_or(3).clamp(1, 16);
+            let lobes = filter.int_opt("lobes").unwrap_or(3);
+            if !(1..=MAX_LOBES).contains(&lobes) {
+                let span = filter.span_of("lobes");
+                filter.report.error(span, format!("lobes {lobes}"), "expected 1 to 8");
+                return Filter::Box;
+            }
             Filter::Lanczos { lobes: lobes as u32 }
         }
         _ => {

@@ -38,7 +38,20 @@ impl Spectrum {
     pub(crate) fn emission(&self) -> Rgb {
         match self {
             Spectrum::Flat(v) => EQUAL_ENERGY * *v,
-            _ => xyz_to_rgb(integrate(|nm| self.at(nm))),
+            // Light of few wavelengths lies outside of the colours of Rec. 709: the nearest one inside.
+            _ => {
+                let rgb = xyz_to_rgb(integrate(|nm| self.at(nm)));
+                if self.is_negative() { rgb } else { rgb.map(|v| v.max(0.0)) }
+            }
+        }
+    }
+
+    /// Whether any of its values is below zero.
+    fn is_negative(&self) -> bool {
+        match self {
+            Spectrum::Flat(v) => *v < 0.0,
+            Spectrum::Pairs(pairs) => pairs.iter().any(|p| p.1 < 0.0),
+            Spectrum::Blackbody { kelvin, scale } => *kelvin < 0.0 || *scale < 0.0,
         }
     }
 

@@ -9,6 +9,7 @@ use glam::{Affine2, Affine3A, Mat2, Vec2};
 
 use crate::build::Builder;
 use crate::document::{Class, Meaning, Node};
+use crate::texels;
 
 /// How deep textures may be nested. They are trees, and one that refers to the next twice doubles each time.
 const MAX_NESTING: usize = 6;
@@ -26,7 +27,9 @@ impl BitmapFile {
     /// Read the picture.
     pub(crate) fn read(&self) -> Result<Bitmap, String> {
         let encoding = if self.raw { Encoding::Raw } else { Encoding::Auto };
-        read_bitmap(&self.path, encoding, self.wrap, self.lookup)
+        let bitmap = read_bitmap(&self.path, encoding, self.wrap, self.lookup)?;
+        texels::check(&bitmap, &self.path)?;
+        Ok(bitmap)
     }
 
     /// How a `bitmap` says that its file is to be read. (Asked twice: when files are gathered and when used.)
@@ -60,20 +63,55 @@ impl Builder<'_> {
         node.color(name, meaning).map_or(default, Texture::Constant)
     }
 
-    /// A reflectance: as [`Builder::texture`], and not above one.
-    pub(crate) fn reflectance(
-        &mut self,
-        node: Node<'_>,
-        name: &'static str,
-        default: f32,
-    ) -> Texture {
-        match self.texture(node, name, Texture::grey(default), Meaning::Factor) {
-            Texture::Constant(c) if c.max() > 1.0 || c.to_array().iter().any(|v| *v < 0.0) => {
-                let message = format!("`{name}` is outside of [0, 1]: clamped");
-                node.report.warn(node.span_of(name), message);
+    /// A share of light (a reflectance, an opacity, a weight): as [`Builder::texture`], and in [0, 1].
+    pub(crate) fn share(&mut self, node: Node<'_>, name: &'static str, default: f32) -> Texture {
+        let texture = self.texture(node, name, Texture::grey(default), Meaning::Factor);
+        let [least, most] = texels::range(&texture, &self.origins);
+        if least >= 0.0 && most <= 1.0 {
+            return texture;
+        }
+        let span = node.place_of(name);
+        match texture {
+            Texture::Constant(c) => {
+                node.report.warn(span, format!("`{name}` is outside of [0, 1]: clamped"));
                 Texture::Constant(c.map(|v| v.clamp(0.0, 1.0)))
             }
-            texture => texture,
+            texture => {
+                let message =
+                    format!("the texture of `{name}` is outside of [0, 1]: {least} to {most}");
+                node.report.warn(span, message);
+                texture
+            }
+        }
+    }
+
+    /// Light that may vary over a surface; what a picture has below zero is taken for zero.
+    pub(crate) fn light_texture(&mut self, node: Node<'_>, name: &'static str) -> Texture {
+        let white = Texture::Constant(Rgb::WHITE);
+        let mut texture = self.texture(node, name, white.clone(), Meaning::Light);
+        self.lift_texels(node, &mut texture);
+        let [least, most] = texels::range(&texture, &self.origins);
+        let fine =
+            node.check_light(name, Rgb::grey(least)) && node.check_light(name, Rgb::grey(most));
+        if fine { texture } else { white }
+    }
+
+    fn lift_texels(&mut self, node: Node<'_>, texture: &mut Texture) {
+        match texture {
+            Texture::Constant(_) => {}
+            Texture::Checkerboard { color0, color1, .. } => {
+                self.lift_texels(node, color0);
+                self.lift_texels(node, color1);
+            }
+            Texture::Bitmap { bitmap, .. } => {
+                let Some(file) = self.origins.bitmap_file(bitmap).cloned() else { return };
+                let (lifted, first) = texels::as_light(bitmap, &file);
+                if let Some(at) = first {
+                    warn_negative(node, &file, at);
+                    self.origins.note_bitmap(&lifted, &file);
+                    *bitmap = lifted;
+                }
+            }
         }
     }
 
@@ -117,7 +155,7 @@ impl Builder<'_> {
 
     fn bitmap(&mut self, node: Node<'_>) -> Option<Texture> {
         node.ignore(&["filename", "max_anisotropy", "cache", "channel", "format", "accel"]);
-        node.ignore(&["wrap_mode_v", "wrap_mode_u"]);
+        note_wrapping(node);
         if let Some(gamma) = node.float_opt("gamma").filter(|g| *g != 1.0 && *g > 0.0) {
             let message = format!("gamma {gamma} is read as the sRGB curve");
             node.report.warn(node.span_of("gamma"), message);
@@ -126,6 +164,30 @@ impl Builder<'_> {
         self.origins.note_bitmap(&bitmap, self.assets.bitmap_file(node.id)?);
         Some(Texture::Bitmap { bitmap, to_uv: to_uv(node), scale: Rgb::WHITE })
     }
+}
+
+/// Say what of a picture's wrap modes is read otherwise.
+fn note_wrapping(node: Node<'_>) {
+    let modes = ["wrap_mode", "wrap_mode_u", "wrap_mode_v"].map(|name| (name, node.text(name)));
+    for (name, mode) in modes {
+        if let Some(mode @ ("zero" | "one" | "black" | "white")) = mode {
+            let message = format!("wrap mode `{mode}` is read as `clamp`");
+            node.report.warn(node.span_of(name), message);
+        }
+    }
+    let [(_, both), (_, u), (name, v)] = modes;
+    if v.is_some() && v != both.or(u).or(Some("repeat")) {
+        let message = "another wrap mode along v is ignored: that along u is taken for both";
+        node.report.warn(node.span_of(name), message);
+    }
+}
+
+/// Say that a picture of light has texels below zero.
+pub(crate) fn warn_negative(node: Node<'_>, file: &BitmapFile, (x, y): (usize, usize)) {
+    let path = file.path.display();
+    let message =
+        format!("`{path}`: texel ({x}, {y}) and maybe others are below zero: taken for zero");
+    node.warn(message);
 }
 
 /// From surface to texture coordinates: `to_uv`, or the scales and offsets of Mitsuba 0.6.

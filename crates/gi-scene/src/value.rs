@@ -8,15 +8,20 @@ use glam::Vec3;
 /// this bounds the memory that one attribute can ask for.
 const MAX_NUMBERS: usize = 1 << 16;
 
+/// No number of a scene is larger than this: the products of a few such numbers are still finite in places
+/// where it matters, and no length or radiance comes near.
+pub(crate) const MAX_NUMBER: f32 = 1e15;
+
 /// Split at commas and blanks.
 pub(crate) fn words(text: &str) -> impl Iterator<Item = &str> {
     text.split(|c: char| c == ',' || c.is_whitespace()).filter(|w| !w.is_empty())
 }
 
-/// One finite number.
+/// One finite number, not beyond all measure.
 pub(crate) fn number(text: &str) -> Result<f32, String> {
     match text.trim().parse::<f32>() {
-        Ok(v) if v.is_finite() => Ok(v),
+        Ok(v) if v.abs() <= MAX_NUMBER => Ok(v),
+        Ok(v) if v.is_finite() => Err(format!("`{}` is too large: at most 1e15", text.trim())),
         Ok(_) => Err(format!("`{}` is not a finite number", text.trim())),
         Err(_) => Err(format!("`{}` is not a number", text.trim())),
     }

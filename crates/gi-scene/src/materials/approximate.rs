@@ -14,12 +14,12 @@ impl Builder<'_> {
     pub(super) fn ward(&mut self, node: Node<'_>) -> Material {
         node.ignore(&["variant"]);
         node.warn("`ward` is approximated by `phong`");
-        let alpha = node.float("alpha", 0.1);
-        let (u, v) = (node.float("alpha_u", alpha), node.float("alpha_v", alpha));
+        let alpha = node.within("alpha", 0.1, 0.0..=10.0);
+        let [u, v] = ["alpha_u", "alpha_v"].map(|name| node.within(name, alpha, 0.0..=10.0));
         let exponent = 0.5 / (u * v).max(1e-6);
         Material::Phong {
-            diffuse: self.reflectance(node, "diffuse_reflectance", 0.5),
-            specular: self.reflectance(node, "specular_reflectance", 0.2),
+            diffuse: self.share(node, "diffuse_reflectance", 0.5),
+            specular: self.share(node, "specular_reflectance", 0.2),
             exponent: Texture::grey(exponent),
         }
     }
@@ -44,14 +44,14 @@ impl Builder<'_> {
         ];
         node.ignore(&DROPPED);
         node.warn("`principled` is approximated by plastic, metal and glass");
-        let base = self.reflectance(node, "base_color", 0.5);
+        let base = self.share(node, "base_color", 0.5);
         let rough = self.texture(node, "roughness", Texture::grey(0.5), Meaning::Factor);
         let alpha = Texture::grey(rough.mean().mean().powi(2).max(1e-3));
         let facets =
             Roughness { distribution: Distribution::Ggx, alpha_u: alpha.clone(), alpha_v: alpha };
         // Mitsuba: specular = 5 (eta - 1)^2 / (eta + 1)^2 / 0.4 ... the artist's 0.5 is eta 1.5.
         let f0 = (0.08 * node.float("specular", 0.5)).clamp(0.0, 0.9).sqrt();
-        let eta = node.float_opt("eta").unwrap_or((1.0 + f0) / (1.0 - f0)).max(1.0001);
+        let eta = node.within("eta", (1.0 + f0) / (1.0 - f0), 0.1..=10.0).max(1.0001);
         let plastic = self.push_material(
             Material::Plastic {
                 eta,
@@ -62,7 +62,7 @@ impl Builder<'_> {
             },
             None,
         );
-        let trans = self.texture(node, "spec_trans", Texture::grey(0.0), Meaning::Factor);
+        let trans = self.share(node, "spec_trans", 0.0);
         let body = if trans.is_black() {
             plastic
         } else {
@@ -79,7 +79,7 @@ impl Builder<'_> {
                 None,
             )
         };
-        let metallic = self.texture(node, "metallic", Texture::grey(0.0), Meaning::Factor);
+        let metallic = self.share(node, "metallic", 0.0);
         let metal = Material::Conductor {
             eta: Rgb::BLACK,
             k: Rgb::WHITE,

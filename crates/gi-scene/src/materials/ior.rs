@@ -32,6 +32,9 @@ pub(crate) const DIELECTRICS: [(&str, f32); 24] = [
     ("diamond", 2.419),
 ];
 
+/// Relative indices of anything like matter; far beyond, Fresnel's formulas lose all digits.
+pub(crate) const RELATIVE: std::ops::RangeInclusive<f32> = 0.1..=10.0;
+
 /// The index of a dielectric.
 pub(crate) fn dielectric(name: &str) -> Option<f32> {
     let name = name.to_lowercase();
@@ -136,10 +139,13 @@ pub(super) fn relative(node: Node<'_>, inside: &str) -> Option<f32> {
     let inside = interface(node, "int_ior").unwrap_or_else(|| default(inside));
     let outside = interface(node, "ext_ior").unwrap_or_else(|| default("air"));
     let eta = node.float_opt("eta").unwrap_or(inside / outside);
-    if eta > 0.0 && eta.is_finite() {
+    if RELATIVE.contains(&eta) {
         return Some(eta);
     }
-    node.error(format!("the relative index of refraction is {eta}"), "expected a positive one");
+    let name = ["eta", "int_ior", "ext_ior"].into_iter().find(|name| node.has(name));
+    let span = name.map_or(node.span(), |name| node.span_of(name));
+    let message = format!("the index of refraction, inside over outside, is {eta}");
+    node.report.error(span, message, "expected 0.1 to 10");
     None
 }
 

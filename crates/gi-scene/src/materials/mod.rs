@@ -2,6 +2,7 @@
 
 mod approximate;
 pub(crate) mod ior;
+mod parameters;
 
 use gi_core::material::{Distribution, Material, Roughness};
 use gi_core::math::Rgb;
@@ -95,34 +96,31 @@ impl Builder<'_> {
     fn make_material(&mut self, node: Node<'_>) -> Option<Material> {
         Some(match node.plugin() {
             "diffuse" | "lambertian" => {
-                Material::Diffuse { reflectance: self.reflectance(node, "reflectance", 0.5) }
+                Material::Diffuse { reflectance: self.share(node, "reflectance", 0.5) }
             }
             "roughdiffuse" => {
                 node.ignore(&["use_fast_approx"]);
                 let alpha = self.texture(node, "alpha", Texture::grey(0.2), Meaning::Factor);
-                Material::RoughDiffuse {
-                    reflectance: self.reflectance(node, "reflectance", 0.5),
-                    alpha,
-                }
+                Material::RoughDiffuse { reflectance: self.share(node, "reflectance", 0.5), alpha }
             }
             "dielectric" | "roughdielectric" => self.dielectric(node)?,
             "thindielectric" => Material::ThinDielectric {
                 eta: ior::relative(node, "bk7")?,
-                reflectance: self.reflectance(node, "specular_reflectance", 1.0),
-                transmittance: self.reflectance(node, "specular_transmittance", 1.0),
+                reflectance: self.share(node, "specular_reflectance", 1.0),
+                transmittance: self.share(node, "specular_transmittance", 1.0),
             },
             "conductor" | "roughconductor" => self.conductor(node)?,
             "plastic" | "roughplastic" | "pplastic" => self.plastic(node)?,
             "phong" => Material::Phong {
-                diffuse: self.reflectance(node, "diffuse_reflectance", 0.5),
-                specular: self.reflectance(node, "specular_reflectance", 0.2),
-                exponent: self.texture(node, "exponent", Texture::grey(30.0), Meaning::Factor),
+                diffuse: self.share(node, "diffuse_reflectance", 0.5),
+                specular: self.share(node, "specular_reflectance", 0.2),
+                exponent: self.exponent(node),
             },
             "ward" => self.ward(node),
             "principled" | "principledthin" => return self.principled(node),
             "null" => Material::Null,
             "mask" | "opacity" => {
-                let opacity = self.texture(node, "opacity", Texture::grey(0.5), Meaning::Factor);
+                let opacity = self.share(node, "opacity", 0.5);
                 Material::Mask { opacity, inner: self.only_child(node)? }
             }
             "twosided" => self.twosided(node)?,
@@ -147,8 +145,8 @@ impl Builder<'_> {
     fn dielectric(&mut self, node: Node<'_>) -> Option<Material> {
         Some(Material::Dielectric {
             eta: ior::relative(node, "bk7")?,
-            reflectance: self.reflectance(node, "specular_reflectance", 1.0),
-            transmittance: self.reflectance(node, "specular_transmittance", 1.0),
+            reflectance: self.share(node, "specular_reflectance", 1.0),
+            transmittance: self.share(node, "specular_transmittance", 1.0),
             roughness: self.roughness(node, "roughdielectric"),
         })
     }
@@ -170,7 +168,7 @@ impl Builder<'_> {
         if let Some(outside) = outside {
             (eta, k) = (eta / outside, k / outside);
         }
-        let reflectance = self.reflectance(node, "specular_reflectance", 1.0);
+        let reflectance = self.share(node, "specular_reflectance", 1.0);
         Some(Material::Conductor {
             eta,
             k,
@@ -190,8 +188,8 @@ impl Builder<'_> {
         }
         Some(Material::Plastic {
             eta: ior::relative(node, "polypropylene")?,
-            diffuse: self.reflectance(node, "diffuse_reflectance", 0.5),
-            specular: self.reflectance(node, "specular_reflectance", 1.0),
+            diffuse: self.share(node, "diffuse_reflectance", 0.5),
+            specular: self.share(node, "specular_reflectance", 1.0),
             nonlinear: node.bool("nonlinear", false),
             roughness,
         })
@@ -219,9 +217,9 @@ impl Builder<'_> {
                 return None;
             }
         };
-        let alpha = self.texture(node, "alpha", Texture::grey(0.1), Meaning::Factor);
-        let alpha_u = self.texture(node, "alpha_u", alpha.clone(), Meaning::Factor);
-        let alpha_v = self.texture(node, "alpha_v", alpha, Meaning::Factor);
+        let alpha = self.alpha(node, "alpha", Texture::grey(0.1));
+        let alpha_u = self.alpha(node, "alpha_u", alpha.clone());
+        let alpha_v = self.alpha(node, "alpha_v", alpha);
         Some(Roughness { distribution, alpha_u, alpha_v })
     }
 
@@ -254,7 +252,7 @@ impl Builder<'_> {
     }
 
     fn blend(&mut self, node: Node<'_>) -> Option<Material> {
-        let weight = self.texture(node, "weight", Texture::grey(0.5), Meaning::Factor);
+        let weight = self.share(node, "weight", 0.5);
         match node.children(Class::Bsdf).as_slice() {
             [a, b] => {
                 let (first, second) = (self.material(*a), self.material(*b));

@@ -3,19 +3,19 @@
 pub(crate) mod obj;
 pub(crate) mod ply;
 mod serialized;
-mod smooth;
+pub(crate) mod smooth;
 mod solids;
 
 use std::path::PathBuf;
 
 use gi_core::geometry::{Geometry, Mesh, Shape};
 use gi_core::material::Material;
-use gi_core::math::Rgb;
 use gi_core::texture::Texture;
 use glam::{Affine3A, Vec3};
 
 use crate::build::{Builder, ShapeOrigin};
-use crate::document::{Class, Meaning, Node};
+use crate::document::{Class, Node};
+use crate::value::MAX_NUMBER;
 
 /// The plugins that are understood.
 const KNOWN: [&str; 10] = [
@@ -84,6 +84,10 @@ fn check(mesh: &Mesh) -> Result<(), String> {
     if let Some(i) = mesh.positions.iter().position(|p| !p.is_finite()) {
         return Err(format!("vertex {i} is not finite: {}", mesh.positions[i]));
     }
+    mesh.positions.iter().try_for_each(|p| check_size(*p))?;
+    if let Some(i) = mesh.uvs.iter().position(|uv| !uv.is_finite()) {
+        return Err(format!("texture coordinate {i} is not finite: {}", mesh.uvs[i]));
+    }
     let count = mesh.positions.len();
     if let Some(k) = mesh.triangles.iter().position(|t| t.iter().any(|&i| i as usize >= count)) {
         let t = mesh.triangles[k];
@@ -93,6 +97,14 @@ fn check(mesh: &Mesh) -> Result<(), String> {
         return Err("it holds no faces".into());
     }
     Ok(())
+}
+
+/// Refuse a vertex so far away that areas and distances overflow.
+fn check_size(p: Vec3) -> Result<(), String> {
+    if p.abs().max_element() <= MAX_NUMBER {
+        return Ok(());
+    }
+    Err(format!("a vertex is too far away: {p}, at most 1e15"))
 }
 
 /// Where a mesh goes and how its normals are made.
@@ -114,21 +126,43 @@ impl Placement {
     }
 
     /// Move the mesh. As in Mitsuba, one without normals gets smooth ones unless face normals are asked for.
-    pub(crate) fn apply(&self, mesh: &mut Mesh) {
-        let bad = |n: &Vec3| !n.is_finite() || n.length_squared() < 1e-12;
-        if self.face_normals || mesh.normals.iter().any(bad) || !self.to_world.inverse().is_finite()
-        {
+    /// Returns how many normals were none and had to be replaced.
+    pub(crate) fn apply(&self, mesh: &mut Mesh) -> usize {
+        if self.face_normals || !self.to_world.inverse().is_finite() {
             mesh.normals.clear();
         }
+        let replaced = smooth::replace_bad_normals(mesh);
         mesh.transform(&self.to_world);
         if self.face_normals {
-            return;
+            return replaced;
         }
         match self.max_smooth_angle {
             Some(degrees) => smooth::smooth_up_to(mesh, degrees.to_radians()),
             None if mesh.normals.is_empty() => mesh.smooth_normals(),
             None => smooth::face_the_normals(mesh),
         }
+        replaced
+    }
+}
+
+/// Say that nothing of a shape is seen, or less than was drawn.
+fn note_flatness(node: Node<'_>, name: &str, geometry: &Geometry) {
+    let no_area = match geometry {
+        Geometry::Mesh(mesh) => {
+            (0..mesh.triangles.len()).all(|k| mesh.area_vector(k) == Vec3::ZERO)
+        }
+        Geometry::Disk { du, dv, .. } => du.cross(*dv) == Vec3::ZERO,
+        Geometry::Sphere { .. } | Geometry::Cylinder { .. } => false, // refused before
+    };
+    if no_area {
+        node.warn(format!("the shape `{name}` has no area: nothing of it is seen"));
+        return;
+    }
+    // A rectangle or disk is flat anyway.
+    let solid = !["rectangle", "disk"].contains(&node.plugin());
+    if solid && !node.transform("to_world").inverse().is_finite() {
+        let message = format!("the shape `{name}` is flattened: its `to_world` cannot be inverted");
+        node.report.warn(node.span_of("to_world"), message);
     }
 }
 
@@ -158,6 +192,7 @@ impl Builder<'_> {
             .map(|medium| medium.and_then(|m| self.medium(m)));
         let (geometry, origin, mirrored) = self.geometry(node)?;
         let name = node.object().id.clone().unwrap_or_else(|| node.plugin().to_owned());
+        note_flatness(node, &name, &geometry);
         let shape = Shape {
             name,
             geometry,
@@ -190,7 +225,10 @@ impl Builder<'_> {
                 let (geometry, mirrored) = solids::disk(&to_world);
                 (geometry, ShapeOrigin::Itself, mirrored)
             }
-            "cylinder" => (solids::cylinder(node, &to_world)?, ShapeOrigin::Itself, false),
+            "cylinder" => {
+                let (geometry, mirrored) = solids::cylinder(node, &to_world)?;
+                (geometry, ShapeOrigin::Itself, mirrored)
+            }
             _ => {
                 let (file, portable, mesh) = self.assets.take_mesh(node.id)?;
                 let origin = if portable && !node.has("max_smooth_angle") {
@@ -237,6 +275,6 @@ impl Builder<'_> {
             return None;
         }
         emitter.ignore(&["sampling_weight"]);
-        Some(self.texture(*emitter, "radiance", Texture::Constant(Rgb::WHITE), Meaning::Light))
+        Some(self.light_texture(*emitter, "radiance"))
     }
 }

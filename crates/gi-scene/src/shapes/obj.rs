@@ -48,6 +48,7 @@ pub(crate) fn parse_by_material(
                     let n = reader.positions.len();
                     return Err(fail(format!("vertex {n} is not finite: {rest}")));
                 }
+                super::check_size(Vec3::from(p)).map_err(fail)?;
                 reader.positions.push(Vec3::from(p));
             }
             "vn" => reader.normals.push(Vec3::from(floats::<3>(rest).map_err(fail)?)),
@@ -178,7 +179,7 @@ fn floats<const N: usize>(text: &str) -> Result<[f32; N], String> {
     Ok(out)
 }
 
-/// One, two or three numbers; a value that is not finite counts as zero.
+/// One, two or three numbers.
 fn texture_coordinate(text: &str) -> Result<Vec2, String> {
     let mut words = text.split_whitespace();
     let mut next = |default: f32| match words.next() {
@@ -186,7 +187,10 @@ fn texture_coordinate(text: &str) -> Result<Vec2, String> {
         None => Ok(default),
     };
     let (u, v) = (next(0.0)?, next(0.0)?);
-    Ok(Vec2::new(if u.is_finite() { u } else { 0.0 }, if v.is_finite() { v } else { 0.0 }))
+    if !(u.is_finite() && v.is_finite()) {
+        return Err(format!("a texture coordinate is not finite: {text}"));
+    }
+    Ok(Vec2::new(u, v))
 }
 
 #[cfg(test)]

@@ -16,6 +16,36 @@ pub(crate) fn face_the_normals(mesh: &mut Mesh) {
     }
 }
 
+/// Give vertices whose normal is none (zero, or not finite) that of the faces round them, on the side that
+/// the other normals of those faces are on. Returns how many there were.
+pub(crate) fn replace_bad_normals(mesh: &mut Mesh) -> usize {
+    const SHORTEST: f32 = 1e-6; // readers leave unit normals
+    let bad: Vec<bool> =
+        mesh.normals.iter().map(|n| !n.is_finite() || n.length() < SHORTEST).collect();
+    let count = bad.iter().filter(|b| **b).count();
+    if count == 0 {
+        return 0;
+    }
+    for (n, _) in mesh.normals.iter_mut().zip(&bad).filter(|(_, bad)| **bad) {
+        *n = Vec3::ZERO;
+    }
+    let mut sums = vec![Vec3::ZERO; mesh.normals.len()];
+    for k in 0..mesh.triangles.len() {
+        let face = mesh.oriented_normal(k) * mesh.area_vector(k).length();
+        mesh.triangles[k].iter().for_each(|&i| sums[i as usize] += face);
+    }
+    for i in (0..bad.len()).filter(|&i| bad[i]) {
+        // A vertex of no face, or of degenerate ones, is never seen.
+        mesh.normals[i] = sums[i].try_normalize().unwrap_or(Vec3::Z);
+    }
+    count
+}
+
+/// What is said about them.
+pub(crate) fn bad_normals(count: usize, name: &str) -> String {
+    format!("`{name}`: {count} normals are zero or not finite: those of the faces are taken")
+}
+
 /// Give each corner the mean of the normals of those faces round its point that lie within `angle`
 /// (radians) of its own face; points are the same where their coordinates are.
 pub(crate) fn smooth_up_to(mesh: &mut Mesh, angle: f32) {

@@ -11,6 +11,7 @@ use hw_skymodel::rgb::{Channel, SkyParams, SkyState};
 use crate::build::{Builder, LightOrigin};
 use crate::document::{Meaning, Node};
 use crate::emitters::rotation;
+use crate::value::MAX_NUMBER;
 use sun::Moment;
 
 /// Size of the sky's picture: its finest feature, the glow round the sun, is a few degrees wide.
@@ -69,8 +70,13 @@ impl SunSky {
             return None;
         }
         let albedo = node.color("albedo", Meaning::Factor);
-        let albedo =
-            albedo.unwrap_or(Rgb::grey(if old { 0.15 } else { 0.3 })).map(|v| v.clamp(0.0, 1.0));
+        let albedo = albedo.unwrap_or(Rgb::grey(if old { 0.15 } else { 0.3 }));
+        if albedo.to_array().iter().any(|v| !(0.0..=1.0).contains(v)) {
+            let [r, g, b] = albedo.to_array();
+            let message = format!("the ground's albedo is {r} {g} {b}");
+            node.report.error(node.place_of("albedo"), message, "expected 0 to 1");
+            return None;
+        }
         let local = sun::direction(&moment(node)).as_vec3();
         let sun_direction = match node.vector("sun_direction") {
             Some(Vec3::ZERO) => {
@@ -80,12 +86,14 @@ impl SunSky {
             Some(world) => crate::transform::unit(world).0,
             None => to_world.transform_vector3(local).normalize(),
         };
-        let scale = node.float("scale", 1.0);
+        let scale = node.light_scale("scale", 1.0);
         // Mitsuba 0.6: what is said for one of them counts instead of the common factor.
         let (sun_scale, sky_scale) =
-            (node.float("sun_scale", scale), node.float("sky_scale", scale));
-        let given = node.float_opt("sun_aperture").map(|degrees| 0.5 * degrees.to_radians());
-        let radius = sun::ANGULAR_RADIUS * node.float("sun_radius_scale", 1.0);
+            (node.light_scale("sun_scale", scale), node.light_scale("sky_scale", scale));
+        let given = node.has("sun_aperture").then(|| node.within("sun_aperture", 0.5, 0.0..=180.0));
+        let given = given.map(|degrees| 0.5 * degrees.to_radians());
+        let radius_scale = node.within("sun_radius_scale", 1.0, 0.0..=MAX_NUMBER);
+        let radius = sun::ANGULAR_RADIUS * radius_scale;
         let sky = SunSky {
             turbidity,
             albedo,

@@ -49,6 +49,11 @@ impl Parser<'_> {
                 Err(why) => self.report.error(op.span, why, ""),
             }
         }
+        if !m.to_cols_array().iter().all(|x| x.abs() <= value::MAX_NUMBER) {
+            let expected = "expected numbers up to 1e15";
+            self.report.error(element.span, "this transform's product is too large", expected);
+            m = Affine3A::IDENTITY;
+        }
         self.add(element, parent, Value::Transform(m));
     }
 

@@ -1,0 +1,52 @@
+//! Parameters of materials that have ranges of their own.
+
+use gi_core::texture::Texture;
+
+use crate::build::Builder;
+use crate::document::{Meaning, Node};
+use crate::texels;
+
+/// Largest roughness.
+const MAX_ALPHA: f32 = 10.0;
+/// Largest exponent of Phong's lobe: a hundredth of a degree wide, a mirror to any eye.
+const MAX_EXPONENT: f32 = 1e6;
+
+impl Builder<'_> {
+    /// A roughness: 0 is smooth, 1 as rough as a surface is thought to be, some files go a little beyond.
+    pub(super) fn alpha(
+        &mut self,
+        node: Node<'_>,
+        name: &'static str,
+        default: Texture,
+    ) -> Texture {
+        let alpha = self.texture(node, name, default.clone(), Meaning::Factor);
+        let [least, most] = texels::range(&alpha, &self.origins);
+        if 0.0 <= least && most <= MAX_ALPHA {
+            return alpha;
+        }
+        let value = if least < 0.0 { least } else { most };
+        let message = format!("`{name}` is {value}");
+        node.report.error(node.place_of(name), message, "expected 0 to 10");
+        default
+    }
+
+    /// Phong's exponent.
+    pub(super) fn exponent(&mut self, node: Node<'_>) -> Texture {
+        let default = Texture::grey(30.0);
+        let exponent = self.texture(node, "exponent", default.clone(), Meaning::Factor);
+        let [least, most] = texels::range(&exponent, &self.origins);
+        if least < 0.0 {
+            let message = format!("`exponent` is {least}");
+            node.report.error(node.place_of("exponent"), message, "expected 0 or more");
+            return default;
+        }
+        match exponent {
+            Texture::Constant(c) if most > MAX_EXPONENT => {
+                let message = format!("`exponent` {most} is taken for {MAX_EXPONENT}");
+                node.report.warn(node.place_of("exponent"), message);
+                Texture::Constant(c.map(|v| v.min(MAX_EXPONENT)))
+            }
+            texture => texture,
+        }
+    }
+}
