@@ -174,17 +174,23 @@ fn near_triangle(p: Vec3, v: [Vec3; 3]) -> Option<([Vec3; 3], f32)> {
 /// Where the ray from `p` along `w` meets the triangle's plane, as a point of the triangle.
 fn on_triangle(p: Vec3, w: Vec3, v: [Vec3; 3], normal: Vec3) -> Option<EmitterPoint> {
     let t = normal.dot(v[0] - p) / normal.dot(w);
+    // From a point of the plane itself rounding may leave anything.
+    if !(t > 0.0 && t.is_finite()) {
+        return None;
+    }
     let q = p + w * t - v[0];
     // Barycentric coordinates in the plane, brought back inside after rounding.
     let (e1, e2) = (v[1] - v[0], v[2] - v[0]);
     let (d11, d12, d22) = (e1.dot(e1), e1.dot(e2), e2.dot(e2));
     let (q1, q2) = (q.dot(e1), q.dot(e2));
     let det = d11 * d22 - d12 * d12;
-    // (`max` and `min` instead of `clamp`: from a point on the plane all of this may be no number.)
-    let s = ((d22 * q1 - d12 * q2) / det).max(0.0).min(1.0);
-    let r = ((d11 * q2 - d12 * q1) / det).max(0.0).min(1.0 - s);
-    let point = EmitterPoint { p: v[0] + e1 * s + e2 * r, normal, uv: Vec2::new(s, r) };
-    (t > 0.0 && t.is_finite() && point.p.is_finite()).then_some(point)
+    let (s, r) = ((d22 * q1 - d12 * q2) / det, (d11 * q2 - d12 * q1) / det);
+    if !(s.is_finite() && r.is_finite()) {
+        return None;
+    }
+    let s = s.clamp(0.0, 1.0);
+    let r = r.clamp(0.0, 1.0 - s);
+    Some(EmitterPoint { p: v[0] + e1 * s + e2 * r, normal, uv: Vec2::new(s, r) })
 }
 
 /// The cone that a sphere fills as seen from `p`: a frame along its axis and 1 - cos of its half angle.

@@ -92,7 +92,7 @@ fn density(luminance: &[f32], w: usize, h: usize) -> Grid {
     let texels: Vec<f32> =
         (0..w * h).map(|i| row_measure(i / w, h) * around(i % w, i / w)).collect();
     for side in [16, 8, 4, 2] {
-        if w % side != 0 || h % side != 0 || w / side < 64 {
+        if !w.is_multiple_of(side) || !h.is_multiple_of(side) || w / side < 64 {
             continue;
         }
         let cells = (w / side) * (h / side);

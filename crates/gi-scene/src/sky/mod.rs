@@ -140,7 +140,8 @@ impl SunSky {
         let [width, height] = SIZE;
         let mut texels = Vec::with_capacity(width * height);
         for row in 0..height {
-            let theta = std::f32::consts::PI * (row as f32 + 0.5) / height as f32;
+            // The first and the last row lie on the poles, as an environment's do.
+            let theta = std::f32::consts::PI * row as f32 / (height - 1) as f32;
             for column in 0..width {
                 let phi = std::f32::consts::TAU * (column as f32 + 0.5) / width as f32;
                 texels.push(self.radiance(&state, theta, phi, sun));
@@ -207,8 +208,8 @@ mod tests {
         let LightSource::Environment { image, scale, to_world } = light else { panic!() };
         let d = to_world.inverse().transform_vector3(world.normalize());
         let u = d.x.atan2(-d.z) / std::f32::consts::TAU;
-        let half = 0.5 / SIZE[1] as f32; // nothing lies beyond the poles
-        let v = (d.y.clamp(-1.0, 1.0).acos() / std::f32::consts::PI).clamp(half, 1.0 - half);
+        let (v, h) = (d.y.clamp(-1.0, 1.0).acos() / std::f32::consts::PI, SIZE[1] as f32);
+        let v = (v * (h - 1.0) + 0.5) / h;
         image.eval(glam::Vec2::new(u, v)) * *scale
     }
 
