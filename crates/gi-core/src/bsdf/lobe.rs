@@ -95,18 +95,9 @@ impl Lobe<'_> {
             Lobe::Conductor { eta, k, tint } => (wo.z > 0.0).then(|| {
                 Scatter::delta(reflect_z(wo), fresnel::conductor(wo.z.min(1.0), eta, k) * tint, 1.0)
             }),
-            Lobe::RoughConductor { eta, k, tint, facets } => {
-                if wo.z <= 0.0 {
-                    return None;
-                }
-                let m = facets.sample_visible(wo, u);
-                let wi = reflect(wo, m);
-                let pdf_w = facets.d(m) * facets.g1(wo, m) / (4.0 * wo.z);
-                if wi.z <= 0.0 || pdf_w <= 0.0 {
-                    return None;
-                }
-                let fresnel = fresnel::conductor(wi.dot(m).clamp(0.0, 1.0), eta, k);
-                Some(Scatter::rough(wi, fresnel * tint * facets.g1(wi, m), pdf_w))
+            Lobe::RoughConductor { facets, .. } => {
+                let wi = reflect(wo, facets.sample_visible(wo * 1f32.copysign(wo.z), u));
+                self.weighted(wo, wi, transport)
             }
             Lobe::Dielectric { eta, reflect, transmit } => {
                 sample_dielectric(wo, u_choice, eta, reflect, transmit, transport)
@@ -114,18 +105,14 @@ impl Lobe<'_> {
             Lobe::RoughDielectric { eta, facets, .. } => {
                 let m = facets.sample_visible(wo * 1f32.copysign(wo.z), u);
                 let interface = fresnel::dielectric(wo.dot(m), eta);
+                let reflected = u_choice < interface.reflectance;
+                let wi = if reflected { reflect(wo, m) } else { refract(wo, m, interface) };
                 // A facet may throw light to the wrong side of the surface: Smith's model takes that as lost.
-                if u_choice < interface.reflectance {
-                    let wi = reflect(wo, m);
-                    return if wi.z * wo.z > 0.0 { self.weighted(wo, wi, transport) } else { None };
-                }
-                let wi = refract(wo, m, interface);
-                let refracted = if wi.z * wo.z < 0.0 {
-                    self.weighted(wo, wi, transport)?
-                } else {
+                if reflected != (wi.z * wo.z > 0.0) {
                     return None;
-                };
-                Some(Scatter { eta: interface.eta, ..refracted })
+                }
+                let scatter = self.weighted(wo, wi, transport)?;
+                Some(if reflected { scatter } else { Scatter { eta: interface.eta, ..scatter } })
             }
             Lobe::ThinDielectric { eta, reflect, transmit } => {
                 let r = thin_reflectance(wo, eta);

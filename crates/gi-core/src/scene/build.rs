@@ -1,13 +1,14 @@
 use std::fmt;
 use std::sync::Arc;
 
-use glam::Mat3;
+use glam::{Mat3, Vec3};
 
 use super::{PreparedInstance, Scene, SceneParts};
 use crate::bsdf::{MAX_COMPONENTS, PreparedMaterial, check_children, component_count};
 use crate::bvh::{BuildError, Bvh, Solid, Triangle};
-use crate::geometry::{Geometry, Shape};
+use crate::geometry::{Geometry, Instance, Shape};
 use crate::light::Lights;
+use crate::math::Bounds;
 
 /// Why a scene could not be made ready.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,21 +101,9 @@ impl Scene {
         }
         let has_null = shapes.iter().any(|s| prepared[s.material].has_null);
         let bounds = tree.bounds();
-        let sphere = if bounds.is_empty() {
-            (glam::Vec3::ZERO, 1.0)
-        } else {
-            // A little wider, so that light from outside starts outside.
-            (bounds.center(), 0.5 * bounds.extent().length() * 1.001)
-        };
+        let sphere = bounding_sphere(bounds);
         let lights = Lights::new(&shapes[..own_shapes], lights, sphere);
-        let instances = instances
-            .iter()
-            .map(|i| PreparedInstance {
-                to_world: i.to_world,
-                to_local: i.to_world.inverse(),
-                normal_to_world: Mat3::from(i.to_world.matrix3).inverse().transpose(),
-            })
-            .collect();
+        let instances = instances.iter().map(prepare_instance).collect();
         let materials = prepared;
         Ok(Scene {
             shapes,
@@ -128,6 +117,22 @@ impl Scene {
             bounds,
             has_null,
         })
+    }
+}
+
+/// A sphere round the scene, a little wider than it needs to be so that light from outside starts outside.
+fn bounding_sphere(bounds: Bounds) -> (Vec3, f32) {
+    if bounds.is_empty() {
+        return (Vec3::ZERO, 1.0);
+    }
+    (bounds.center(), 0.5 * bounds.extent().length() * 1.001)
+}
+
+fn prepare_instance(instance: &Instance) -> PreparedInstance {
+    PreparedInstance {
+        to_world: instance.to_world,
+        to_local: instance.to_world.inverse(),
+        normal_to_world: Mat3::from(instance.to_world.matrix3).inverse().transpose(),
     }
 }
 
