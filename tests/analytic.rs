@@ -300,3 +300,22 @@ fn components_add_up_to_the_whole_and_a_mask_of_one_half_lets_half_through() {
         assert_mean(&format!("behind a mask, {mode:?}"), &trace(&world, mode, None, 256), 0.25);
     }
 }
+
+#[test]
+fn a_mask_does_not_count_as_a_segment() {
+    // A black screen with holes before a white sky, seen with paths of one segment.
+    let mask = Material::Mask { opacity: Texture::grey(0.5), inner: 0 };
+    let screen = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [9.0, 9.0, 0.0], [-9.0, 9.0, 0.0]]
+        .map(Vec3::from_array);
+    let parts = SceneParts {
+        shapes: vec![Shape::new("screen", polygon(&screen), 1)],
+        materials: vec![grey(0.0), mask],
+        lights: vec![LightSource::Constant { radiance: Rgb::WHITE }],
+        ..SceneParts::default()
+    };
+    let camera = CameraSpec::look_at(Vec3::Z, Vec3::ZERO, Vec3::Y, 0.5, [8, 8]);
+    let world = World::new(parts, &camera);
+    for mode in modes() {
+        assert_mean(&format!("{mode:?}"), &trace(&world, mode, Some(1), 256), 0.5);
+    }
+}

@@ -69,16 +69,23 @@ impl PathTracer<'_> {
             }
             // Add the light of an emitter.
             self.add_emitted(&surface, wo, &prefix, &mut out.radiance);
-            if !self.params.goes_on(segments) {
+            // At the last segment only what passes straight through goes on: it meets nothing here.
+            let ends = !self.params.goes_on(segments);
+            if ends && bsdf.straight_through(wo).is_black() {
                 return;
             }
             // Sample a light.
-            let direct = direct_light(scene, &surface, &bsdf, wo, sampler);
-            *out.radiance.of_path(prefix.rough + 1, false) += prefix.throughput * direct;
+            if !ends {
+                let direct = direct_light(scene, &surface, &bsdf, wo, sampler);
+                *out.radiance.of_path(prefix.rough + 1, false) += prefix.throughput * direct;
+            }
             // Choose the next direction.
             let (u_choice, u, u_roulette) =
                 (sampler.next_1d(), sampler.next_2d(), sampler.next_1d());
             let Some(scatter) = bsdf.sample(wo, u_choice, u) else { return };
+            if ends && !scatter.null {
+                return;
+            }
             prefix.throughput *= scatter.weight;
             if !scatter.null {
                 segments += 1;
