@@ -107,8 +107,7 @@ impl<'a> LightWalk<'a> {
         self.sampler
             .jump_to(EMISSION_DIMENSIONS + (self.met + 1) * VERTEX_DIMENSIONS - SCATTER_DIMENSIONS);
         self.met += 1;
-        let (u_choice, u, u_roulette) =
-            (self.sampler.next_1d(), self.sampler.next_2d(), self.sampler.next_1d());
+        let ([u_choice, u_roulette], u) = (self.sampler.next_2d(), self.sampler.next_2d());
         let Some(s) = vertex.bsdf.sample(vertex.wo, u_choice, u) else { return false };
         let surface = &vertex.surface;
         let mut factor = s.weight;
@@ -159,4 +158,43 @@ pub fn adjoint_correction(surface: &Surface, wo: Vec3, wi: Vec3) -> f32 {
     }
     let denominator = (wo.dot(ng) * wi.dot(ns)).abs();
     if denominator > 0.0 { (wo.dot(ns) * wi.dot(ng)).abs() / denominator } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Geometry, Shape};
+    use crate::light::LightSource;
+    use crate::material::Material;
+    use crate::math::Frame;
+    use crate::scene::SceneParts;
+    use crate::texture::Texture;
+
+    #[test]
+    fn what_a_visitor_draws_does_not_know_that_the_path_survived() {
+        let axes = Frame::from_normal(Vec3::Z);
+        let sphere = Geometry::Sphere { center: Vec3::ZERO, radius: 1.0, axes };
+        let shapes = vec![Shape { flip_normals: true, ..Shape::new("sphere", sphere, 0) }];
+        let materials = vec![Material::Diffuse { reflectance: Texture::grey(0.5) }];
+        let lights = vec![LightSource::Point { position: Vec3::ZERO, intensity: Rgb::WHITE }];
+        let parts = SceneParts { shapes, materials, lights, ..SceneParts::default() };
+        let scene = Scene::new(parts).expect("a scene");
+        let (mut sum, mut count) = (0.0f64, 0u32);
+        for path in 0..20_000 {
+            let mut walk = LightWalk::begin(&scene, Sampler::new(1, 0, path)).expect("it shines");
+            while let Some(vertex) = walk.next_vertex() {
+                if vertex.depth > 0 {
+                    sum += f64::from(walk.sampler().next_1d());
+                    count += 1;
+                }
+                if !walk.scatter(&vertex, Roulette::ByAlbedo { from: 1 }) {
+                    break;
+                }
+            }
+        }
+        // Uniform numbers have a mean of 1/2 with standard error 1 / sqrt(12 n).
+        let error = (12.0 * f64::from(count)).sqrt().recip();
+        let mean = sum / f64::from(count);
+        assert!((mean - 0.5).abs() < 5.0 * error, "{mean} +- {error} over {count} vertices");
+    }
 }
