@@ -132,3 +132,17 @@ pub enum Material {
         inner: usize,
     },
 }
+
+impl Material {
+    /// The materials that this one is made of.
+    pub fn children(&self) -> Vec<usize> {
+        match self {
+            Material::Mask { inner, .. }
+            | Material::Bump { inner, .. }
+            | Material::NormalMap { inner, .. } => vec![*inner],
+            Material::TwoSided { front, back } => vec![*front, *back],
+            Material::Blend { first, second, .. } => vec![*first, *second],
+            _ => Vec::new(),
+        }
+    }
+}

@@ -31,7 +31,7 @@ impl PreparedMaterial {
             _ => None,
         };
         let children: Vec<&PreparedMaterial> =
-            children(&material).into_iter().map(|c| &before[c]).collect();
+            material.children().into_iter().map(|c| &before[c]).collect();
         let has_null = matches!(
             material,
             Material::Null | Material::Mask { .. } | Material::ThinDielectric { .. }
@@ -46,21 +46,9 @@ impl PreparedMaterial {
     }
 }
 
-/// The children of a material.
-pub(crate) fn children(material: &Material) -> Vec<usize> {
-    match material {
-        Material::Mask { inner, .. }
-        | Material::Bump { inner, .. }
-        | Material::NormalMap { inner, .. } => vec![*inner],
-        Material::TwoSided { front, back } => vec![*front, *back],
-        Material::Blend { first, second, .. } => vec![*first, *second],
-        _ => Vec::new(),
-    }
-}
-
 /// Whether every child stands before its parent, as [`Material`] demands.
 pub(crate) fn check_children(materials: &[Material]) -> bool {
-    materials.iter().enumerate().all(|(k, m)| children(m).into_iter().all(|c| c < k))
+    materials.iter().enumerate().all(|(k, m)| m.children().into_iter().all(|c| c < k))
 }
 
 /// How many lobes a material comes down to at most.

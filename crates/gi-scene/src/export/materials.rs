@@ -14,7 +14,7 @@ pub(super) fn names(loaded: &Loaded, taken: &mut HashSet<String>) -> Vec<Option<
     let materials = &loaded.parts.materials;
     let mut uses = vec![0usize; materials.len()];
     for material in materials {
-        let mut of_parent = children(material);
+        let mut of_parent = material.children();
         of_parent.dedup(); // both sides of `twosided` are written once
         of_parent.into_iter().for_each(|c| uses[c] += 1);
     }
@@ -26,17 +26,6 @@ pub(super) fn names(loaded: &Loaded, taken: &mut HashSet<String>) -> Vec<Option<
         None => None,
     };
     loaded.origins.materials.iter().enumerate().map(name).collect()
-}
-
-fn children(material: &Material) -> Vec<usize> {
-    match material {
-        Material::Mask { inner, .. }
-        | Material::Bump { inner, .. }
-        | Material::NormalMap { inner, .. } => vec![*inner],
-        Material::TwoSided { front, back } => vec![*front, *back],
-        Material::Blend { first, second, .. } => vec![*first, *second],
-        _ => vec![],
-    }
 }
 
 impl Exporter<'_> {
