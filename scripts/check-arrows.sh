@@ -50,5 +50,6 @@ only image 'gi-core/src/image_io/'
 only clap 'gi-cli/src/|/main\.rs'
 only indicatif 'gi-cli/src/progress'
 only serde_json 'gi-cli/src/'
+only colorous 'gi-core/src/canvas'
 
 exit $fail

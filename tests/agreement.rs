@@ -1,6 +1,13 @@
 //! Techniques against each other.
 
+use gi_core::eye::{Answered, EyePath, EyeVertex, PathLimits, Supplied, nothing};
 use gi_core::film::{Film, Show};
+use gi_core::filter::Filter;
+use gi_core::material::{Distribution, Material, Roughness};
+use gi_core::math::{Frame, Rgb};
+use gi_core::sampler::Sampler;
+use gi_core::texture::Texture;
+use gi_core::warp::cosine_hemisphere;
 use gi_stats::{sidak, z_test};
 use gi_tests::World;
 use pathtrace::{Mode, Params, PathTracer};
@@ -69,4 +76,74 @@ fn paths_from_the_eye_and_from_the_lights_agree_on_a_caustic() {
     let caustic: f64 = blocks(&light, 24)[0].0;
     assert!(caustic > 0.01, "there is a caustic: {caustic}");
     assert_agree("the ring's caustic", &eye, &light, 8);
+}
+
+/// A technique that answers at every vertex by one nested path: what [`gi_core::eye`] makes of right answers must be
+/// right.
+fn answered_by_nested_paths(world: &World, whole: bool, passes: u32) -> Film {
+    let (scene, camera) = (&world.scene, &world.camera);
+    let path = EyePath { scene, limits: PathLimits::default(), show: Show::All };
+    let mut film = Film::new(camera.size(), Filter::Box, Show::All);
+    for pass in 0..passes {
+        film.add_pass(|pixel| {
+            let mut supply = |v: &EyeVertex, sampler: &mut Sampler| {
+                let (u_choice, u) = (sampler.next_1d(), sampler.next_2d());
+                let place = (v.segments + 1, v.length);
+                let (answered, factor, wi) = if whole {
+                    let s = v.bsdf.sample(v.wo, u_choice, u).filter(|s| !s.delta);
+                    s.map(|s| (Answered::Rough, s.weight, s.wi)).unwrap_or((
+                        Answered::Rough,
+                        Rgb::BLACK,
+                        v.surface.ns(),
+                    ))
+                } else {
+                    let part = v.bsdf.diffuse_part(v.wo)?;
+                    let wi = Frame::from_normal(part.normal).to_world(cosine_hemisphere(u));
+                    (Answered::Diffuse(part), part.albedo, wi)
+                };
+                let ray = scene.spawn(v.surface, wi);
+                let found = path.gather(ray, place, sampler, &mut nothing).radiance;
+                Some(Supplied { answered, indirect: factor * found.indirect, caustic: None })
+            };
+            path.sample_pixel(camera, 3, pixel, pass, &mut supply)
+        });
+    }
+    film
+}
+
+#[test]
+fn paths_that_are_answered_for_agree_with_those_that_go_on() {
+    let roughness = |alpha| Roughness {
+        distribution: Distribution::Ggx,
+        alpha_u: Texture::grey(alpha),
+        alpha_v: Texture::grey(alpha),
+    };
+    for (name, rough) in [("smooth", None), ("rough", Some(roughness(0.3)))] {
+        // Coated walls: their base is answered for, their coat is not.
+        let world = World::load_with("cornell-spheres.xml", [24, 24], &[], |parts| {
+            for material in &mut parts.materials {
+                if let Material::Diffuse { reflectance } = material.clone() {
+                    let (specular, roughness) = (Texture::grey(1.0), rough.clone());
+                    let (eta, nonlinear) = (1.5, false);
+                    *material = Material::Plastic {
+                        eta,
+                        diffuse: reflectance,
+                        specular,
+                        nonlinear,
+                        roughness,
+                    };
+                }
+            }
+        });
+        let [path, _] = both_ends(&world, [256, 1], Show::All);
+        for whole in [false, true] {
+            let answered = answered_by_nested_paths(&world, whole, 256);
+            assert_agree(
+                &format!("{name} coats, the whole answered for: {whole}"),
+                &path,
+                &answered,
+                8,
+            );
+        }
+    }
 }

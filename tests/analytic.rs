@@ -1,6 +1,7 @@
 //! Scenes with known answers.
 
 use gi_core::camera::CameraSpec;
+use gi_core::eye::PathLimits;
 use gi_core::film::{Film, Show};
 use gi_core::geometry::{Geometry, Shape};
 use gi_core::light::LightSource;
@@ -34,7 +35,7 @@ fn modes() -> [Mode; 2] {
 
 fn trace(world: &World, mode: Mode, max_depth: Option<u32>, passes: u32) -> Film {
     world.render::<PathTracer>(
-        &Params { mode, max_depth, ..Params::default() },
+        &Params { mode, limits: PathLimits { max_depth, ..PathLimits::default() } },
         passes,
         1,
         Show::All,
@@ -164,7 +165,10 @@ fn a_box_of_mirrors_counts_its_depth_exactly() {
     let world = World::new(parts, &camera);
     for k in 1..5 {
         let film = world.render::<PathTracer>(
-            &Params { max_depth: Some(k), rr_depth: 100, ..Params::default() },
+            &Params {
+                limits: PathLimits { max_depth: Some(k), rr_depth: 100 },
+                ..Params::default()
+            },
             2,
             1,
             Show::All,

@@ -28,11 +28,22 @@ impl World {
 
     /// A scene file's world, its picture scaled to `size`.
     pub fn load(path: &str, size: [usize; 2], defines: &[(&str, &str)]) -> Self {
+        Self::load_with(path, size, defines, |_| {})
+    }
+
+    /// The same, its parts changed by `change` first.
+    pub fn load_with(
+        path: &str,
+        size: [usize; 2],
+        defines: &[(&str, &str)],
+        change: impl FnOnce(&mut SceneParts),
+    ) -> Self {
         let defines = defines.iter().map(|(n, v)| (n.to_string(), v.to_string())).collect();
         let options = gi_scene::Options { defines, size: Some(size), ..Default::default() };
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(path);
-        let loaded =
+        let mut loaded =
             gi_scene::load(&path, &options).unwrap_or_else(|problems| panic!("{problems}"));
+        change(&mut loaded.parts);
         World::new(loaded.parts, &loaded.camera)
     }
 
@@ -44,9 +55,9 @@ impl World {
         seed: u32,
         show: Show,
     ) -> Film {
-        let setting = Setting { scene: &self.scene, camera: &self.camera, seed };
+        let setting = Setting { scene: &self.scene, world: 0, camera: &self.camera, seed, show };
         let mut film = Film::new(self.camera.size(), Filter::Box, show);
-        let mut technique = T::prepare(setting, params);
+        let mut technique = T::prepare(setting, params).expect("nothing to refuse");
         (0..passes).for_each(|k| technique.pass(k, &mut film));
         film
     }

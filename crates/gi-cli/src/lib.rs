@@ -6,10 +6,12 @@
 
 mod budget;
 mod common;
+mod presets;
 mod progress;
 mod run;
 mod save;
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -29,7 +31,21 @@ pub trait Program: Parser {
     fn common(&self) -> &Common;
 
     /// The technique's parameters, from its flags.
-    fn params(&self) -> Self::Params;
+    ///
+    /// # Errors
+    /// One line about flags, or files they name, that cannot be used.
+    fn params(&self) -> Result<Self::Params, String>;
+
+    /// Files that the flags ask for besides the picture. They are found to be writable before the work, and
+    /// written after it.
+    fn outputs(&self) -> Vec<PathBuf> {
+        Vec::new()
+    }
+
+    /// What one of [`Program::outputs`] is to hold.
+    fn export(&self, _technique: &Self::Technique<'_>, path: &Path) -> Vec<u8> {
+        unreachable!("{} was not asked for", path.display())
+    }
 }
 
 /// Why a run ended without a picture.
@@ -39,6 +55,14 @@ enum Failure {
     Input(String),
     /// Something else did not work.
     Other(String),
+}
+
+/// Read a file that a flag names.
+///
+/// # Errors
+/// One line with the file's name and the cause.
+pub fn read_input(path: &Path) -> Result<Vec<u8>, String> {
+    std::fs::read(path).map_err(|e| format!("cannot read {}: {e}", path.display()))
 }
 
 /// Run a program.

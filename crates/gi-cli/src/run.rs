@@ -1,17 +1,19 @@
 //! A run from command line to picture.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use gi_core::camera::Camera;
 use gi_core::film::Film;
+use gi_core::image_io::Layers;
 use gi_core::scene::Scene;
-use gi_core::technique::{Setting, Technique};
+use gi_core::technique::{Picture, Setting, Technique};
 use gi_scene::{ExportError, Loaded};
 use serde_json::{Map, Value, json};
 
+use crate::presets::with_presets;
 use crate::progress::Progress;
-use crate::save::{Output, check_writable, save_json};
+use crate::save::{Output, save_bytes};
 use crate::{Common, Failure, Program, parse};
 
 /// What a run knows about itself when it is done.
@@ -51,13 +53,11 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<(), Failure> {
     let common = args.common();
     common.check()?;
     let output = Output::new(common.output(program))?;
-    if let Some(path) = &common.stats {
-        output.check_apart(path)?;
-        check_writable(path)?;
-    }
+    let others: Vec<PathBuf> = common.stats.iter().cloned().chain(args.outputs()).collect();
+    output.check_apart(&others)?;
     say_warnings(common, &loaded.warnings);
 
-    let Loaded { parts, camera, filter, warnings, hash, .. } = loaded;
+    let Loaded { parts, camera, filter, warnings, hash, world, .. } = loaded;
     check_film(camera.size)?;
     let clock = Instant::now();
     let scene = Scene::new(parts)
@@ -65,11 +65,14 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<(), Failure> {
     let build_time = clock.elapsed();
     let camera = Camera::new(&camera);
     say_scene(common, &scene, camera.size());
-    let setting = Setting { scene: &scene, camera: &camera, seed: common.seed };
+    let setting =
+        Setting { scene: &scene, world, camera: &camera, seed: common.seed, show: common.show() };
     let mut film = Film::new(camera.size(), filter, common.show());
 
     let clock = Instant::now();
-    let mut technique = P::Technique::prepare(setting, &args.params());
+    let params = args.params().map_err(|e| Failure::Input(format!("error: {e}")))?;
+    let mut technique = P::Technique::prepare(setting, &params)
+        .map_err(|e| Failure::Input(format!("error: {e}")))?;
     let prepare_time = clock.elapsed();
     passes(&mut technique, common, &mut film, clock);
     let render_time = clock.elapsed() - prepare_time;
@@ -86,7 +89,11 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<(), Failure> {
         technique: technique.statistics(),
         warnings: &warnings,
     };
-    save(&record, &film, &output)
+    save(&record, &film, &technique.pictures(&film), &output)?;
+    for path in args.outputs() {
+        save_bytes(&path, &args.export(&technique, &path))?;
+    }
+    Ok(())
 }
 
 /// Read the scene.
@@ -136,63 +143,6 @@ fn passes<'a>(
     progress.finish();
 }
 
-/// Flags that a scene cannot set: they are needed before it is read, or say where files go.
-const NOT_PRESETS: [&str; 13] = [
-    "size",
-    "threads",
-    "define",
-    "origin",
-    "target",
-    "up",
-    "fov",
-    "output",
-    "stats",
-    "quiet",
-    "time",
-    "export-mitsuba",
-    "help",
-];
-
-/// The command line with the scene's presets `gi.PROGRAM.FLAG` in front, so that what was typed wins.
-fn with_presets<P: Program>(
-    arguments: &[String],
-    program: &str,
-    timed: bool,
-    loaded: &Loaded,
-) -> Result<Vec<String>, Failure> {
-    let prefix = format!("gi.{program}.");
-    let presets = loaded
-        .presets
-        .iter()
-        .filter_map(|(name, value)| Some((name, name.strip_prefix(&prefix)?, value)));
-    let mut all = arguments[..1].to_vec();
-    for (name, flag, value) in presets {
-        let flag = flag.replace('_', "-");
-        if NOT_PRESETS.contains(&flag.as_str()) {
-            return Err(Failure::Input(format!(
-                "error: the scene's preset {name}: a scene cannot set --{flag}"
-            )));
-        }
-        let argument = format!("--{flag}={value}");
-        // Alone it must be understood, so that the message can name the preset.
-        let alone = [arguments[0].clone(), argument.clone(), "scene.xml".to_string()];
-        if let Err(problem) = P::command().try_get_matches_from(alone) {
-            let cause = problem.to_string();
-            let cause =
-                cause.lines().next().unwrap_or_default().trim_start_matches("error: ").to_string();
-            return Err(Failure::Input(format!(
-                "error: the scene's preset {name}={value}: {cause}"
-            )));
-        }
-        // A typed --time is another budget than the scene's number of passes.
-        if !(timed && matches!(flag.as_str(), "spp" | "passes")) {
-            all.push(argument);
-        }
-    }
-    all.extend_from_slice(&arguments[1..]);
-    Ok(all)
-}
-
 fn say_warnings(common: &Common, warnings: &[String]) {
     if !common.quiet {
         warnings.iter().for_each(|w| eprintln!("warning: {w}"));
@@ -215,17 +165,26 @@ fn say_scene(common: &Common, scene: &Scene, [w, h]: [usize; 2]) {
 }
 
 /// Write the picture and the statistics.
-fn save(record: &Record, film: &Film, output: &Output) -> Result<(), Failure> {
+fn save(
+    record: &Record,
+    film: &Film,
+    pictures: &[Picture],
+    output: &Output,
+) -> Result<(), Failure> {
     let mut layers = film.layers();
+    pictures.iter().for_each(|p| add_layers(&mut layers, p));
     layers.metadata = metadata(record);
     output.save(&layers)?;
+    for picture in pictures {
+        output.save_view(picture, film.size())?;
+    }
     let radiance = film.radiance();
     let mean = radiance.iter().fold([0f64; 3], |sum, c| {
         let c = c.to_array();
         std::array::from_fn(|k| sum[k] + f64::from(c[k]) / radiance.len() as f64)
     });
     if let Some(path) = &record.common.stats {
-        save_json(path, &statistics(record, mean))?;
+        save_bytes(path, format!("{:#}\n", statistics(record, mean)).as_bytes())?;
     }
     if !record.common.quiet {
         let [load, build, prepare, render] =
@@ -237,6 +196,22 @@ fn save(record: &Record, film: &Film, output: &Output) -> Result<(), Failure> {
         );
     }
     Ok(())
+}
+
+/// A technique's picture as layers: `Name.channel`.
+fn add_layers(layers: &mut Layers, picture: &Picture) {
+    let mut name: Vec<char> = picture.name.chars().collect();
+    name[0] = name[0].to_ascii_uppercase();
+    let name: String = name.into_iter().collect();
+    let mut push = |channel: &str, values: Vec<f32>| {
+        layers.channels.push((format!("{name}.{channel}"), values));
+    };
+    if picture.channels.is_empty() {
+        for (k, channel) in ["R", "G", "B"].into_iter().enumerate() {
+            push(channel, picture.view.iter().map(|c| c.to_array()[k]).collect());
+        }
+    }
+    picture.channels.iter().for_each(|(channel, values)| push(channel, values.clone()));
 }
 
 /// What an EXR says about how it came to be.

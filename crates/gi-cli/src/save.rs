@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use gi_core::image_io::{ImageFile, Layers, write_file};
-use serde_json::Value;
+use gi_core::technique::Picture;
 
 use crate::Failure;
 
@@ -25,11 +25,16 @@ impl Output {
         Ok(Output { path, format })
     }
 
-    /// Check that another file to write is neither the picture nor its view.
-    pub(crate) fn check_apart(&self, other: &Path) -> Result<(), Failure> {
-        if other == self.path || other == self.path.with_extension("png") {
-            let text = format!("error: --stats {} would overwrite the picture", other.display());
-            return Err(Failure::Input(text));
+    /// Check that other files to write can be written, and that no two are one: nor the picture, nor its view.
+    pub(crate) fn check_apart(&self, others: &[PathBuf]) -> Result<(), Failure> {
+        for (k, other) in others.iter().enumerate() {
+            let picture = *other == self.path || *other == self.path.with_extension("png");
+            if picture || others[..k].contains(other) {
+                let what = if picture { "the picture" } else { "another of the run's files" };
+                let text = format!("error: {} would overwrite {what}", other.display());
+                return Err(Failure::Input(text));
+            }
+            check_writable(other)?;
         }
         Ok(())
     }
@@ -42,6 +47,15 @@ impl Output {
     pub(crate) fn save(&self, layers: &Layers) -> Result<(), Failure> {
         write(&self.path, self.format, layers)?;
         write(&self.path.with_extension("png"), ImageFile::Png, layers)
+    }
+
+    /// Write the view of a technique's own picture beside them.
+    pub(crate) fn save_view(&self, picture: &Picture, size: [usize; 2]) -> Result<(), Failure> {
+        let channel = |k: usize| picture.view.iter().map(|c| c.to_array()[k]).collect();
+        let names = ["R", "G", "B"].into_iter().enumerate();
+        let channels = names.map(|(k, name)| (name.to_string(), channel(k))).collect();
+        let layers = Layers { width: size[0], height: size[1], channels, metadata: Vec::new() };
+        write(&self.path.with_extension(format!("{}.png", picture.name)), ImageFile::Png, &layers)
     }
 }
 
@@ -64,11 +78,13 @@ fn write(path: &Path, format: ImageFile, layers: &Layers) -> Result<(), Failure>
         .map_err(|e| Failure::Other(format!("cannot write {}: {e}", path.display())))
 }
 
-/// Write statistics: to a temporary name first, as pictures are.
-pub(crate) fn save_json(path: &Path, value: &Value) -> Result<(), Failure> {
-    let text = format!("{value:#}\n");
-    let part = path.with_extension(format!("json.{}.part", std::process::id()));
-    std::fs::write(&part, text)
-        .and_then(|()| std::fs::rename(&part, path))
-        .map_err(|e| Failure::Other(format!("cannot write {}: {e}", path.display())))
+/// Write a file: to a temporary name first, as pictures are.
+pub(crate) fn save_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(format!(".{}.part", std::process::id()));
+    let part = path.with_file_name(name);
+    std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, path)).map_err(|e| {
+        let _ = std::fs::remove_file(&part); // nothing to do about a second failure
+        Failure::Other(format!("cannot write {}: {e}", path.display()))
+    })
 }

@@ -7,7 +7,7 @@
 //! | f_r, f_s | [`bsdf::Bsdf::f`]; with the cosine of `wi` in it [`bsdf::Bsdf::f_cos`] |
 //! | p(omega) | `pdf_w`, per solid angle; `pdf_a`, per area |
 //! | L_e, L_i | [`scene::Scene::emitted`], [`scene::Scene::sample_light`]; radiance is [`math::Rgb`] |
-//! | Phi | `power` of a light path, [`walk::LightVertex`]; `throughput` for camera paths |
+//! | Phi | `power` of a light path, [`walk::LightVertex`]; `throughput` for camera paths, [`eye::EyePath`] |
 //! | V(x, y) | [`scene::Scene::transmittance`] |
 //!
 //! A technique sees [`scene::Scene`], [`camera::Camera`] and [`film::Film`], draws its numbers from
@@ -16,6 +16,8 @@
 pub mod bsdf;
 pub mod bvh;
 pub mod camera;
+pub mod canvas;
+pub mod eye;
 pub mod film;
 pub mod filter;
 pub mod geometry;

@@ -1,7 +1,8 @@
 //! The one shape of every technique: prepare once, then passes.
 
 use crate::camera::Camera;
-use crate::film::Film;
+use crate::film::{Film, Show};
+use crate::math::Rgb;
 use crate::scene::Scene;
 
 /// Where a technique works and with which numbers.
@@ -9,10 +10,15 @@ use crate::scene::Scene;
 pub struct Setting<'a> {
     /// The world.
     pub scene: &'a Scene,
+    /// Identity of the world: its shapes, materials and lights, not the camera. What was saved of one world
+    /// is of no use in another.
+    pub world: u64,
     /// The eye.
     pub camera: &'a Camera,
     /// Seed of every random number.
     pub seed: u32,
+    /// What the picture shows: a technique may leave out what nobody will see.
+    pub show: Show,
 }
 
 /// A technique of global illumination. After any number of passes the film holds a valid picture, and passes
@@ -22,7 +28,10 @@ pub trait Technique<'a>: Sized {
     type Params;
 
     /// Do what is done once: fill caches, build maps.
-    fn prepare(setting: Setting<'a>, params: &Self::Params) -> Self;
+    ///
+    /// # Errors
+    /// One line about what the user gave and what cannot be used here: a cache of another scene, say.
+    fn prepare(setting: Setting<'a>, params: &Self::Params) -> Result<Self, String>;
 
     /// Make pass number `index` and add it to the film.
     fn pass(&mut self, index: u32, film: &mut Film);
@@ -34,4 +43,20 @@ pub trait Technique<'a>: Sized {
 
     /// Which kinds of light path the estimator can reach, for the picture's metadata.
     fn reach(&self) -> String;
+
+    /// Pictures that the technique draws of itself, as its parameters ask for.
+    fn pictures(&self, _film: &Film) -> Vec<Picture> {
+        Vec::new()
+    }
+}
+
+/// A picture that a technique draws of itself: layers of the EXR, and a PNG of its own.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// One lower-case word or several joined by hyphens: `OUT.name.png`, and layers `Name.*`.
+    pub name: String,
+    /// Channels of the layer: what the picture shows, as numbers in row order. None keeps the view itself.
+    pub channels: Vec<(String, Vec<f32>)>,
+    /// What the PNG shows, linear, in row order.
+    pub view: Vec<Rgb>,
 }

@@ -9,6 +9,7 @@ use gi_core::math::Rgb;
 use glam::{Affine3A, Vec3};
 
 use crate::diagnostics::{Report, Span};
+use crate::hash::Hash;
 use crate::spectrum::Spectrum;
 
 mod node;
@@ -166,13 +167,43 @@ pub(crate) struct Document {
     /// Major version of the format as written; 0 covers 0.5 and 0.6.
     pub(crate) version: u32,
     /// Hash of the text of all files and of the defines.
-    pub(crate) hash: crate::hash::Hash,
+    pub(crate) hash: Hash,
 }
 
 impl Document {
     /// All objects, in the order in which they were opened; the scene itself is the first.
     pub(crate) fn nodes<'a>(&'a self, report: &'a Report) -> impl Iterator<Item = Node<'a>> {
         (0..self.objects.len()).map(move |id| Node::new(self, report, id))
+    }
+
+    /// Hash of all objects but those that make no difference to the world: cameras, films, integrators. Files that
+    /// objects name are not looked into.
+    pub(crate) fn world_hash(&self) -> Hash {
+        let of_the_world = |o: &&Object| {
+            !matches!(o.class, Class::Sensor | Class::Film | Class::Filter | Class::Ignored)
+        };
+        let mut hash = Hash::default();
+        for object in self.objects.iter().filter(of_the_world) {
+            let Object { class, plugin, properties, children, .. } = object;
+            hash.bytes(format!("{class:?} {plugin} {:?}", object.id).as_bytes());
+            for p in properties {
+                hash.bytes(format!("{} = {:?}", p.name, p.value).as_bytes());
+            }
+            for c in children {
+                // What stands here follows in its turn; what is referred to has the name.
+                let target = match &c.target {
+                    Target::Here(id) => self.objects[*id].class.tag(),
+                    Target::Ref(name) => name.as_str(),
+                    Target::Missing => "",
+                };
+                let of_the_world =
+                    !matches!(&c.target, Target::Here(id) if !of_the_world(&&self.objects[*id]));
+                if of_the_world {
+                    hash.bytes(format!("{} : {target}", c.name).as_bytes());
+                }
+            }
+        }
+        hash
     }
 
     /// Note everything that was given and not used.

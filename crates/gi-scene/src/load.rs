@@ -55,6 +55,8 @@ pub struct Loaded {
     pub warnings: Vec<String>,
     /// Hash of all bytes read and of the defines.
     pub hash: u64,
+    /// Hash of what the world is made of: the same for any camera, film, integrator and preset.
+    pub world: u64,
     pub(crate) origins: Origins,
 }
 
@@ -87,6 +89,8 @@ fn load_xml(path: &Path, options: &Options, report: &Report) -> Option<Loaded> {
     let assets = Assets::load(&doc, report);
     let mut hash = doc.hash;
     hash.word(assets.hash.value());
+    let mut world = doc.world_hash();
+    world.word(assets.hash.value());
     let mut builder = Builder::new(report, assets);
     builder.scene(&doc);
     let integrator_max_depth = doc
@@ -110,7 +114,17 @@ fn load_xml(path: &Path, options: &Options, report: &Report) -> Option<Loaded> {
     };
     doc.report_unused(report);
     let (parts, origins) = (builder.parts, builder.origins);
-    let (presets, hash) = (doc.presets, hash.value());
+    let (presets, hash, world) = (doc.presets, hash.value(), world.value());
     let warnings = Vec::new();
-    Some(Loaded { parts, camera, filter, presets, integrator_max_depth, warnings, hash, origins })
+    Some(Loaded {
+        parts,
+        camera,
+        filter,
+        presets,
+        integrator_max_depth,
+        warnings,
+        hash,
+        world,
+        origins,
+    })
 }

@@ -37,12 +37,8 @@ pub(crate) fn load(path: &Path, options: &Options, report: &Report) -> Option<Lo
         origins: Origins::default(),
         pictures: Vec::new(),
     };
-    for (name, value) in &options.defines {
-        reader.hash.bytes(name.as_bytes());
-        reader.hash.bytes(value.as_bytes());
-        if !name.starts_with("gi.") {
-            report.warn_nowhere(format!("-D {name}: an OBJ file has no such name"));
-        }
+    for (name, _) in options.defines.iter().filter(|(name, _)| !name.starts_with("gi.")) {
+        report.warn_nowhere(format!("-D {name}: an OBJ file has no such name"));
     }
     let bytes = files::read_bytes(path);
     let contents = bytes.and_then(|bytes| {
@@ -61,6 +57,11 @@ pub(crate) fn load(path: &Path, options: &Options, report: &Report) -> Option<Lo
     let camera = framing::frame(&reader.parts, &options.camera, size, report)?;
     let presets: BTreeMap<String, String> =
         options.defines.iter().filter(|(n, _)| n.starts_with("gi.")).cloned().collect();
+    let world = reader.hash.value();
+    for (name, value) in &options.defines {
+        reader.hash.bytes(name.as_bytes());
+        reader.hash.bytes(value.as_bytes());
+    }
     Some(Loaded {
         parts: reader.parts,
         camera,
@@ -69,6 +70,7 @@ pub(crate) fn load(path: &Path, options: &Options, report: &Report) -> Option<Lo
         integrator_max_depth: None,
         warnings: Vec::new(),
         hash: reader.hash.value(),
+        world,
         origins: reader.origins,
     })
 }

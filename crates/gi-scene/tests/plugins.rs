@@ -368,3 +368,27 @@ fn groups_appear_through_instances() {
     assert_eq!(loaded.parts.instances.iter().map(|i| i.group).collect::<Vec<_>>(), [0, 0]);
     assert_eq!(loaded.parts.instances[0].to_world.translation.x, 5.0);
 }
+
+#[test]
+fn the_identity_of_the_world_is_that_of_its_things_not_of_its_camera() {
+    let world = |camera: &str, radius: f32, preset: &str| {
+        let text = format!(
+            "<scene version=\"3.0.0\">{preset}<integrator type=\"path\"/><sensor type=\"perspective\">{camera}</sensor>\
+             <shape type=\"sphere\"><float name=\"radius\" value=\"{radius}\"/></shape></scene>"
+        );
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("scene.xml");
+        std::fs::write(&path, text).expect("written");
+        let loaded = gi_scene::load(&path, &gi_scene::Options::default());
+        let loaded = loaded.unwrap_or_else(|problems| panic!("{problems}"));
+        (loaded.world, loaded.hash)
+    };
+    let (first, hash) = world("", 1.0, "");
+    let wider = "<float name=\"fov\" value=\"70\"/><film type=\"hdrfilm\"/>";
+    let preset = "<default name=\"gi.irrcache.rays\" value=\"20\"/>";
+    for (same, other_hash) in [world(wider, 1.0, ""), world("", 1.0, preset)] {
+        assert_eq!(same, first);
+        assert_ne!(other_hash, hash);
+    }
+    assert_ne!(world("", 1.5, "").0, first);
+}

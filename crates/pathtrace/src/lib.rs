@@ -10,9 +10,9 @@
 //! | how it fails | noise: `path` where light is focused (caustics of small lights), `light` behind mirrors and glass |
 //! | sources | \[Kajiya86\], \[Veach97\] |
 
-mod eye;
 mod light;
 
+use gi_core::eye::{EyePath, PathLimits, nothing};
 use gi_core::film::Film;
 use gi_core::technique::{Setting, Technique};
 
@@ -27,27 +27,12 @@ pub enum Mode {
 }
 
 /// The knobs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Params {
     /// Which end paths begin at.
     pub mode: Mode,
-    /// Most segments of a path; `None` is unbounded.
-    pub max_depth: Option<u32>,
-    /// Segments after which Russian roulette may end a path.
-    pub rr_depth: u32,
-}
-
-impl Default for Params {
-    fn default() -> Self {
-        Params { mode: Mode::Path, max_depth: None, rr_depth: 5 }
-    }
-}
-
-impl Params {
-    /// Whether a path of this many segments may have another.
-    fn goes_on(&self, segments: u32) -> bool {
-        self.max_depth.is_none_or(|most| segments < most)
-    }
+    /// How long paths may be.
+    pub limits: PathLimits,
 }
 
 /// The path tracer.
@@ -61,14 +46,18 @@ pub struct PathTracer<'a> {
 impl<'a> Technique<'a> for PathTracer<'a> {
     type Params = Params;
 
-    fn prepare(setting: Setting<'a>, params: &Params) -> Self {
-        PathTracer { setting, params: *params, light_paths: 0 }
+    fn prepare(setting: Setting<'a>, params: &Params) -> Result<Self, String> {
+        Ok(PathTracer { setting, params: *params, light_paths: 0 })
     }
 
     /// One path a pixel.
     fn pass(&mut self, index: u32, film: &mut Film) {
         match self.params.mode {
-            Mode::Path => film.add_pass(|pixel| self.sample_pixel(pixel, index)),
+            Mode::Path => {
+                let Setting { scene, camera, seed, show, .. } = self.setting;
+                let path = EyePath { scene, limits: self.params.limits, show };
+                film.add_pass(|pixel| path.sample_pixel(camera, seed, pixel, index, &mut nothing));
+            }
             Mode::Light => self.light_pass(index, film),
         }
     }

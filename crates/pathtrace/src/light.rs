@@ -66,7 +66,7 @@ impl PathTracer<'_> {
         // Passes are streams; within one, paths are the points of a sequence.
         let sampler = Sampler::new(self.setting.seed ^ 0x6c69_6768, pass, path as u32);
         let Some(mut walk) = LightWalk::begin(scene, sampler) else { return };
-        let roulette = Roulette::ByAlbedo { from: self.params.rr_depth };
+        let roulette = Roulette::ByAlbedo { from: self.params.limits.rr_depth };
         // Seen directly: connect the point on the light itself.
         let emission = *walk.emission();
         if let Light::Area { .. } = &scene.lights().all()[emission.light as usize]
@@ -84,7 +84,7 @@ impl PathTracer<'_> {
         }
         while let Some(vertex) = walk.next_vertex() {
             // Segments from the light to here; the connection would be one more.
-            if !self.params.goes_on(vertex.depth + 1) {
+            if !self.params.limits.goes_on(vertex.depth + 1) {
                 return;
             }
             if !vertex.bsdf.is_delta() {

@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
 use gi_cli::{Common, Program};
+use gi_core::eye::PathLimits;
 use pathtrace::{Mode, Params, PathTracer};
 
 /// Path tracing: the truth that the other techniques are compared with.
@@ -19,7 +20,7 @@ struct Args {
     #[arg(long, value_enum, default_value_t = ModeFlag::Path)]
     mode: ModeFlag,
     /// Segments after which Russian roulette may end a path
-    #[arg(long, value_name = "N", default_value_t = Params::default().rr_depth)]
+    #[arg(long, value_name = "N", default_value_t = PathLimits::default().rr_depth)]
     rr_depth: u32,
 }
 
@@ -39,12 +40,13 @@ impl Program for Args {
         &self.common
     }
 
-    fn params(&self) -> Params {
+    fn params(&self) -> Result<Params, String> {
         let mode = match self.mode {
             ModeFlag::Path => Mode::Path,
             ModeFlag::Light => Mode::Light,
         };
-        Params { mode, max_depth: self.common.max_depth(), rr_depth: self.rr_depth }
+        let limits = PathLimits { max_depth: self.common.max_depth(), rr_depth: self.rr_depth };
+        Ok(Params { mode, limits })
     }
 }
 

@@ -20,6 +20,8 @@ pub(crate) struct Coat {
     nonlinear: bool,
     /// Share of diffuse light from inside that the coat throws back.
     internal_reflectance: f32,
+    /// Share of diffuse light from outside that enters.
+    mean_entering: f32,
     rough: Option<RoughCoat>,
 }
 
@@ -35,7 +37,8 @@ impl Coat {
     pub(crate) fn new(eta: f32, nonlinear: bool, roughness: Option<(Distribution, f32)>) -> Self {
         let Some((distribution, alpha)) = roughness else {
             let internal_reflectance = fresnel::dielectric_hemispherical(1.0 / eta);
-            return Coat { eta, nonlinear, internal_reflectance, rough: None };
+            let mean_entering = 1.0 - fresnel::dielectric_hemispherical(eta);
+            return Coat { eta, nonlinear, internal_reflectance, mean_entering, rough: None };
         };
         let facets = Microfacets::new(distribution, Vec2::splat(alpha));
         let cosine = |i: usize| (i as f32 / (TABLE - 1) as f32).max(1e-4);
@@ -44,10 +47,17 @@ impl Coat {
         // than the integral. Plastics then have Mitsuba's albedo.
         let inside = |i: usize| reflected_power(&facets, cosine(i), 1.0 / eta) * cosine(i);
         let internal_reflectance = 2.0 * (0..TABLE).map(inside).sum::<f32>() / TABLE as f32;
+        // 2 int T(c) c dc by the trapezoidal rule.
+        let term = |i: usize| {
+            let end = if i == 0 || i == TABLE - 1 { 0.5 } else { 1.0 };
+            end * transmittance[i] * cosine(i)
+        };
+        let mean_entering = 2.0 * (0..TABLE).map(term).sum::<f32>() / (TABLE - 1) as f32;
         Coat {
             eta,
             nonlinear,
             internal_reflectance,
+            mean_entering,
             rough: Some(RoughCoat { facets, transmittance }),
         }
     }
@@ -59,15 +69,24 @@ impl Coat {
 
     /// f without the cosine, both directions above.
     pub(crate) fn f(&self, wo: Vec3, wi: Vec3, diffuse: Rgb, specular: Rgb) -> Rgb {
-        let thrown_back =
-            |albedo: f32| if self.nonlinear { albedo } else { 1.0 } * self.internal_reflectance;
-        let base = diffuse.map(|albedo| albedo / (1.0 - thrown_back(albedo)));
-        let f = base * (INV_PI * self.entering(wo.z) * self.entering(wi.z) / sqr(self.eta));
+        let f = self.base(diffuse) * (INV_PI * self.entering(wo.z) * self.entering(wi.z));
         let Some(rough) = &self.rough else { return f };
         let m = (wo + wi).normalize();
         let fresnel = fresnel::dielectric(wo.dot(m), self.eta).reflectance;
         f + specular
             * (fresnel * rough.facets.d(m) * rough.facets.g(wo, wi, m) / (4.0 * wo.z * wi.z))
+    }
+
+    /// pi times the base's f for `wo` above, with the mean over the cosine-weighted hemisphere of what enters.
+    pub(crate) fn diffuse_albedo(&self, wo: Vec3, diffuse: Rgb) -> Rgb {
+        self.base(diffuse) * (self.entering(wo.z) * self.mean_entering)
+    }
+
+    /// pi times the base's f without the factors of the two directions.
+    fn base(&self, diffuse: Rgb) -> Rgb {
+        let thrown_back =
+            |albedo: f32| if self.nonlinear { albedo } else { 1.0 } * self.internal_reflectance;
+        diffuse.map(|albedo| albedo / ((1.0 - thrown_back(albedo)) * sqr(self.eta)))
     }
 
     /// Density of [`Coat::sample`], both directions above.

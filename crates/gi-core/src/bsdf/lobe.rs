@@ -158,6 +158,18 @@ impl Lobe<'_> {
         }
     }
 
+    /// pi times the part of f that is the same for all directions above, or nearly so: black from below.
+    pub(crate) fn diffuse_albedo(&self, wo: Vec3) -> Rgb {
+        match *self {
+            _ if wo.z <= 0.0 => Rgb::BLACK,
+            Lobe::Diffuse { albedo } => albedo,
+            Lobe::OrenNayar { albedo, sigma_sq } => albedo * oren_nayar_constant(sigma_sq),
+            Lobe::Plastic { coat, diffuse, .. } => coat.diffuse_albedo(wo, diffuse),
+            Lobe::Phong { diffuse, .. } => diffuse,
+            _ => Rgb::BLACK,
+        }
+    }
+
     /// Roughly which share of the light from `wo` comes back, for pictures of the albedo.
     pub(crate) fn albedo_hint(&self, wo: Vec3) -> Rgb {
         match *self {
@@ -235,6 +247,11 @@ fn sample_dielectric(
     (wi.z * wo.z < 0.0).then_some(refracted)
 }
 
+/// The term of Oren-Nayar's model that does not depend on directions.
+fn oren_nayar_constant(sigma_sq: f32) -> f32 {
+    1.0 - 0.5 * sigma_sq / (sigma_sq + 0.33)
+}
+
 /// Oren-Nayar's qualitative model, the factor on Lambert's.
 fn oren_nayar(wo: Vec3, wi: Vec3, sigma_sq: f32) -> f32 {
     let (sin_o, sin_i) = ((1.0 - sqr(wo.z)).max(0.0).sqrt(), (1.0 - sqr(wi.z)).max(0.0).sqrt());
@@ -243,7 +260,7 @@ fn oren_nayar(wo: Vec3, wi: Vec3, sigma_sq: f32) -> f32 {
     } else {
         0.0
     };
-    let a = 1.0 - 0.5 * sigma_sq / (sigma_sq + 0.33);
+    let a = oren_nayar_constant(sigma_sq);
     let b = 0.45 * sigma_sq / (sigma_sq + 0.09);
     // sin(larger angle) tan(smaller angle)
     let (sin_tan, cos) = (sin_o * sin_i, wo.z.max(wi.z));

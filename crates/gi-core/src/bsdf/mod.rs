@@ -13,7 +13,7 @@ mod resolve;
 
 use glam::Vec3;
 
-use crate::math::{Frame, Rgb, sqr};
+use crate::math::{Frame, INV_PI, Rgb, sqr};
 pub(crate) use coat::Coat;
 use lobe::Lobe;
 pub(crate) use resolve::{PreparedMaterial, check_children, component_count};
@@ -64,6 +64,23 @@ impl Scatter {
     #[inline]
     fn delta(wi: Vec3, weight: Rgb, probability: f32) -> Self {
         Scatter { wi, weight, pdf_w: probability, delta: true, null: false, eta: 1.0 }
+    }
+}
+
+/// The Lambertian part of a BSDF for one `wo`: what irradiance alone answers for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DiffusePart {
+    /// Its albedo, pi times its f.
+    pub albedo: Rgb,
+    /// Unit normal that its cosine is taken with, on the side of `wo`.
+    pub normal: Vec3,
+}
+
+impl DiffusePart {
+    /// f times the cosine of `wi`.
+    #[inline]
+    pub fn f_cos(&self, wi: Vec3) -> Rgb {
+        self.albedo * (INV_PI * self.normal.dot(wi).max(0.0))
     }
 }
 
@@ -216,14 +233,24 @@ impl<'a> Bsdf<'a> {
         self.components().iter().all(|c| c.lobe.is_delta())
     }
 
-    /// The Lambertian part's albedo if that is all that there is.
-    pub fn diffuse_albedo(&self) -> Option<Rgb> {
-        match &self.parts {
-            Parts::One(Component { lobe: Lobe::Diffuse { albedo }, weight, .. }) => {
-                Some(*albedo * *weight)
+    /// The Lambertian part, `None` where there is none: all of a diffuse surface, the base of a plastic with the mean of
+    /// what its coat lets in, what is constant in other lobes. Of a blend whose normals differ, those alike the first.
+    pub fn diffuse_part(&self, wo: Vec3) -> Option<DiffusePart> {
+        let mut part: Option<DiffusePart> = None;
+        for c in self.components() {
+            let local = c.frame.to_local(wo);
+            let albedo = c.lobe.diffuse_albedo(local) * c.weight;
+            if albedo.is_black() {
+                continue;
             }
-            _ => None,
+            let normal = c.frame.n;
+            match &mut part {
+                None => part = Some(DiffusePart { albedo, normal }),
+                Some(part) if part.normal == normal => part.albedo += albedo,
+                Some(_) => {}
+            }
         }
+        part
     }
 
     /// A fast estimate of the reflected share of light from `wo`, for the albedo layer: exact for Lambert,

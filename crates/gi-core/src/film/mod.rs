@@ -136,7 +136,8 @@ impl Film {
     }
 
     /// Everything as named channels: radiance as R G B, its variance (of the mean), direct, indirect and caustic
-    /// light, albedo, normal, depth.
+    /// light (of one component alone where only that is shown: the others may not have been looked for), albedo,
+    /// normal, depth.
     pub fn layers(&self) -> Layers {
         let pixels: Vec<&Pixel> = (0..self.size[0] * self.size[1]).map(|i| self.pixel(i)).collect();
         let mut channels = Vec::new();
@@ -147,8 +148,15 @@ impl Film {
         for (k, c) in ["R", "G", "B"].into_iter().enumerate() {
             push(c.to_string(), &|p| p.shown(k, show));
             push(format!("Variance.{c}"), &|p| p.variance(k, show));
-            for (j, part) in ["Direct", "Indirect", "Caustic"].into_iter().enumerate() {
-                push(format!("{part}.{c}"), &|p| p.component(j, k));
+            let parts = [
+                ("Direct", Show::Direct),
+                ("Indirect", Show::Indirect),
+                ("Caustic", Show::Caustic),
+            ];
+            for (j, (part, alone)) in parts.into_iter().enumerate() {
+                if show == Show::All || show == alone {
+                    push(format!("{part}.{c}"), &|p| p.component(j, k));
+                }
             }
             push(format!("Albedo.{c}"), &|p| f64::from(p.albedo.to_array()[k]));
         }

@@ -1,0 +1,120 @@
+//! Drawing over a picture: dots, rings and lines with soft edges, and colours for numbers.
+
+use glam::{Vec2, Vec3};
+
+use crate::camera::Camera;
+use crate::math::Rgb;
+use crate::scene::Scene;
+
+/// A picture to draw on, linear; positions are in pixels from the top left corner.
+#[derive(Clone, Debug)]
+pub struct Canvas {
+    size: [usize; 2],
+    pixels: Vec<Rgb>,
+}
+
+impl Canvas {
+    /// Draw on `pixels`, row by row from the top.
+    pub fn over(size: [usize; 2], pixels: Vec<Rgb>) -> Self {
+        assert_eq!(pixels.len(), size[0] * size[1], "a canvas has its pixels");
+        Canvas { size, pixels }
+    }
+
+    /// The pixels, row by row.
+    pub fn into_pixels(self) -> Vec<Rgb> {
+        self.pixels
+    }
+
+    /// A filled disc of `radius` pixels.
+    pub fn disc(&mut self, at: Vec2, radius: f32, colour: Rgb) {
+        self.cover(at, at, radius, colour, |p| radius - (p - at).length());
+    }
+
+    /// A circle of `radius` pixels, `width` pixels thick.
+    pub fn ring(&mut self, at: Vec2, radius: f32, width: f32, colour: Rgb) {
+        let half = 0.5 * width;
+        self.cover(at, at, radius + half, colour, |p| half - ((p - at).length() - radius).abs());
+    }
+
+    /// A straight line `width` pixels thick.
+    pub fn line(&mut self, a: Vec2, b: Vec2, width: f32, colour: Rgb) {
+        let (half, along) = (0.5 * width, b - a);
+        let length_sq = along.length_squared().max(f32::MIN_POSITIVE);
+        self.cover(a, b, half, colour, |p| {
+            let t = ((p - a).dot(along) / length_sq).clamp(0.0, 1.0);
+            half - (p - a - along * t).length()
+        });
+    }
+
+    /// Mix `colour` in where `inside`, the distance in pixels from the edge inwards at a pixel's middle, says so.
+    /// Nothing reaches further than `reach` from the box round `a` and `b`.
+    fn cover(&mut self, a: Vec2, b: Vec2, reach: f32, colour: Rgb, inside: impl Fn(Vec2) -> f32) {
+        let (low, high) = (a.min(b) - (reach + 1.0), a.max(b) + (reach + 1.0));
+        if !(low.is_finite() && high.is_finite()) {
+            return;
+        }
+        let range = |axis: usize| {
+            let end = self.size[axis] as f32;
+            low[axis].clamp(0.0, end) as usize..high[axis].clamp(0.0, end).ceil() as usize
+        };
+        let (columns, rows) = (range(0), range(1));
+        for y in rows {
+            for x in columns.clone() {
+                let share =
+                    (inside(Vec2::new(x as f32 + 0.5, y as f32 + 0.5)) + 0.5).clamp(0.0, 1.0);
+                let pixel = &mut self.pixels[y * self.size[0] + x];
+                *pixel = pixel.lerp(colour, share);
+            }
+        }
+    }
+}
+
+/// Where the picture shows the world point `p` on a surface with normal `n`: `None` outside of the picture,
+/// from behind, and where something stands before it.
+pub fn seen_at(scene: &Scene, camera: &Camera, p: Vec3, n: Vec3) -> Option<Vec2> {
+    let c = camera.connect(p, [0.5; 2], 0.0)?;
+    let facing = c.wi.dot(n) > 0.0;
+    let ray = match c.lens {
+        Some(lens) => scene.tree().shadow_ray(p, n, lens),
+        None => crate::ray::Ray::new(scene.tree().offset_origin(p, n, c.wi), c.wi),
+    };
+    (facing && !scene.transmittance(ray).is_black()).then(|| Vec2::from_array(c.film))
+}
+
+/// The colour of a number in [0, 1]: viridis, dark blue over green to yellow, which reads the same in grey and to the
+/// colour-blind.
+pub fn viridis(t: f32) -> Rgb {
+    let colour = colorous::VIRIDIS.eval_continuous(f64::from(t.clamp(0.0, 1.0)));
+    Rgb::from([colour.r, colour.g, colour.b].map(srgb_to_linear))
+}
+
+fn srgb_to_linear(byte: u8) -> f32 {
+    let s = f32::from(byte) / 255.0;
+    if s <= 0.040_45 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shapes_cover_their_area_and_stay_on_the_canvas() {
+        let covered = |draw: &dyn Fn(&mut Canvas)| {
+            let mut canvas = Canvas::over([64, 64], vec![Rgb::BLACK; 64 * 64]);
+            draw(&mut canvas);
+            canvas.into_pixels().iter().map(|c| c.r).sum::<f32>()
+        };
+        let middle = Vec2::new(31.3, 30.8);
+        let disc = covered(&|c| c.disc(middle, 10.0, Rgb::WHITE));
+        assert!((disc / (std::f32::consts::PI * 100.0) - 1.0).abs() < 0.01, "{disc}");
+        let ring = covered(&|c| c.ring(middle, 10.0, 2.0, Rgb::WHITE));
+        assert!((ring / (std::f32::consts::TAU * 20.0) - 1.0).abs() < 0.01, "{ring}");
+        let line = covered(&|c| c.line(middle, middle + Vec2::new(30.0, 0.0), 2.0, Rgb::WHITE));
+        assert!((line / (30.0 * 2.0 + std::f32::consts::PI) - 1.0).abs() < 0.02, "{line}");
+        // A quarter of a disc at the corner, and nothing far outside or where there is no place.
+        let corner = covered(&|c| c.disc(Vec2::ZERO, 10.0, Rgb::WHITE));
+        assert!((corner / (std::f32::consts::PI * 25.0) - 1.0).abs() < 0.02, "{corner}");
+        assert_eq!(covered(&|c| c.disc(Vec2::splat(1e30), 5.0, Rgb::WHITE)), 0.0);
+        assert_eq!(covered(&|c| c.disc(Vec2::splat(f32::NAN), 5.0, Rgb::WHITE)), 0.0);
+    }
+}

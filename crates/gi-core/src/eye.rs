@@ -1,0 +1,362 @@
+//! The one eye walk: paths from the eye, to their end or to where a technique answers for the rest.
+//!
+//! A path tracer answers for nothing. Where a technique knows the light that surfaces throw on each other (from a
+//! cache, a photon map, virtual lights), it supplies that at a vertex, and the path goes on only for what
+//! is left: light that comes straight from a light or through mirrors and glass, and lobes that it did not answer for.
+
+use glam::Vec3;
+
+use crate::bsdf::{Bsdf, DiffusePart, Transport};
+use crate::camera::Camera;
+use crate::film::{Components, Sample, Show};
+use crate::geometry::Surface;
+use crate::math::Rgb;
+use crate::nee::{direct_light, emitter_weight};
+use crate::ray::Ray;
+use crate::sampler::Sampler;
+use crate::scene::Scene;
+
+/// Russian roulette lets at least one path in twenty end, so that no path is endless.
+const MAX_SURVIVAL: f32 = 0.95;
+
+/// How long paths may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PathLimits {
+    /// Most segments of a path; `None` is unbounded.
+    pub max_depth: Option<u32>,
+    /// Segments after which Russian roulette may end a path.
+    pub rr_depth: u32,
+}
+
+impl Default for PathLimits {
+    fn default() -> Self {
+        PathLimits { max_depth: None, rr_depth: 5 }
+    }
+}
+
+impl PathLimits {
+    /// Whether a path of this many segments may have another.
+    #[inline]
+    pub fn goes_on(&self, segments: u32) -> bool {
+        self.max_depth.is_none_or(|most| segments < most)
+    }
+}
+
+/// Paths from the eye.
+#[derive(Clone, Copy)]
+pub struct EyePath<'a> {
+    /// The world.
+    pub scene: &'a Scene,
+    /// How long they may be.
+    pub limits: PathLimits,
+    /// What of their light is asked for: the rest may be left out.
+    pub show: Show,
+}
+
+/// A surface point that a path has met, scattering by other than delta lobes.
+pub struct EyeVertex<'v, 'a> {
+    /// The point.
+    pub surface: &'v Surface,
+    /// Unit direction back along the path.
+    pub wo: Vec3,
+    /// How it scatters ([`Transport::Radiance`]).
+    pub bsdf: &'v Bsdf<'a>,
+    /// Segments from the eye to here, straight passes not counted.
+    pub segments: u32,
+    /// Scatterings by other than delta lobes before.
+    pub rough: u32,
+    /// Length of the path from the eye to here, world units.
+    pub length: f32,
+}
+
+/// Light that a technique supplies at a vertex, and what it thereby answers for.
+#[derive(Clone, Copy, Debug)]
+pub struct Supplied {
+    /// Which scattering at the vertex is answered for.
+    pub answered: Answered,
+    /// Radiance that the answered scattering sends back along the path, of light that came over other surfaces that
+    /// scatter by other than delta lobes.
+    pub indirect: Rgb,
+    /// The same of light that came over delta lobes alone, one at least. `None` lets the path look for it.
+    pub caustic: Option<Rgb>,
+}
+
+/// Scattering that a technique answers for.
+#[derive(Clone, Copy, Debug)]
+pub enum Answered {
+    /// All but delta lobes.
+    Rough,
+    /// The Lambertian part. What the whole scatters more (or less) than that is left to the path.
+    Diffuse(DiffusePart),
+}
+
+/// What has happened on a path since the eye.
+struct Prefix {
+    /// Scattered share of the radiance, already divided by all densities.
+    throughput: Rgb,
+    /// Share of the throughput that light counts with which is scattered once more by other than a delta lobe:
+    /// the rest of it was supplied at the last vertex.
+    unanswered: Rgb,
+    /// Whether light over delta lobes was supplied at the last vertex.
+    caustic_answered: bool,
+    /// Where the last scattering was, and its density per solid angle; `None` at the eye and after delta lobes.
+    last: Option<(Vec3, f32)>,
+    /// Scatterings by other than delta lobes.
+    rough: u32,
+    /// Whether the last scattering was by a delta lobe.
+    after_delta: bool,
+    /// Product of the squared indices that refraction divided the throughput by.
+    eta_sq: f32,
+    segments: u32,
+    length: f32,
+}
+
+impl Prefix {
+    const EYE: Prefix = Prefix {
+        throughput: Rgb::WHITE,
+        unanswered: Rgb::WHITE,
+        caustic_answered: false,
+        last: None,
+        rough: 0,
+        after_delta: false,
+        eta_sq: 1.0,
+        segments: 1,
+        length: 0.0,
+    };
+}
+
+/// A supplier for paths that nobody answers for.
+#[inline]
+pub fn nothing(_: &EyeVertex, _: &mut Sampler) -> Option<Supplied> {
+    None
+}
+
+impl<'a> EyePath<'a> {
+    /// One path through a pixel: sample `index` of the picture that `seed` makes. `supply` is asked at every vertex
+    /// that scatters by other than delta lobes and has segments left.
+    #[inline]
+    pub fn sample_pixel(
+        &self,
+        camera: &Camera,
+        seed: u32,
+        [x, y]: [usize; 2],
+        index: u32,
+        supply: &mut impl FnMut(&EyeVertex<'_, 'a>, &mut Sampler) -> Option<Supplied>,
+    ) -> Sample {
+        let stream = (y * camera.size()[0] + x) as u32;
+        let mut sampler = Sampler::new(seed, stream, index);
+        let [u, v] = sampler.next_2d();
+        let lens = if camera.has_lens() { sampler.next_2d() } else { [0.5; 2] };
+        let ray = camera.ray([x as f32 + u, y as f32 + v], lens);
+        let mut sample = Sample { offset: [u - 0.5, v - 0.5], ..Sample::default() };
+        self.follow(ray, Prefix::EYE, &mut sampler, supply, &mut sample);
+        sample
+    }
+
+    /// Light along a ray that leaves a surface, of which the path had `segments` segments with this one and `length`
+    /// world units without it: only light that was scattered by other than delta lobes on its way counts, and stands in
+    /// [`Components::indirect`] of the sample; its depth is the distance to the first surface.
+    #[inline]
+    pub fn gather(
+        &self,
+        ray: Ray,
+        (segments, length): (u32, f32),
+        sampler: &mut Sampler,
+        supply: &mut impl FnMut(&EyeVertex<'_, 'a>, &mut Sampler) -> Option<Supplied>,
+    ) -> Sample {
+        let mut sample = Sample::default();
+        let prefix = Prefix { rough: 1, segments, length, ..Prefix::EYE };
+        EyePath { show: Show::Indirect, ..*self }.follow(ray, prefix, sampler, supply, &mut sample);
+        sample
+    }
+
+    /// Follow a path and add up the light that it finds.
+    #[inline]
+    fn follow(
+        &self,
+        mut ray: Ray,
+        mut prefix: Prefix,
+        sampler: &mut Sampler,
+        supply: &mut impl FnMut(&EyeVertex<'_, 'a>, &mut Sampler) -> Option<Supplied>,
+        out: &mut Sample,
+    ) {
+        let scene = self.scene;
+        let mut seen = false;
+        loop {
+            // Intersect.
+            let Some(hit) = scene.closest(&ray) else {
+                self.add_background(ray.d, &prefix, &mut out.radiance);
+                return;
+            };
+            prefix.length += hit.t;
+            let surface = scene.surface(&ray, &hit);
+            let wo = -ray.d;
+            let bsdf = scene.bsdf(&surface, wo, Transport::Radiance);
+            if !seen {
+                (out.albedo, out.normal, out.depth) = (bsdf.albedo_hint(wo), surface.ns(), hit.t);
+                seen = true;
+            }
+            // Add the light of an emitter.
+            self.add_emitted(&surface, wo, &prefix, &mut out.radiance);
+            // At the last segment only what passes straight through goes on: it meets nothing here.
+            let ends = !self.limits.goes_on(prefix.segments);
+            if ends && bsdf.straight_through(wo).is_black() {
+                return;
+            }
+            let rough = !bsdf.is_delta();
+            if rough {
+                play_for_the_unanswered(&mut prefix, sampler);
+            }
+            // Sample a light.
+            if !ends {
+                self.add_direct(&surface, &bsdf, wo, &prefix, sampler, &mut out.radiance);
+            }
+            // Ask the technique.
+            let mut supplied = None;
+            if rough && !ends && !prefix.unanswered.is_black() {
+                let Prefix { segments, rough, length, .. } = prefix;
+                let vertex =
+                    EyeVertex { surface: &surface, wo, bsdf: &bsdf, segments, rough, length };
+                supplied = supply(&vertex, sampler);
+                add_supplied(supplied.as_ref(), &prefix, &mut out.radiance);
+            }
+            // Choose the next direction.
+            let (u_choice, u, u_roulette) =
+                (sampler.next_1d(), sampler.next_2d(), sampler.next_1d());
+            let Some(scatter) = bsdf.sample(wo, u_choice, u) else { return };
+            if ends && !scatter.null {
+                return;
+            }
+            if scatter.delta {
+                prefix.throughput *= scatter.weight;
+            } else {
+                prefix.throughput *= scatter.weight * prefix.unanswered;
+                prefix.unanswered = unanswered(supplied.as_ref(), &bsdf, wo, scatter.wi);
+                prefix.caustic_answered = supplied.is_some_and(|s| s.caustic.is_some());
+            }
+            if !scatter.null {
+                prefix.segments += 1;
+                prefix.last = (!scatter.delta).then_some((surface.p, scatter.pdf_w));
+                prefix.rough += u32::from(!scatter.delta);
+                prefix.after_delta = scatter.delta;
+                prefix.eta_sq *= scatter.eta * scatter.eta;
+            }
+            if self.is_done(&prefix) {
+                return;
+            }
+            // Play Russian roulette with what is left, the squeezing by refraction undone.
+            let mut survival = 1.0;
+            if prefix.segments > self.limits.rr_depth {
+                survival =
+                    (prefix.throughput.map(f32::abs).max() * prefix.eta_sq).min(MAX_SURVIVAL);
+            }
+            if u_roulette >= survival {
+                return;
+            }
+            prefix.throughput = prefix.throughput / survival;
+            ray = scene.spawn(&surface, scatter.wi);
+        }
+    }
+
+    /// Whether nothing that the path can still find is asked for.
+    #[inline]
+    fn is_done(&self, prefix: &Prefix) -> bool {
+        prefix.throughput.is_black()
+            || match self.show {
+                Show::All => false,
+                Show::Direct | Show::Caustic => prefix.rough > 1,
+                Show::Indirect => prefix.rough == 1 && prefix.unanswered.is_black(),
+            }
+    }
+
+    /// Light that is sampled and scattered here.
+    #[inline]
+    fn add_direct(
+        &self,
+        surface: &Surface,
+        bsdf: &Bsdf,
+        wo: Vec3,
+        prefix: &Prefix,
+        sampler: &mut Sampler,
+        out: &mut Components,
+    ) {
+        let asked_for = match self.show {
+            Show::All => true,
+            Show::Direct => prefix.rough == 0,
+            Show::Indirect => prefix.rough > 0,
+            Show::Caustic => false,
+        };
+        if !asked_for || prefix.unanswered.is_black() {
+            return sampler.skip();
+        }
+        let direct = direct_light(self.scene, surface, bsdf, wo, sampler);
+        *out.of_path(prefix.rough + 1, false) += prefix.throughput * prefix.unanswered * direct;
+    }
+
+    /// Light of a surface that the path has met, weighted against having sampled it as a light.
+    #[inline]
+    fn add_emitted(&self, surface: &Surface, wo: Vec3, prefix: &Prefix, out: &mut Components) {
+        let emitted = self.scene.emitted(surface, wo);
+        if emitted.is_black() || (prefix.caustic_answered && prefix.after_delta) {
+            return;
+        }
+        let weight = match prefix.last {
+            Some((p, pdf_w)) => emitter_weight(Some(pdf_w), self.scene.light_pdf_w(p, surface)),
+            None => 1.0,
+        };
+        *out.of_path(prefix.rough, prefix.after_delta) += prefix.throughput * emitted * weight;
+    }
+
+    /// Light from infinity, where the path has left the scene.
+    #[inline]
+    fn add_background(&self, d: Vec3, prefix: &Prefix, out: &mut Components) {
+        if prefix.caustic_answered && prefix.after_delta {
+            return;
+        }
+        for (radiance, pdf_light) in self.scene.escaped(d) {
+            let weight = emitter_weight(prefix.last.map(|(_, pdf_w)| pdf_w), pdf_light);
+            *out.of_path(prefix.rough, prefix.after_delta) += prefix.throughput * radiance * weight;
+        }
+    }
+}
+
+/// Where a part of the next scattering was answered for, play Russian roulette for the rest: it is mostly small.
+#[inline]
+fn play_for_the_unanswered(prefix: &mut Prefix, sampler: &mut Sampler) {
+    if prefix.unanswered.is_black() || prefix.unanswered == Rgb::WHITE {
+        return;
+    }
+    let survival = prefix.unanswered.map(f32::abs).max().min(1.0);
+    let survives = sampler.next_1d() < survival;
+    prefix.unanswered = if survives { prefix.unanswered / survival } else { Rgb::BLACK };
+}
+
+#[inline]
+fn add_supplied(supplied: Option<&Supplied>, prefix: &Prefix, out: &mut Components) {
+    let Some(supplied) = supplied else { return };
+    let factor = prefix.throughput * prefix.unanswered;
+    *out.of_path(prefix.rough + 2, false) += factor * supplied.indirect;
+    if let Some(caustic) = supplied.caustic {
+        *out.of_path(prefix.rough + 1, true) += factor * caustic;
+    }
+}
+
+/// Share of scattering toward `wi` that was not answered for.
+#[inline]
+fn unanswered(supplied: Option<&Supplied>, bsdf: &Bsdf, wo: Vec3, wi: Vec3) -> Rgb {
+    match supplied.map(|s| s.answered) {
+        None => Rgb::WHITE,
+        Some(Answered::Rough) => Rgb::BLACK,
+        Some(Answered::Diffuse(part)) => {
+            let (whole, answered) = (bsdf.f_cos(wo, wi), part.f_cos(wi));
+            whole.zip(answered, |w, a| if w > 0.0 { share_left(w, a) } else { 0.0 })
+        }
+    }
+}
+
+/// (w - a) / w, nothing where they differ by rounding only.
+#[inline]
+fn share_left(whole: f32, answered: f32) -> f32 {
+    let left = 1.0 - answered / whole;
+    if left.abs() < 1e-5 { 0.0 } else { left }
+}
