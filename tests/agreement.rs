@@ -13,7 +13,7 @@ use gi_tests::World;
 use pathtrace::{Mode, Params, PathTracer};
 
 /// Mean and variance of the mean over blocks of the picture, per channel.
-fn blocks(film: &Film, side: usize) -> Vec<(f64, f64)> {
+pub(crate) fn blocks(film: &Film, side: usize) -> Vec<(f64, f64)> {
     let layers = film.layers();
     let (w, h) = (layers.width, layers.height);
     let mut out = Vec::new();
@@ -120,7 +120,7 @@ fn paths_that_are_answered_for_agree_with_those_that_go_on() {
     };
     for (name, rough) in [("smooth", None), ("rough", Some(roughness(0.3)))] {
         // Coated walls: their base is answered for, their coat is not.
-        let world = World::load_with("cornell-spheres.xml", [24, 24], &[], |parts| {
+        let world = World::load_with("cornell-spheres.xml", [24, 24], &[], |parts, _| {
             for material in &mut parts.materials {
                 if let Material::Diffuse { reflectance } = material.clone() {
                     let (specular, roughness) = (Texture::grey(1.0), rough.clone());

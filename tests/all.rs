@@ -6,3 +6,5 @@ mod agreement;
 mod analytic;
 /// The same bits for any number of threads.
 mod determinism;
+/// What irradiance caching is held to.
+mod irrcache_facts;

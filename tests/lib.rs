@@ -28,23 +28,28 @@ impl World {
 
     /// A scene file's world, its picture scaled to `size`.
     pub fn load(path: &str, size: [usize; 2], defines: &[(&str, &str)]) -> Self {
-        Self::load_with(path, size, defines, |_| {})
+        Self::load_with(path, size, defines, |_, _| {})
     }
 
-    /// The same, its parts changed by `change` first.
+    /// The same, its parts and camera changed by `change` first.
     pub fn load_with(
         path: &str,
         size: [usize; 2],
         defines: &[(&str, &str)],
-        change: impl FnOnce(&mut SceneParts),
+        change: impl FnOnce(&mut SceneParts, &mut CameraSpec),
     ) -> Self {
         let defines = defines.iter().map(|(n, v)| (n.to_string(), v.to_string())).collect();
         let options = gi_scene::Options { defines, size: Some(size), ..Default::default() };
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(path);
         let mut loaded =
             gi_scene::load(&path, &options).unwrap_or_else(|problems| panic!("{problems}"));
-        change(&mut loaded.parts);
+        change(&mut loaded.parts, &mut loaded.camera);
         World::new(loaded.parts, &loaded.camera)
+    }
+
+    /// What a technique is prepared with.
+    pub fn setting(&self, seed: u32, show: Show) -> Setting<'_> {
+        Setting { scene: &self.scene, world: 0, camera: &self.camera, seed, show }
     }
 
     /// The film after some passes of a technique.
@@ -55,11 +60,22 @@ impl World {
         seed: u32,
         show: Show,
     ) -> Film {
-        let setting = Setting { scene: &self.scene, world: 0, camera: &self.camera, seed, show };
+        self.run::<T>(params, passes, seed, show).1
+    }
+
+    /// The same, with the technique as it ended.
+    pub fn run<'a, T: Technique<'a>>(
+        &'a self,
+        params: &T::Params,
+        passes: u32,
+        seed: u32,
+        show: Show,
+    ) -> (T, Film) {
+        let setting = self.setting(seed, show);
         let mut film = Film::new(self.camera.size(), Filter::Box, show);
         let mut technique = T::prepare(setting, params).expect("nothing to refuse");
         (0..passes).for_each(|k| technique.pass(k, &mut film));
-        film
+        (technique, film)
     }
 }
 

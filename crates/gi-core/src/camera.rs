@@ -168,6 +168,12 @@ impl Camera {
         Some(Connection { film, wi: to / distance_sq.sqrt(), lens: Some(lens), importance })
     }
 
+    /// Width of what a pixel sees of a surface that faces it, in units of its distance; for orthographic cameras
+    /// in units of the distance 1 (world).
+    pub fn pixel_width(&self) -> f32 {
+        self.pixel_area.sqrt()
+    }
+
     /// Film to the plane z = 1: x to the left, y up.
     #[inline]
     fn film_to_plane(&self, film: Vec2) -> Vec2 {

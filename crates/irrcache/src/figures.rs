@@ -1,0 +1,199 @@
+//! What the technique shows of itself.
+
+use std::f32::consts::PI;
+
+use gi_core::canvas::{Canvas, seen_at, viridis};
+use gi_core::film::Film;
+use gi_core::math::{Bounds, Rgb};
+use gi_core::technique::{Picture, Setting};
+use glam::{Vec2, Vec3};
+
+use crate::cache::Cache;
+use crate::record::{Query, Record};
+
+/// Pictures that may be asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Figure {
+    /// Where records are, coloured by how far they are good for [slides 13, 14].
+    Records,
+    /// How far each of them is good for: the ellipses.
+    Validity,
+    /// The octree's cells as wires [slide 8].
+    Octree,
+    /// The same in the plane through the scene's middle, seen from above [slide 8].
+    OctreeSlice,
+    /// The weight of one record all over the picture, and where it ends [slide 11].
+    Weights,
+}
+
+impl Figure {
+    /// Draw.
+    pub fn draw(self, setting: &Setting, cache: &Cache, film: &Film) -> Picture {
+        let named = |name: &str, view| Picture { name: name.into(), channels: Vec::new(), view };
+        match self {
+            Figure::Records => records(setting, cache, film),
+            Figure::Validity => named("validity", validity(setting, cache, film)),
+            Figure::Octree => named("octree", octree(setting, cache, film)),
+            Figure::OctreeSlice => named("octree-slice", octree_slice(setting, cache, film)),
+            Figure::Weights => weights(setting, cache, film),
+        }
+    }
+}
+
+/// The picture, darkened so that what is drawn over it stands out.
+fn background(film: &Film, brightness: f32) -> Canvas {
+    let pixels = film.radiance().into_iter().map(|c| c.map(|v| v.clamp(0.0, 1.0)) * brightness);
+    Canvas::over(film.size(), pixels.collect())
+}
+
+/// Places in the picture of the records that it shows.
+fn visible<'c>(setting: &Setting, cache: &'c Cache) -> Vec<(&'c Record, Vec2)> {
+    let place = |r: &'c Record| Some((r, seen_at(setting.scene, setting.camera, r.p, r.n)?));
+    cache.records().iter().filter_map(place).collect()
+}
+
+/// Colours for radii, from the smallest (0) to the largest (1), on a logarithmic scale.
+fn scale(records: &[(&Record, Vec2)]) -> impl Fn(f32) -> f32 + use<> {
+    let reach = || records.iter().map(|(r, _)| r.reach());
+    let (low, high) = (reach().fold(f32::INFINITY, f32::min), reach().fold(0.0, f32::max));
+    move |r| if high > low { (r / low).ln() / (high / low).ln() } else { 1.0 }
+}
+
+fn records(setting: &Setting, cache: &Cache, film: &Film) -> Picture {
+    let mut canvas = background(film, 0.35);
+    let shown = visible(setting, cache);
+    let of_radius = scale(&shown);
+    let [w, h] = film.size();
+    let mut radius = vec![0.0; w * h];
+    for (record, at) in &shown {
+        canvas.disc(*at, dot(film), viridis(of_radius(record.reach())));
+        radius[(at.y as usize).min(h - 1) * w + (at.x as usize).min(w - 1)] = record.reach();
+    }
+    let channels = vec![("radius".to_string(), radius)];
+    Picture { name: "records".into(), channels, view: canvas.into_pixels() }
+}
+
+/// Radius of a dot, pixels: seen at any size of the picture.
+fn dot(film: &Film) -> f32 {
+    (film.size()[0] as f32 / 400.0).max(0.8)
+}
+
+/// Corners of the polygon that stands for an ellipse.
+const CORNERS: usize = 32;
+
+fn validity(setting: &Setting, cache: &Cache, film: &Film) -> Vec<Rgb> {
+    let mut canvas = background(film, 0.35);
+    let shown = visible(setting, cache);
+    let of_radius = scale(&shown);
+    for (record, _) in &shown {
+        let across = record.n.cross(record.axis);
+        let corner = |k: usize| {
+            let (sin, cos) = (2.0 * PI * k as f32 / CORNERS as f32).sin_cos();
+            let p =
+                record.p + record.axis * (record.radii[0] * cos) + across * (record.radii[1] * sin);
+            project(setting, p)
+        };
+        let colour = viridis(of_radius(record.reach()));
+        for k in 0..CORNERS {
+            if let (Some(a), Some(b)) = (corner(k), corner(k + 1)) {
+                canvas.line(a, b, 0.5 * dot(film), colour);
+            }
+        }
+    }
+    canvas.into_pixels()
+}
+
+/// Where a point falls in the picture or near it, whether hidden or not.
+fn project(setting: &Setting, p: Vec3) -> Option<Vec2> {
+    let margin = setting.camera.size()[0] as f32;
+    setting.camera.connect(p, [0.5; 2], margin).map(|c| Vec2::from_array(c.film))
+}
+
+fn octree(setting: &Setting, cache: &Cache, film: &Film) -> Vec<Rgb> {
+    let mut canvas = background(film, 0.35);
+    for cell in cache.tree().cells() {
+        let corner = |k: usize| {
+            let pick =
+                |axis: usize| if k >> axis & 1 == 0 { cell.cube.min } else { cell.cube.max }[axis];
+            project(setting, Vec3::new(pick(0), pick(1), pick(2)))
+        };
+        for k in 0..8 {
+            for axis in (0..3).filter(|axis| k >> axis & 1 == 0) {
+                if let (Some(a), Some(b)) = (corner(k), corner(k | 1 << axis)) {
+                    canvas.line(a, b, 0.4, Rgb::new(0.9, 0.75, 0.3));
+                }
+            }
+        }
+    }
+    for (_, at) in visible(setting, cache) {
+        canvas.disc(at, dot(film), Rgb::WHITE);
+    }
+    canvas.into_pixels()
+}
+
+fn octree_slice(setting: &Setting, cache: &Cache, film: &Film) -> Vec<Rgb> {
+    let [w, h] = film.size();
+    let mut canvas = Canvas::over([w, h], vec![Rgb::WHITE; w * h]);
+    let Bounds { min, max } = setting.scene.bounds();
+    let extent = (max - min).max(Vec3::splat(f32::MIN_POSITIVE));
+    let pixels_per_unit = 0.95 * (w as f32 / extent.x).min(h as f32 / extent.z);
+    let middle = 0.5 * (min + max);
+    let at = |p: Vec3| {
+        let d = (p - middle) * pixels_per_unit;
+        Vec2::new(0.5 * w as f32 + d.x, 0.5 * h as f32 + d.z)
+    };
+    for cell in cache.tree().cells() {
+        let Bounds { min, max } = cell.cube;
+        if min.y > middle.y || max.y <= middle.y {
+            continue;
+        }
+        let corners = [(min.x, min.z), (max.x, min.z), (max.x, max.z), (min.x, max.z)];
+        let corners = corners.map(|(x, z)| at(Vec3::new(x, middle.y, z)));
+        for k in 0..4 {
+            canvas.line(corners[k], corners[(k + 1) % 4], 1.0, Rgb::grey(0.2));
+        }
+        for r in cache.records() {
+            let inside = r.p.cmpge(min).all() && r.p.cmple(max).all();
+            if inside {
+                canvas.disc(at(r.p), 1.5 * dot(film), Rgb::new(0.7, 0.05, 0.02));
+            }
+        }
+    }
+    canvas.into_pixels()
+}
+
+/// The record that is seen nearest to the picture's middle.
+fn middle_record(setting: &Setting, cache: &Cache, film: &Film) -> Option<usize> {
+    let middle = Vec2::from_array(film.size().map(|n| 0.5 * n as f32));
+    let distance = |r: &Record| {
+        let at = seen_at(setting.scene, setting.camera, r.p, r.n)?;
+        Some((at - middle).length())
+    };
+    let records = cache.records().iter().enumerate();
+    let seen = records.filter_map(|(j, r)| Some((j, distance(r)?)));
+    seen.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(j, _)| j)
+}
+
+fn weights(setting: &Setting, cache: &Cache, film: &Film) -> Picture {
+    let [w, h] = film.size();
+    let mut weight = vec![0.0f32; w * h];
+    let least = 1.0 / cache.interpolation().accuracy;
+    if let Some(j) = middle_record(setting, cache, film) {
+        for (i, weight) in weight.iter_mut().enumerate() {
+            let film_point = [(i % w) as f32 + 0.5, (i / w) as f32 + 0.5];
+            let ray = setting.camera.ray(film_point, [0.5; 2]);
+            if let Some((surface, _)) = setting.scene.intersect(&ray) {
+                let n = surface.ns() * 1f32.copysign(-surface.ns().dot(ray.d));
+                *weight = cache.lecture_weight(j, &Query { p: surface.p, n });
+            }
+        }
+    }
+    // Two decades round the least that counts, which is white where it is crossed.
+    let good = |i: usize| weight[i] > least;
+    let colour = |i: usize| {
+        let edge = (i % w > 0 && good(i) != good(i - 1)) || (i >= w && good(i) != good(i - w));
+        if edge { Rgb::WHITE } else { viridis(0.5 + 0.5 * (weight[i].max(1e-9) / least).log10()) }
+    };
+    let view = (0..w * h).map(colour).collect();
+    Picture { name: "weights".into(), channels: vec![("w".to_string(), weight)], view }
+}

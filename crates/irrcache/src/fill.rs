@@ -1,0 +1,95 @@
+//! Filling caches: an overture over the picture from coarse to fine, in rounds. A round asks for what is missing, against
+//! a cache that does not change meanwhile, then computes all of that, then puts it in, in order. Rounds do not depend on
+//! the number of threads, and so neither does the cache.
+
+use rayon::prelude::*;
+
+/// Points of the first round; each round has twice as many as the one before, up to [`LAST`].
+const FIRST: usize = 16;
+/// Points of the largest rounds: few enough that what a round computes twice, since two of its points lie near each
+/// other, is little; enough to keep threads busy.
+const LAST: usize = 512;
+
+/// Ask `points` points in rounds what they miss, and let `answer` see to it.
+pub fn in_rounds<C: Sync, W: Send>(
+    cache: &mut C,
+    points: usize,
+    ask: impl Fn(&C, usize) -> Vec<W> + Sync,
+    mut answer: impl FnMut(&mut C, Vec<W>),
+) {
+    let (mut from, mut round) = (0, FIRST);
+    while from < points {
+        let to = (from + round).min(points);
+        let frozen = &*cache;
+        let missing: Vec<W> =
+            (from..to).into_par_iter().with_min_len(8).flat_map_iter(|k| ask(frozen, k)).collect();
+        if !missing.is_empty() {
+            answer(cache, missing);
+        }
+        (from, round) = (to, (2 * round).min(LAST));
+    }
+}
+
+/// The pixels of a picture from coarse to fine: neighbours in the order lie far apart, and every beginning of it is
+/// spread evenly.
+pub fn coarse_to_fine([w, h]: [usize; 2]) -> Vec<[u32; 2]> {
+    let bits = usize::BITS - (w.max(h).max(2) - 1).leading_zeros();
+    // The bits of x and y in turn, highest first, are the order's number from its lowest bit.
+    let pixel = |i: usize| {
+        let coordinate = |shift: usize| {
+            (0..bits).fold(0, |c, b| c | ((i >> (2 * b as usize + shift)) & 1) << (bits - 1 - b))
+        };
+        [coordinate(0) as u32, coordinate(1) as u32]
+    };
+    (0..1usize << (2 * bits))
+        .map(pixel)
+        .filter(|&[x, y]| (x as usize) < w && (y as usize) < h)
+        .collect()
+}
+
+/// The numbers below `n` in an order that jumps about evenly: as [`coarse_to_fine`] in one dimension.
+pub fn scattered(n: usize) -> Vec<u32> {
+    let bits = usize::BITS - n.max(2).leading_zeros();
+    let number = |i: usize| (i.reverse_bits() >> (usize::BITS - bits)) as u32;
+    (0..1usize << bits).map(number).filter(|&k| (k as usize) < n).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_pixel_comes_once_and_every_beginning_is_spread() {
+        let order = coarse_to_fine([48, 32]);
+        let mut sorted = order.clone();
+        sorted.sort_unstable();
+        sorted.dedup();
+        assert_eq!((order.len(), sorted.len()), (48 * 32, 48 * 32));
+        // Of the first 24 pixels of the 64 x 64 grid that covers the picture, those inside lie 8 apart or more.
+        let first = &order[..12];
+        for (i, a) in first.iter().enumerate() {
+            for b in &first[..i] {
+                let d = a[0].abs_diff(b[0]).max(a[1].abs_diff(b[1]));
+                assert!(d >= 8, "{a:?} and {b:?}");
+            }
+        }
+        let mut numbers = scattered(100);
+        assert!(numbers[0].abs_diff(numbers[1]) > 30);
+        numbers.sort_unstable();
+        assert!(numbers.into_iter().eq(0..100));
+    }
+
+    #[test]
+    fn rounds_see_what_earlier_rounds_put_in_and_come_in_order() {
+        let mut cache: Vec<usize> = Vec::new();
+        in_rounds(
+            &mut cache,
+            1000,
+            |cache, k| if cache.contains(&(k % 50)) { vec![] } else { vec![k % 50] },
+            |cache, missing| cache.extend(missing),
+        );
+        // The first two rounds bring 16 and 32, the third the two that are left and what it repeats of its own.
+        assert_eq!(cache[..50], (0..50).collect::<Vec<_>>());
+        assert!(cache.len() <= 50 + LAST);
+    }
+}

@@ -1,0 +1,149 @@
+//! Making a record: rays over the hemisphere of a point [slides 7, 9, 10].
+
+use std::f32::consts::PI;
+
+use gi_core::eye::{EyePath, EyeVertex, PathLimits, Supplied};
+use gi_core::film::Show;
+use gi_core::geometry::Surface;
+use gi_core::math::Frame;
+use gi_core::ray::Ray;
+use gi_core::rng::{bits_to_unit, hash_u32, hash_words};
+use gi_core::sampler::Sampler;
+use gi_core::scene::Scene;
+use glam::Vec3;
+
+use crate::control::Control;
+use crate::gradients::{rotational, translational};
+use crate::hemisphere::{Hemisphere, Seen, Strata};
+use crate::record::{Query, Record};
+
+/// A point that wants a record.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// The point.
+    pub surface: Surface,
+    /// Unit normal that irradiance is taken with.
+    pub n: Vec3,
+    /// Segments of the path from the eye to here.
+    pub segments: u32,
+    /// Length of that path, world.
+    pub length: f32,
+    /// Which random numbers the record's rays draw: no two places have the same.
+    pub key: u32,
+}
+
+impl Place {
+    /// What a lookup here asks for.
+    pub fn query(&self) -> Query {
+        Query { p: self.surface.p, n: self.n }
+    }
+}
+
+/// How records of one cache are made.
+#[derive(Clone, Copy)]
+pub struct Gatherer<'a> {
+    /// The world.
+    pub scene: &'a Scene,
+    /// How long paths may be.
+    pub limits: PathLimits,
+    /// Seed of all random numbers.
+    pub seed: u32,
+    /// How hemispheres are cut.
+    pub strata: Strata,
+    /// How far records are good for.
+    pub control: Control,
+    /// Smallest and largest radius of a record, in units of the length of the path to it.
+    pub spacing: [f32; 2],
+}
+
+impl<'a> Gatherer<'a> {
+    /// Make the record of a place. `supply` answers for light where gather rays end; nothing means that they go on as paths.
+    pub fn record(
+        &self,
+        place: &Place,
+        supply: &mut impl FnMut(&EyeVertex<'_, 'a>, &mut Sampler) -> Option<Supplied>,
+    ) -> Record {
+        let frame = self.frame(place);
+        let h = self.hemisphere(place, &frame, supply);
+        let e = h.irradiance();
+        let gradient = translational(&h);
+        let unit = self.scene.radius();
+        let validity = self.control.validity(&h, e, &gradient, unit);
+        let [least, most] = if self.control.has_limits() {
+            self.spacing.map(|s| (s * place.length).min(unit))
+        } else {
+            [0.0, unit]
+        };
+        let radii = validity.radii.map(|r| r.min(most).max(least));
+        let gradient = gradient.limited(e, radii[0].max(radii[1]));
+        Record {
+            e,
+            n: place.n,
+            p: place.surface.p,
+            radii,
+            axis: frame.to_world(validity.axis),
+            least,
+            clear: h.nearest(),
+            rotational: rotational(&h).to_world(&frame),
+            translational: gradient.to_world(&frame),
+        }
+    }
+
+    /// Tangents turned by a random angle, so that the borders of strata do not line up from record to record.
+    fn frame(&self, place: &Place) -> Frame {
+        let angle = 2.0 * PI * bits_to_unit(hash_u32(place.key ^ 0x7475_726e));
+        let frame = Frame::from_normal(place.n);
+        let (sin, cos) = angle.sin_cos();
+        let s = frame.s * cos + frame.t * sin;
+        Frame { s, t: place.n.cross(s), n: place.n }
+    }
+
+    /// Look along all rays of the hemisphere.
+    fn hemisphere(
+        &self,
+        place: &Place,
+        frame: &Frame,
+        supply: &mut impl FnMut(&EyeVertex<'_, 'a>, &mut Sampler) -> Option<Supplied>,
+    ) -> Hemisphere {
+        let path = EyePath { scene: self.scene, limits: self.limits, show: Show::Indirect };
+        let stream = hash_words(&[place.key, 0x6972_7261]);
+        let sampler = |i: usize| Sampler::new(self.seed, stream, i as u32);
+        let jitter = |i: usize| sampler(i).next_2d();
+        Hemisphere::gather(self.strata, jitter, |i, direction| {
+            let mut sampler = sampler(i);
+            sampler.skip(); // the jitter's
+            let wi = frame.to_world(direction);
+            let ray = self.scene.spawn(&place.surface, wi);
+            let along = (place.segments + 1, place.length);
+            let found = path.gather(ray, along, &mut sampler, supply);
+            // A bent normal may send rays beneath the surface: what they meet there is no measure of the surroundings.
+            let beneath = wi.dot(place.surface.ng) * place.n.dot(place.surface.ng) <= 0.0;
+            let distance = if found.depth > 0.0 && !beneath { found.depth } else { f32::INFINITY };
+            Seen {
+                direction,
+                radiance: found.radiance.indirect,
+                distance,
+                normal: frame.to_local(found.normal),
+            }
+        })
+    }
+}
+
+/// Share of the distance between two points that a ray between them is lifted off their surfaces by: more than a curved
+/// surface bulges where both normals are alike enough for one record.
+const LIFT: f32 = 0.1;
+/// A record is looked at through a ray where it is farther than this share of the distance of the nearest thing round it:
+/// nearer, nothing can stand in between.
+const SURELY_CLEAR: f32 = 0.5;
+
+/// Whether nothing stands between a record and the query: the guard against light that leaks under thin walls and round
+/// corners. Lengths are relative to the distance between the two.
+pub fn sees(scene: &Scene, record: &Record, q: &Query) -> bool {
+    let distance = (record.p - q.p).length();
+    if distance <= SURELY_CLEAR * record.clear {
+        return true;
+    }
+    let lifted = |p: Vec3, n: Vec3| p + n * (LIFT * distance);
+    let (a, b) = (lifted(q.p, q.n), lifted(record.p, record.n));
+    !scene.tree().occluded(&Ray { o: a, tmin: 0.0, d: b - a, tmax: 1.0 })
+}

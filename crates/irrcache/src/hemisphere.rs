@@ -1,0 +1,175 @@
+//! What a point sees: rays over the hemisphere, one in each of M x N strata.
+
+use std::f32::consts::PI;
+
+use gi_core::math::{Rgb, safe_sqrt};
+use glam::Vec3;
+
+/// A hemisphere cut into M rings and N sectors that hold equal shares of the cosine-weighted solid angle. Directions are
+/// local, z along the normal; ring 0 is round the normal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Strata {
+    /// M: rings from the normal to the horizon.
+    pub rings: usize,
+    /// N: sectors round the normal.
+    pub sectors: usize,
+}
+
+impl Strata {
+    /// About `rays` strata with M : N near 1 : pi, which makes them about as wide as high \[Ward92\].
+    pub fn of(rays: u32) -> Self {
+        let rings = (rays as f32 / PI).sqrt().round().max(2.0);
+        let sectors = (rays as f32 / rings).round().max(4.0);
+        Strata { rings: rings as usize, sectors: sectors as usize }
+    }
+
+    /// Number of strata.
+    pub fn count(self) -> usize {
+        self.rings * self.sectors
+    }
+
+    /// Squared sine of the angle where ring `j` begins; ring `j - 1` ends there.
+    pub fn sin_sq(self, j: usize) -> f32 {
+        j as f32 / self.rings as f32
+    }
+
+    /// Angle at which sector `k` begins.
+    pub fn phi(self, k: usize) -> f32 {
+        2.0 * PI * k as f32 / self.sectors as f32
+    }
+
+    /// Direction in stratum (`j`, `k`), drawn in proportion to the cosine [slide 7].
+    pub fn direction(self, j: usize, k: usize, [u, v]: [f32; 2]) -> Vec3 {
+        let sin_sq = (j as f32 + u) / self.rings as f32;
+        let phi = 2.0 * PI * (k as f32 + v) / self.sectors as f32;
+        let (sin, (sin_phi, cos_phi)) = (sin_sq.sqrt(), phi.sin_cos());
+        Vec3::new(sin * cos_phi, sin * sin_phi, safe_sqrt(1.0 - sin_sq))
+    }
+}
+
+/// What one ray saw.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// Its direction, local.
+    pub direction: Vec3,
+    /// Radiance that comes along it.
+    pub radiance: Rgb,
+    /// Distance of the first surface, world; infinite where there is none.
+    pub distance: f32,
+    /// Unit normal of that surface, local, on either side.
+    pub normal: Vec3,
+}
+
+/// What all rays of a hemisphere saw, ring by ring.
+#[derive(Clone, Debug)]
+pub struct Hemisphere {
+    /// How it is cut.
+    pub strata: Strata,
+    seen: Vec<Seen>,
+}
+
+impl Hemisphere {
+    /// Look along one ray in each stratum: `jitter` gives its place in the stratum, `look` what is seen.
+    pub fn gather(
+        strata: Strata,
+        mut jitter: impl FnMut(usize) -> [f32; 2],
+        mut look: impl FnMut(usize, Vec3) -> Seen,
+    ) -> Self {
+        let seen = (0..strata.count())
+            .map(|i| {
+                let d = strata.direction(i / strata.sectors, i % strata.sectors, jitter(i));
+                look(i, d)
+            })
+            .collect();
+        Hemisphere { strata, seen }
+    }
+
+    /// What the ray of ring `j` and sector `k` saw.
+    #[inline]
+    pub fn at(&self, j: usize, k: usize) -> &Seen {
+        &self.seen[j * self.strata.sectors + k]
+    }
+
+    /// What all rays saw, ring by ring.
+    pub fn all(&self) -> &[Seen] {
+        &self.seen
+    }
+
+    /// E = pi / N sum_j L_i(x, w_j) [slide 7].
+    pub fn irradiance(&self) -> Rgb {
+        let sum: Rgb = self.seen.iter().map(|s| s.radiance).sum();
+        sum * (PI / self.seen.len() as f32)
+    }
+
+    /// Harmonic mean N / sum_i 1 / d_i of the distances [slide 9]; infinite where nothing is seen.
+    pub fn harmonic_mean(&self) -> f32 {
+        let sum: f64 = self.seen.iter().map(|s| 1.0 / f64::from(s.distance)).sum();
+        (self.seen.len() as f64 / sum) as f32
+    }
+
+    /// Smallest of the distances; infinite where nothing is seen.
+    pub fn nearest(&self) -> f32 {
+        self.seen.iter().map(|s| s.distance).fold(f32::INFINITY, f32::min)
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use gi_core::rng::Pcg;
+
+    /// A hemisphere over what `look` says of a direction: radiance, distance, normal.
+    pub(crate) fn hemisphere(
+        strata: Strata,
+        seed: u64,
+        look: impl Fn(Vec3) -> (Rgb, f32, Vec3),
+    ) -> Hemisphere {
+        let mut rng = Pcg::new(seed, 11);
+        Hemisphere::gather(
+            strata,
+            |_| rng.next_2d(),
+            |_, direction| {
+                let (radiance, distance, normal) = look(direction);
+                Seen { direction, radiance, distance, normal }
+            },
+        )
+    }
+
+    #[test]
+    fn from_the_middle_of_a_sphere_the_harmonic_mean_is_its_radius() {
+        for rays in [12, 100, 1000] {
+            let h = hemisphere(Strata::of(rays), 1, |w| (Rgb::WHITE, 2.5, -w));
+            assert!((h.harmonic_mean() - 2.5).abs() < 1e-6, "{}", h.harmonic_mean());
+            assert_eq!(h.nearest(), 2.5);
+        }
+    }
+
+    #[test]
+    fn a_constant_sky_of_radiance_l_gives_pi_l() {
+        let l = Rgb::new(0.5, 1.0, 2.0);
+        let h = hemisphere(Strata::of(500), 2, |w| (l, f32::INFINITY, -w));
+        let e = h.irradiance();
+        assert!((e.r - 0.5 * PI).abs() < 1e-5 && (e.b - 2.0 * PI).abs() < 1e-5, "{e:?}");
+        assert_eq!(h.harmonic_mean(), f32::INFINITY);
+    }
+
+    #[test]
+    fn strata_are_near_one_to_pi_and_hold_their_directions() {
+        for rays in [10, 100, 1000, 5000] {
+            let s = Strata::of(rays);
+            let off = s.count() as f32 / rays as f32 - 1.0;
+            assert!(off.abs() < 0.21, "{rays} rays: {s:?}");
+            let ratio = s.sectors as f32 / s.rings as f32;
+            assert!(rays < 100 || (ratio - PI).abs() < 0.35, "{rays} rays: {s:?}");
+            let mut rng = Pcg::new(3, 0);
+            for (j, k) in [(0, 0), (s.rings - 1, s.sectors - 1), (s.rings / 2, 1)] {
+                let d = s.direction(j, k, rng.next_2d());
+                assert!((d.length() - 1.0).abs() < 1e-5);
+                let sin_sq = 1.0 - d.z * d.z;
+                assert!(sin_sq >= s.sin_sq(j) - 1e-4 && sin_sq <= s.sin_sq(j + 1) + 1e-4);
+                let phi = d.y.atan2(d.x).rem_euclid(2.0 * PI);
+                assert!(phi >= s.phi(k) - 1e-4 && phi <= s.phi(k + 1) + 1e-4);
+            }
+        }
+    }
+}

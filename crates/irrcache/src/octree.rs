@@ -1,0 +1,373 @@
+//! An octree over positions, each with a radius of influence [slide 8]. It does not know what stands at them.
+//!
+//! Every leaf holds fewer than three items. Every node knows the box that the influence of its items reaches, so that a
+//! lookup goes down only where something may reach the point: what it finds is what a scan of all items would find.
+
+use gi_core::math::Bounds;
+use glam::Vec3;
+
+/// Number of an item: they are counted in the order of insertion.
+pub type Id = u32;
+
+/// Most items in a leaf: "< 3" [slide 8].
+const LEAF: usize = 2;
+/// Levels below the root, after which a leaf holds all that come: items at one place cannot be parted.
+const MAX_DEPTH: u32 = 20;
+const NONE: u32 = u32::MAX;
+
+#[derive(Clone, Debug)]
+struct Item {
+    p: Vec3,
+    radius: f32,
+    /// Next item of the same leaf.
+    next: Id,
+}
+
+#[derive(Clone, Debug)]
+struct Node {
+    /// Smallest corner and side of the node's cube.
+    low: Vec3,
+    side: f32,
+    /// Box round all influence below.
+    reach: Bounds,
+    /// Largest and smallest radius below.
+    largest: f32,
+    smallest: f32,
+    /// First of eight children, or [`NONE`] in a leaf.
+    children: u32,
+    /// First item of a leaf, and how many there are.
+    first: Id,
+    count: u32,
+}
+
+impl Node {
+    fn leaf(low: Vec3, side: f32) -> Self {
+        let (largest, smallest) = (0.0, f32::INFINITY);
+        Node {
+            low,
+            side,
+            reach: Bounds::EMPTY,
+            largest,
+            smallest,
+            children: NONE,
+            first: NONE,
+            count: 0,
+        }
+    }
+
+    fn take_in(&mut self, p: Vec3, radius: f32) {
+        self.reach = self.reach.with(p - radius).with(p + radius);
+        self.largest = self.largest.max(radius);
+        self.smallest = self.smallest.min(radius);
+    }
+
+    /// Which child's cube holds `p`.
+    fn octant(&self, p: Vec3) -> u32 {
+        let middle = self.low + 0.5 * self.side;
+        u32::from(p.x >= middle.x)
+            | u32::from(p.y >= middle.y) << 1
+            | u32::from(p.z >= middle.z) << 2
+    }
+
+    /// Distance from the node's cube to `p`.
+    fn distance(&self, p: Vec3) -> f32 {
+        (p - p.clamp(self.low, self.low + self.side)).length()
+    }
+}
+
+/// The tree.
+#[derive(Clone, Debug)]
+pub struct Octree {
+    nodes: Vec<Node>,
+    items: Vec<Item>,
+}
+
+/// A leaf, for looking at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cell {
+    /// Its cube.
+    pub cube: Bounds,
+    /// How many items it holds.
+    pub items: usize,
+}
+
+impl Octree {
+    /// An empty tree over a box. Items outside of it are kept too, in the leaves at its edge.
+    pub fn new(bounds: Bounds) -> Self {
+        let side = bounds.extent().max_element().max(f32::MIN_POSITIVE) * 1.001;
+        let low = bounds.center() - 0.5 * side;
+        Octree { nodes: vec![Node::leaf(low, side)], items: Vec::new() }
+    }
+
+    /// How many items there are.
+    pub fn len(&self) -> usize {
+        self.items.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.items.is_empty()
+    }
+
+    /// Put in the next item.
+    pub fn insert(&mut self, p: Vec3, radius: f32) -> Id {
+        let id = self.items.len() as Id;
+        self.items.push(Item { p, radius, next: NONE });
+        let (mut at, mut depth) = (0, 0);
+        loop {
+            self.nodes[at].take_in(p, radius);
+            if self.nodes[at].children == NONE {
+                if (self.nodes[at].count as usize) < LEAF || depth == MAX_DEPTH {
+                    self.push(at, id);
+                    return id;
+                }
+                self.split(at);
+            }
+            at = (self.nodes[at].children + self.nodes[at].octant(p)) as usize;
+            depth += 1;
+        }
+    }
+
+    fn push(&mut self, leaf: usize, id: Id) {
+        let node = &mut self.nodes[leaf];
+        self.items[id as usize].next = node.first;
+        (node.first, node.count) = (id, node.count + 1);
+    }
+
+    /// Hand a leaf's items to eight new children.
+    fn split(&mut self, at: usize) {
+        let first_child = self.nodes.len() as u32;
+        let (low, half) = (self.nodes[at].low, 0.5 * self.nodes[at].side);
+        for k in 0..8 {
+            let offset = Vec3::from_array([0, 1, 2].map(|axis| (k >> axis & 1) as f32 * half));
+            self.nodes.push(Node::leaf(low + offset, half));
+        }
+        let mut next = self.nodes[at].first;
+        let node = &mut self.nodes[at];
+        (node.children, node.first, node.count) = (first_child, NONE, 0);
+        while next != NONE {
+            let (id, item) = (next, self.items[next as usize].clone());
+            next = item.next;
+            let child = (first_child + self.nodes[at].octant(item.p)) as usize;
+            self.nodes[child].take_in(item.p, item.radius);
+            self.push(child, id);
+        }
+    }
+
+    /// Call `visit` for every item whose influence, times `slack` (1 or more), reaches `p`.
+    #[inline]
+    pub fn visit(&self, p: Vec3, slack: f32, mut visit: impl FnMut(Id)) {
+        // Eight children a level wait at most.
+        let mut stack = [0u32; 8 * MAX_DEPTH as usize + 1];
+        let mut waiting = 1;
+        while waiting > 0 {
+            waiting -= 1;
+            let node = &self.nodes[stack[waiting] as usize];
+            let margin = (slack - 1.0) * node.largest;
+            let inside = p.cmpge(node.reach.min - margin) & p.cmple(node.reach.max + margin);
+            if !inside.all() {
+                continue;
+            }
+            if node.children != NONE {
+                for child in node.children..node.children + 8 {
+                    stack[waiting] = child;
+                    waiting += 1;
+                }
+                continue;
+            }
+            let mut id = node.first;
+            while id != NONE {
+                let item = &self.items[id as usize];
+                if (item.p - p).length_squared() <= (item.radius * slack).powi(2) {
+                    visit(id);
+                }
+                id = item.next;
+            }
+        }
+    }
+
+    /// The smallest of radius + slope * distance over all items: what neighbours allow at `p`.
+    pub fn cone_at(&self, p: Vec3, slope: f32) -> f32 {
+        let mut best = f32::INFINITY;
+        self.cone_below(0, p, slope, &mut best);
+        best
+    }
+
+    fn cone_below(&self, at: u32, p: Vec3, slope: f32, best: &mut f32) {
+        let node = &self.nodes[at as usize];
+        if node.smallest + slope * node.distance(p) >= *best {
+            return;
+        }
+        if node.children != NONE {
+            (node.children..node.children + 8).for_each(|c| self.cone_below(c, p, slope, best));
+            return;
+        }
+        let mut id = node.first;
+        while id != NONE {
+            let item = &self.items[id as usize];
+            *best = best.min(item.radius + slope * (item.p - p).length());
+            id = item.next;
+        }
+    }
+
+    /// Let an item of `radius` at `p` lower all others to radius + slope * distance, but no one below what `least` says
+    /// of it. `lowered` is told of each.
+    pub fn lower(
+        &mut self,
+        p: Vec3,
+        radius: f32,
+        slope: f32,
+        least: &impl Fn(Id) -> f32,
+        lowered: &mut impl FnMut(Id, f32),
+    ) {
+        self.lower_below(0, (p, radius, slope), least, lowered);
+    }
+
+    fn lower_below(
+        &mut self,
+        at: u32,
+        cone: (Vec3, f32, f32),
+        least: &impl Fn(Id) -> f32,
+        lowered: &mut impl FnMut(Id, f32),
+    ) {
+        let (p, radius, slope) = cone;
+        let node = &self.nodes[at as usize];
+        if node.largest <= radius + slope * node.distance(p) {
+            return;
+        }
+        let (children, mut id) = (node.children, node.first);
+        let (mut reach, mut largest, mut smallest) = (Bounds::EMPTY, 0f32, f32::INFINITY);
+        if children != NONE {
+            for c in children..children + 8 {
+                self.lower_below(c, cone, least, lowered);
+                let child = &self.nodes[c as usize];
+                reach = reach.union(child.reach);
+                largest = largest.max(child.largest);
+                smallest = smallest.min(child.smallest);
+            }
+        }
+        while id != NONE {
+            let item = &mut self.items[id as usize];
+            let allowed = (radius + slope * (item.p - p).length()).max(least(id));
+            if item.radius > allowed {
+                item.radius = allowed;
+                lowered(id, allowed);
+            }
+            reach = reach.with(item.p - item.radius).with(item.p + item.radius);
+            largest = largest.max(item.radius);
+            smallest = smallest.min(item.radius);
+            id = item.next;
+        }
+        let node = &mut self.nodes[at as usize];
+        (node.reach, node.largest, node.smallest) = (reach, largest, smallest);
+    }
+
+    /// All leaves that hold anything.
+    pub fn cells(&self) -> impl Iterator<Item = Cell> {
+        self.nodes.iter().filter(|n| n.children == NONE && n.count > 0).map(|n| Cell {
+            cube: Bounds { min: n.low, max: n.low + n.side },
+            items: n.count as usize,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gi_core::rng::Pcg;
+
+    /// Points of a few clusters with radii, and a tree of them.
+    fn tree(n: usize, seed: u64) -> (Octree, Vec<(Vec3, f32)>) {
+        let mut rng = Pcg::new(seed, 0);
+        let mut point = || Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
+        let centers: Vec<Vec3> = (0..8).map(|_| point()).collect();
+        let items: Vec<(Vec3, f32)> = (0..n)
+            .map(|i| {
+                let spread = if i % 3 == 0 { 1.0 } else { 0.05 };
+                let p = centers[i % 8] * (1.0 - spread) + point() * spread;
+                (p, 0.15 * point().x.powi(3) + 0.002)
+            })
+            .collect();
+        let mut tree = Octree::new(Bounds { min: Vec3::ZERO, max: Vec3::ONE });
+        items.iter().for_each(|&(p, r)| {
+            tree.insert(p, r);
+        });
+        (tree, items)
+    }
+
+    #[test]
+    fn a_lookup_finds_what_a_scan_finds() {
+        let (tree, items) = tree(3000, 1);
+        let mut rng = Pcg::new(2, 0);
+        let mut found_some = 0;
+        for _ in 0..2000 {
+            // Within the box and beyond.
+            let p = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32()) * 1.2 - 0.1;
+            for slack in [1.0, 2.0] {
+                let mut found = Vec::new();
+                tree.visit(p, slack, |id| found.push(id));
+                found.sort_unstable();
+                let scan = (0..items.len() as Id).filter(|&i| {
+                    let (q, r) = items[i as usize];
+                    (q - p).length_squared() <= (r * slack).powi(2)
+                });
+                assert_eq!(found, scan.collect::<Vec<_>>());
+                found_some += usize::from(!found.is_empty());
+            }
+        }
+        assert!(found_some > 1000, "lookups that find nothing test nothing: {found_some}");
+    }
+
+    #[test]
+    fn every_cell_holds_fewer_than_three_but_where_items_coincide() {
+        let (tree, _) = tree(3000, 3);
+        let mut cells = 0;
+        for cell in tree.cells() {
+            assert!(cell.items < 3);
+            cells += cell.items;
+        }
+        assert_eq!(cells, 3000);
+        let mut same = Octree::new(Bounds { min: Vec3::ZERO, max: Vec3::ONE });
+        (0..10).for_each(|_| {
+            same.insert(Vec3::splat(0.3), 0.1);
+        });
+        let mut found = 0;
+        same.visit(Vec3::splat(0.35), 1.0, |_| found += 1);
+        assert_eq!(found, 10);
+    }
+
+    #[test]
+    fn neighbours_lower_each_other_as_a_scan_would() {
+        let slope = 0.1;
+        let (mut tree, mut items) = tree(500, 5);
+        let mut rng = Pcg::new(6, 0);
+        for _ in 0..300 {
+            let p = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
+            let scan = items.iter().map(|&(q, r)| r + slope * (q - p).length());
+            let allowed = scan.fold(f32::INFINITY, f32::min);
+            assert_eq!(tree.cone_at(p, slope), allowed);
+            let radius = allowed.min(0.1 * rng.next_f32());
+            let least = |id: Id| 0.001 * (id % 5) as f32;
+            let mut told = Vec::new();
+            tree.lower(p, radius, slope, &least, &mut |id, r| told.push((id, r)));
+            let mut expected = Vec::new();
+            for (id, (q, r)) in items.iter_mut().enumerate() {
+                let limit = (radius + slope * (*q - p).length()).max(least(id as Id));
+                if *r > limit {
+                    *r = limit;
+                    expected.push((id as Id, limit));
+                }
+            }
+            told.sort_by_key(|t| t.0);
+            assert_eq!(told, expected);
+            tree.insert(p, radius);
+            items.push((p, radius));
+        }
+        let mut found = Vec::new();
+        tree.visit(Vec3::splat(0.5), 1.0, |id| found.push(id));
+        found.sort_unstable();
+        let reaches =
+            |&i: &Id| (items[i as usize].0 - 0.5).length_squared() <= items[i as usize].1.powi(2);
+        assert_eq!(found, (0..items.len() as Id).filter(reaches).collect::<Vec<_>>());
+    }
+}

@@ -1,0 +1,152 @@
+//! The program run as a user runs it: its own flags and files.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use gi_core::image_io::read_exr;
+
+fn run(arguments: &[&str]) -> Output {
+    let small = ["--size", "24x24", "--rays", "50", "--spp", "1", "-q"];
+    let all = [
+        &[concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/cornell-box.xml")],
+        &small[..],
+        arguments,
+    ]
+    .concat();
+    Command::new(env!("CARGO_BIN_EXE_irrcache")).args(all).output().expect("it runs")
+}
+
+fn text(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn files(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).expect("the folder");
+    let mut names: Vec<String> =
+        entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_run_leaves_its_pictures_its_cache_and_its_records() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let show = "records,validity,octree,octree-slice,weights";
+    let (out, cache, ply, csv) = (at("a.exr"), at("a.cache"), at("a.ply"), at("a.csv"));
+    let output = run(&[
+        "-o",
+        &out,
+        "--show",
+        show,
+        "--cache-out",
+        &cache,
+        "--records-out",
+        &ply,
+        "--error",
+        "bounded",
+    ]);
+    assert!(output.status.success(), "{}", text(&output));
+    let mut expected = [
+        "a.cache",
+        "a.exr",
+        "a.octree-slice.png",
+        "a.octree.png",
+        "a.ply",
+        "a.png",
+        "a.records.png",
+        "a.validity.png",
+        "a.weights.png",
+    ];
+    expected.sort_unstable();
+    assert_eq!(files(folder.path()), expected);
+    let layers = read_exr(Path::new(&out)).expect("an EXR");
+    for name in ["Records.radius", "Weights.w", "Octree.G", "Octree-slice.R", "Validity.B"] {
+        assert!(layers.channel(name).is_some(), "no layer {name}");
+    }
+    // The cache serves a second run, which makes no record and the same picture.
+    let (second, stats) = (at("b.exr"), at("b.json"));
+    let output = run(&[
+        "-o",
+        &second,
+        "--cache-in",
+        &cache,
+        "--records-out",
+        &csv,
+        "--stats",
+        &stats,
+        "--error",
+        "bounded",
+    ]);
+    assert!(output.status.success(), "{}", text(&output));
+    assert!(std::fs::read_to_string(stats).expect("statistics").contains("\"records_made\": 0.0"));
+    let again = read_exr(Path::new(&second)).expect("an EXR");
+    assert_eq!(layers.channel("G"), again.channel("G"));
+    let rows = std::fs::read_to_string(csv).expect("a table").lines().count();
+    assert!(
+        rows > 10 && layers.channel("Records.radius").expect("a layer").len() == 24 * 24,
+        "{rows}"
+    );
+}
+
+#[test]
+fn caches_that_cannot_be_used_are_one_clear_error_and_status_2() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let (cache, broken, out) = (at("a.cache"), at("b.cache"), at("c.exr"));
+    let made = run(&["-o", &at("a.exr"), "--cache-out", &cache]);
+    assert!(made.status.success(), "{}", text(&made));
+    let mut bytes = std::fs::read(&cache).expect("a cache");
+    bytes[8] = 99;
+    std::fs::write(&broken, bytes).expect("written");
+    let before = files(folder.path());
+    let glossy = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/cornell-glossy.xml");
+    let other = Command::new(env!("CARGO_BIN_EXE_irrcache"))
+        .args([glossy, "-o", &out, "--cache-in", &cache, "-q"])
+        .output()
+        .expect("it runs");
+    let cases = [
+        (other, "another scene"),
+        (run(&["-o", &out, "--cache-in", &broken]), "version 99"),
+        (run(&["-o", &out, "--cache-in", &at("nowhere")]), "nowhere"),
+        (run(&["-o", &out, "--cache-in", &cache, "--accuracy", "0.3"]), "--accuracy 0.1"),
+        (run(&["-o", &out, "--cache-in", &cache, "--bounces", "2"]), "--bounces path"),
+        (run(&["-o", &out, "--accuracy", "0"]), "above 0"),
+        (run(&["-o", &out, "--rays", "3"]), "8.."),
+        (run(&["-o", &out, "--min-spacing", "9", "--max-spacing", "5"]), "--min-spacing"),
+        (run(&["-o", &out, "--cache-out", &out]), "overwrite"),
+        (run(&["-o", &out, "-D", "gi.irrcache.cache_out=x"]), "cannot set"),
+        (run(&["-o", &out, "--show", "nothing"]), "octree-slice"),
+    ];
+    for (output, says) in cases {
+        let text = text(&output);
+        assert_eq!(output.status.code(), Some(2), "{says}: {text}");
+        assert!(text.contains(says) && !text.contains("panicked"), "\"{says}\" is not in:\n{text}");
+    }
+    assert_eq!(files(folder.path()), before, "something was left half-written");
+}
+
+#[test]
+fn presets_of_the_scene_are_defaults() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let stats = folder.path().join("s.json");
+    let stats = stats.to_str().expect("UTF-8");
+    let out = folder.path().join("p.exr");
+    let records = |preset: &str| {
+        let output = run(&[
+            "-o",
+            out.to_str().expect("UTF-8"),
+            "-D",
+            preset,
+            "--stats",
+            stats,
+            "--error",
+            "bounded",
+        ]);
+        assert!(output.status.success(), "{}", text(&output));
+        let text = std::fs::read_to_string(stats).expect("statistics");
+        let (_, rest) = text.split_once("\"records\": ").expect("a number of records");
+        rest.split(',').next().expect("a number").trim().parse::<f64>().expect("a number")
+    };
+    assert!(records("gi.irrcache.accuracy=0.1") > 1.2 * records("gi.irrcache.accuracy=0.5"));
+}
