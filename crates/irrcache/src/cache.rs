@@ -1,9 +1,11 @@
-//! The cache: records in an octree, and irradiance interpolated from those near enough [slide 11].
+//! The cache: records in an octree, and those near enough to a point weighed [slide 11]. It knows where records stand,
+//! not what they hold.
 
 use gi_core::math::{Bounds, Rgb};
 
 use crate::octree::Octree;
-use crate::record::{Gradients, Query, Record};
+use crate::record::{Gradients, Record};
+use crate::site::{Query, Site, Sited};
 
 /// How much a record counts for among others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,35 +16,33 @@ pub enum Weights {
     Smooth,
 }
 
-/// What interpolation does with the records.
+/// How records near a point are chosen and weighed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Interpolation {
+pub struct Weighing {
     /// The accuracy a.
     pub accuracy: f32,
-    /// Which gradients are followed.
-    pub gradients: Gradients,
     /// How records are weighed.
     pub weights: Weights,
     /// How fast the radii of neighbours may differ, per distance; `None` leaves them alone.
     pub slope: Option<f32>,
 }
 
-/// Records of irradiance, ready for lookups.
+/// Records, ready for lookups.
 #[derive(Clone, Debug)]
-pub struct Cache {
-    records: Vec<Record>,
+pub struct Cache<R> {
+    records: Vec<R>,
     tree: Octree,
-    how: Interpolation,
+    how: Weighing,
 }
 
-impl Cache {
+impl<R: Sited> Cache<R> {
     /// An empty cache for a scene in `bounds`.
-    pub fn new(bounds: Bounds, how: Interpolation) -> Self {
+    pub fn new(bounds: Bounds, how: Weighing) -> Self {
         Cache { records: Vec::new(), tree: Octree::new(bounds), how }
     }
 
     /// All records, in the order of insertion.
-    pub fn records(&self) -> &[Record] {
+    pub fn records(&self) -> &[R] {
         &self.records
     }
 
@@ -51,49 +51,43 @@ impl Cache {
         &self.tree
     }
 
-    /// How records are interpolated.
-    pub fn interpolation(&self) -> &Interpolation {
+    /// How records are weighed.
+    pub fn weighing(&self) -> &Weighing {
         &self.how
     }
 
     /// Put a record in. Neighbours limit its radii, and it theirs: no radius is larger than a neighbour's by more than the
     /// distance allows \[Krivanek06\].
-    pub fn insert(&mut self, mut record: Record) {
+    pub fn insert(&mut self, mut record: R) {
         if let Some(slope) = self.how.slope {
-            let allowed = self.tree.cone_at(record.p, slope).max(record.least);
-            record.limit(allowed);
+            let site = record.site_mut();
+            site.limit(self.tree.cone_at(site.p, slope).max(site.least));
             let Cache { records, tree, .. } = self;
             let mut lowered = Vec::new();
-            tree.lower(
-                record.p,
-                record.reach(),
-                slope,
-                &|id| records[id as usize].least,
-                &mut |id, r| {
-                    lowered.push((id, r));
-                },
-            );
-            lowered.into_iter().for_each(|(id, r)| records[id as usize].limit(r));
+            let least = |id: u32| records[id as usize].site().least;
+            tree.lower(site.p, site.reach(), slope, &least, &mut |id, r| lowered.push((id, r)));
+            lowered.into_iter().for_each(|(id, r)| records[id as usize].site_mut().limit(r));
         }
-        self.tree.insert(record.p, record.reach());
+        let site = record.site();
+        self.tree.insert(site.p, site.reach());
         self.records.push(record);
     }
 
-    /// Irradiance at `q` from the records that are good for it, their error `slack` times larger than allowed at most:
-    /// E = sum w_i E_i / sum w_i [slide 11]. `sees` is asked last whether nothing stands between a record and `q`.
-    /// `None` where no record is good.
+    /// Call `take` with every record that is good for `q`, its error `slack` times larger than allowed at most, and
+    /// with its weight. `sees` is asked last whether nothing stands between the record and `q`.
     #[inline]
-    pub fn irradiance(
+    pub fn weigh(
         &self,
         q: &Query,
         slack: f32,
-        mut sees: impl FnMut(&Record) -> bool,
-    ) -> Option<Rgb> {
-        let (mut sum, mut weights) = (Rgb::BLACK, 0.0);
+        mut sees: impl FnMut(&Site) -> bool,
+        mut take: impl FnMut(&R, f32),
+    ) {
         self.tree.visit(q.p, slack, |id| {
             let record = &self.records[id as usize];
-            let error = record.error(q, self.how.accuracy) / slack;
-            if !(error < 1.0) || record.is_in_front_of(q) || !sees(record) {
+            let site = record.site();
+            let error = site.error(q, self.how.accuracy) / slack;
+            if error >= 1.0 || site.is_in_front_of(q) || !sees(site) {
                 return;
             }
             let weight = match self.how.weights {
@@ -101,7 +95,25 @@ impl Cache {
                 // At the record itself w has no bound, and it alone counts.
                 Weights::Lecture => 1.0 / error.max(HOME),
             };
-            sum += record.extrapolate(q, self.how.gradients) * weight;
+            take(record, weight);
+        });
+    }
+}
+
+impl Cache<Record> {
+    /// Irradiance at `q` from the records that are good for it: E = sum w_i E_i / sum w_i [slide 11]; see
+    /// [`Cache::weigh`]. `None` where no record is good.
+    #[inline]
+    pub fn irradiance(
+        &self,
+        q: &Query,
+        gradients: Gradients,
+        slack: f32,
+        sees: impl FnMut(&Site) -> bool,
+    ) -> Option<Rgb> {
+        let (mut sum, mut weights) = (Rgb::BLACK, 0.0);
+        self.weigh(q, slack, sees, |record, weight| {
+            sum += record.extrapolate(q, gradients) * weight;
             weights += weight;
         });
         // Gradients may lead below zero.
@@ -110,7 +122,7 @@ impl Cache {
 
     /// The weight w_j of record `j` at `q` in the lecture's units, 1 / error [slide 11].
     pub fn lecture_weight(&self, j: usize, q: &Query) -> f32 {
-        1.0 / (self.records[j].error(q, self.how.accuracy) * self.how.accuracy)
+        1.0 / (self.records[j].site.error(q, self.how.accuracy) * self.how.accuracy)
     }
 }
 
@@ -126,21 +138,13 @@ mod tests {
 
     fn record(p: Vec3, e: Rgb, radius: f32) -> Record {
         let gradient = Gradient::default();
-        Record {
-            e,
-            n: Vec3::Z,
-            p,
-            radii: [radius; 2],
-            axis: Vec3::X,
-            least: 0.0,
-            clear: 1.0,
-            rotational: gradient,
-            translational: gradient,
-        }
+        let site =
+            Site { n: Vec3::Z, p, radii: [radius; 2], axis: Vec3::X, least: 0.0, clear: 1.0 };
+        Record { e, site, rotational: gradient, translational: gradient }
     }
 
-    fn cache(weights: Weights, slope: Option<f32>) -> Cache {
-        let how = Interpolation { accuracy: 0.1, gradients: Gradients::Both, weights, slope };
+    fn cache(weights: Weights, slope: Option<f32>) -> Cache<Record> {
+        let how = Weighing { accuracy: 0.1, weights, slope };
         Cache::new(Bounds { min: Vec3::ZERO, max: Vec3::ONE }, how)
     }
 
@@ -154,13 +158,17 @@ mod tests {
             let mut one = cache(weights, None);
             let e = Rgb::new(1.0, 2.0, 3.0);
             one.insert(record(Vec3::splat(0.5), e, 0.2));
-            assert_eq!(one.irradiance(&at(Vec3::splat(0.5)), 1.0, |_| true), Some(e));
+            assert_eq!(
+                one.irradiance(&at(Vec3::splat(0.5)), Gradients::Both, 1.0, |_| true),
+                Some(e)
+            );
             let mut many = cache(weights, None);
             let mut rng = Pcg::new(1, 0);
             let mut point = || Vec3::new(rng.next_f32(), rng.next_f32(), 0.5);
             (0..400).for_each(|_| many.insert(record(point(), e, 0.15)));
             for _ in 0..200 {
-                let found = many.irradiance(&at(point()), 1.0, |_| true).expect("covered");
+                let found =
+                    many.irradiance(&at(point()), Gradients::Both, 1.0, |_| true).expect("covered");
                 assert!((found.g - 2.0).abs() < 1e-5, "{found:?}");
             }
         }
@@ -171,7 +179,8 @@ mod tests {
         let mut c = cache(Weights::Lecture, None);
         c.insert(record(Vec3::splat(0.5), Rgb::WHITE, 0.2));
         c.insert(record(Vec3::new(0.6, 0.5, 0.5), Rgb::grey(9.0), 0.2));
-        let e = c.irradiance(&at(Vec3::splat(0.5)), 1.0, |_| true).expect("covered");
+        let e =
+            c.irradiance(&at(Vec3::splat(0.5)), Gradients::Both, 1.0, |_| true).expect("covered");
         assert!((e.g - 1.0).abs() < 1e-4, "{e:?}");
     }
 
@@ -187,13 +196,13 @@ mod tests {
             let q = at(Vec3::new(rng.next_f32(), rng.next_f32(), 0.5));
             let (mut sum, mut weights) = (0.0f64, 0.0f64);
             for r in c.records() {
-                let error = r.error(&q, 0.1);
-                if error < 1.0 && !r.is_in_front_of(&q) {
+                let error = r.site.error(&q, 0.1);
+                if error < 1.0 && !r.site.is_in_front_of(&q) {
                     sum += f64::from(1.0 - error) * f64::from(r.e.g);
                     weights += f64::from(1.0 - error);
                 }
             }
-            match c.irradiance(&q, 1.0, |_| true) {
+            match c.irradiance(&q, Gradients::Both, 1.0, |_| true) {
                 Some(e) => assert!((f64::from(e.g) - sum / weights).abs() < 1e-5),
                 None => assert_eq!(weights, 0.0),
             }
@@ -205,13 +214,13 @@ mod tests {
         let mut c = cache(Weights::Smooth, None);
         c.insert(record(Vec3::splat(0.5), Rgb::WHITE, 0.2));
         let home = Vec3::splat(0.5);
-        let turned = |n: Vec3| c.irradiance(&Query { p: home, n }, 1.0, |_| true);
+        let turned = |n: Vec3| c.irradiance(&Query { p: home, n }, Gradients::Both, 1.0, |_| true);
         assert!(turned(Vec3::new(0.05, 0.0, 1.0).normalize()).is_some());
         assert!(turned(Vec3::X).is_none() && turned(-Vec3::Z).is_none());
         // Beneath the record's plane: a lower step, which the record's surface may shade.
-        assert!(c.irradiance(&at(home - Vec3::Z * 0.05), 1.0, |_| true).is_none());
-        assert!(c.irradiance(&at(home + Vec3::Z * 0.05), 1.0, |_| true).is_some());
-        assert!(c.irradiance(&at(home), 1.0, |_| false).is_none(), "hidden");
+        assert!(c.irradiance(&at(home - Vec3::Z * 0.05), Gradients::Both, 1.0, |_| true).is_none());
+        assert!(c.irradiance(&at(home + Vec3::Z * 0.05), Gradients::Both, 1.0, |_| true).is_some());
+        assert!(c.irradiance(&at(home), Gradients::Both, 1.0, |_| false).is_none(), "hidden");
     }
 
     #[test]
@@ -223,14 +232,14 @@ mod tests {
         for order in [[near, far], [far, near]] {
             let mut c = cache(Weights::Smooth, Some(0.1));
             order.into_iter().for_each(|r| c.insert(r));
-            let mut radii: Vec<f32> = c.records().iter().map(Record::reach).collect();
+            let mut radii: Vec<f32> = c.records().iter().map(|r| r.site.reach()).collect();
             radii.sort_by(f32::total_cmp);
             assert_eq!(radii[0], 0.02);
             assert!((radii[1] - 0.05).abs() < 1e-6, "0.02 + 0.1 * 0.3, not {}", radii[1]);
         }
         let mut c = cache(Weights::Smooth, Some(0.1));
-        c.insert(Record { least: 0.1, ..far });
+        c.insert(Record { site: Site { least: 0.1, ..far.site }, ..far });
         c.insert(near);
-        assert_eq!(c.records()[0].reach(), 0.1, "not below what the picture asks for");
+        assert_eq!(c.records()[0].site.reach(), 0.1, "not below what the picture asks for");
     }
 }

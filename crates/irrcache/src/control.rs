@@ -75,8 +75,8 @@ impl Control {
                 let limit = if steepest > 0.0 { e.mean() / steepest } else { f32::INFINITY };
                 round(self.accuracy * self.sphere(h).min(limit))
             }
-            ErrorControl::HessianGeometric => self.from_hessian(geometric(h), e, unit),
-            ErrorControl::HessianOcclusion => self.from_hessian(occlusion(h).1, e, unit),
+            ErrorControl::HessianGeometric => self.by_hessian(geometric(h), e, unit),
+            ErrorControl::HessianOcclusion => self.by_hessian(occlusion(h).1, e, unit),
         }
     }
 
@@ -89,7 +89,7 @@ impl Control {
 
     /// The ellipse over which the integral of 1/2 |x' H x| is what is allowed: radii (4 error / (pi |eigenvalue|))^(1/4)
     /// \[Schwarzhaupt12, eq. 5\].
-    fn from_hessian(&self, h: Hessian, e: Rgb, unit: f32) -> Validity {
+    fn by_hessian(&self, h: Hessian, e: Rgb, unit: f32) -> Validity {
         let ([large, small], axis) = eigen(h);
         let allowed = self.accuracy * HESSIAN_SCALE * unit * unit * e.mean();
         let radius = |eigenvalue: f64| {

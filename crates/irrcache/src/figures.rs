@@ -9,7 +9,8 @@ use gi_core::technique::{Picture, Setting};
 use glam::{Vec2, Vec3};
 
 use crate::cache::Cache;
-use crate::record::{Query, Record};
+use crate::record::Record;
+use crate::site::{Query, Site};
 
 /// Pictures that may be asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,7 +29,7 @@ pub enum Figure {
 
 impl Figure {
     /// Draw.
-    pub fn draw(self, setting: &Setting, cache: &Cache, film: &Film) -> Picture {
+    pub fn draw(self, setting: &Setting, cache: &Cache<Record>, film: &Film) -> Picture {
         let named = |name: &str, view| Picture { name: name.into(), channels: Vec::new(), view };
         match self {
             Figure::Records => records(setting, cache, film),
@@ -47,27 +48,27 @@ fn background(film: &Film, brightness: f32) -> Canvas {
 }
 
 /// Places in the picture of the records that it shows.
-fn visible<'c>(setting: &Setting, cache: &'c Cache) -> Vec<(&'c Record, Vec2)> {
-    let place = |r: &'c Record| Some((r, seen_at(setting.scene, setting.camera, r.p, r.n)?));
-    cache.records().iter().filter_map(place).collect()
+fn visible<'c>(setting: &Setting, cache: &'c Cache<Record>) -> Vec<(&'c Site, Vec2)> {
+    let place = |s: &'c Site| Some((s, seen_at(setting.scene, setting.camera, s.p, s.n)?));
+    cache.records().iter().map(|r| &r.site).filter_map(place).collect()
 }
 
 /// Colours for radii, from the smallest (0) to the largest (1), on a logarithmic scale.
-fn scale(records: &[(&Record, Vec2)]) -> impl Fn(f32) -> f32 + use<> {
-    let reach = || records.iter().map(|(r, _)| r.reach());
+fn scale(sites: &[(&Site, Vec2)]) -> impl Fn(f32) -> f32 + use<> {
+    let reach = || sites.iter().map(|(s, _)| s.reach());
     let (low, high) = (reach().fold(f32::INFINITY, f32::min), reach().fold(0.0, f32::max));
     move |r| if high > low { (r / low).ln() / (high / low).ln() } else { 1.0 }
 }
 
-fn records(setting: &Setting, cache: &Cache, film: &Film) -> Picture {
+fn records(setting: &Setting, cache: &Cache<Record>, film: &Film) -> Picture {
     let mut canvas = background(film, 0.35);
     let shown = visible(setting, cache);
     let of_radius = scale(&shown);
     let [w, h] = film.size();
     let mut radius = vec![0.0; w * h];
-    for (record, at) in &shown {
-        canvas.disc(*at, dot(film), viridis(of_radius(record.reach())));
-        radius[(at.y as usize).min(h - 1) * w + (at.x as usize).min(w - 1)] = record.reach();
+    for (site, at) in &shown {
+        canvas.disc(*at, dot(film), viridis(of_radius(site.reach())));
+        radius[(at.y as usize).min(h - 1) * w + (at.x as usize).min(w - 1)] = site.reach();
     }
     let channels = vec![("radius".to_string(), radius)];
     Picture { name: "records".into(), channels, view: canvas.into_pixels() }
@@ -81,19 +82,18 @@ fn dot(film: &Film) -> f32 {
 /// Corners of the polygon that stands for an ellipse.
 const CORNERS: usize = 32;
 
-fn validity(setting: &Setting, cache: &Cache, film: &Film) -> Vec<Rgb> {
+fn validity(setting: &Setting, cache: &Cache<Record>, film: &Film) -> Vec<Rgb> {
     let mut canvas = background(film, 0.35);
     let shown = visible(setting, cache);
     let of_radius = scale(&shown);
-    for (record, _) in &shown {
-        let across = record.n.cross(record.axis);
+    for (site, _) in &shown {
+        let across = site.n.cross(site.axis);
         let corner = |k: usize| {
             let (sin, cos) = (2.0 * PI * k as f32 / CORNERS as f32).sin_cos();
-            let p =
-                record.p + record.axis * (record.radii[0] * cos) + across * (record.radii[1] * sin);
+            let p = site.p + site.axis * (site.radii[0] * cos) + across * (site.radii[1] * sin);
             project(setting, p)
         };
-        let colour = viridis(of_radius(record.reach()));
+        let colour = viridis(of_radius(site.reach()));
         for k in 0..CORNERS {
             if let (Some(a), Some(b)) = (corner(k), corner(k + 1)) {
                 canvas.line(a, b, 0.5 * dot(film), colour);
@@ -109,7 +109,7 @@ fn project(setting: &Setting, p: Vec3) -> Option<Vec2> {
     setting.camera.connect(p, [0.5; 2], margin).map(|c| Vec2::from_array(c.film))
 }
 
-fn octree(setting: &Setting, cache: &Cache, film: &Film) -> Vec<Rgb> {
+fn octree(setting: &Setting, cache: &Cache<Record>, film: &Film) -> Vec<Rgb> {
     let mut canvas = background(film, 0.35);
     for cell in cache.tree().cells() {
         let corner = |k: usize| {
@@ -131,7 +131,7 @@ fn octree(setting: &Setting, cache: &Cache, film: &Film) -> Vec<Rgb> {
     canvas.into_pixels()
 }
 
-fn octree_slice(setting: &Setting, cache: &Cache, film: &Film) -> Vec<Rgb> {
+fn octree_slice(setting: &Setting, cache: &Cache<Record>, film: &Film) -> Vec<Rgb> {
     let [w, h] = film.size();
     let mut canvas = Canvas::over([w, h], vec![Rgb::WHITE; w * h]);
     let Bounds { min, max } = setting.scene.bounds();
@@ -153,9 +153,9 @@ fn octree_slice(setting: &Setting, cache: &Cache, film: &Film) -> Vec<Rgb> {
             canvas.line(corners[k], corners[(k + 1) % 4], 1.0, Rgb::grey(0.2));
         }
         for r in cache.records() {
-            let inside = r.p.cmpge(min).all() && r.p.cmple(max).all();
-            if inside {
-                canvas.disc(at(r.p), 1.5 * dot(film), Rgb::new(0.7, 0.05, 0.02));
+            let p = r.site.p;
+            if p.cmpge(min).all() && p.cmple(max).all() {
+                canvas.disc(at(p), 1.5 * dot(film), Rgb::new(0.7, 0.05, 0.02));
             }
         }
     }
@@ -163,10 +163,10 @@ fn octree_slice(setting: &Setting, cache: &Cache, film: &Film) -> Vec<Rgb> {
 }
 
 /// The record that is seen nearest to the picture's middle.
-fn middle_record(setting: &Setting, cache: &Cache, film: &Film) -> Option<usize> {
+fn middle_record(setting: &Setting, cache: &Cache<Record>, film: &Film) -> Option<usize> {
     let middle = Vec2::from_array(film.size().map(|n| 0.5 * n as f32));
     let distance = |r: &Record| {
-        let at = seen_at(setting.scene, setting.camera, r.p, r.n)?;
+        let at = seen_at(setting.scene, setting.camera, r.site.p, r.site.n)?;
         Some((at - middle).length())
     };
     let records = cache.records().iter().enumerate();
@@ -174,10 +174,10 @@ fn middle_record(setting: &Setting, cache: &Cache, film: &Film) -> Option<usize>
     seen.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(j, _)| j)
 }
 
-fn weights(setting: &Setting, cache: &Cache, film: &Film) -> Picture {
+fn weights(setting: &Setting, cache: &Cache<Record>, film: &Film) -> Picture {
     let [w, h] = film.size();
     let mut weight = vec![0.0f32; w * h];
-    let least = 1.0 / cache.interpolation().accuracy;
+    let least = 1.0 / cache.weighing().accuracy;
     if let Some(j) = middle_record(setting, cache, film) {
         for (i, weight) in weight.iter_mut().enumerate() {
             let film_point = [(i % w) as f32 + 0.5, (i / w) as f32 + 0.5];
@@ -191,7 +191,8 @@ fn weights(setting: &Setting, cache: &Cache, film: &Film) -> Picture {
     // Two decades round the least that counts, which is white where it is crossed.
     let good = |i: usize| weight[i] > least;
     let colour = |i: usize| {
-        let edge = (i % w > 0 && good(i) != good(i - 1)) || (i >= w && good(i) != good(i - w));
+        let edge =
+            (!i.is_multiple_of(w) && good(i) != good(i - 1)) || (i >= w && good(i) != good(i - w));
         if edge { Rgb::WHITE } else { viridis(0.5 + 0.5 * (weight[i].max(1e-9) / least).log10()) }
     };
     let view = (0..w * h).map(colour).collect();

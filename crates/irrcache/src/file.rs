@@ -5,6 +5,7 @@ use glam::Vec3;
 
 use crate::gradients::Gradient;
 use crate::record::Record;
+use crate::site::Site;
 
 /// First bytes of the file.
 const MAGIC: &[u8; 8] = b"gilab-ic";
@@ -113,11 +114,12 @@ impl<'a> Reader<'a> {
 fn floats(r: &Record) -> [f32; FLOATS] {
     let mut out = Vec::with_capacity(FLOATS);
     out.extend(r.e.to_array());
-    for v in [r.n, r.p, r.axis] {
+    let Site { n, p, radii, axis, least, clear } = r.site;
+    for v in [n, p, axis] {
         out.extend(v.to_array());
     }
-    out.extend(r.radii);
-    out.extend([r.least, r.clear]);
+    out.extend(radii);
+    out.extend([least, clear]);
     for g in [&r.rotational, &r.translational] {
         g.0.iter().for_each(|v| out.extend(v.to_array()));
     }
@@ -127,17 +129,16 @@ fn floats(r: &Record) -> [f32; FLOATS] {
 fn record(floats: &[f32; FLOATS]) -> Record {
     let v = |k: usize| Vec3::new(floats[k], floats[k + 1], floats[k + 2]);
     let gradient = |k: usize| Gradient([v(k), v(k + 3), v(k + 6)]);
-    Record {
-        e: Rgb::from(v(0).to_array()),
+    let site = Site {
         n: v(3),
         p: v(6),
         axis: v(9),
         radii: [floats[12], floats[13]],
         least: floats[14],
         clear: floats[15],
-        rotational: gradient(16),
-        translational: gradient(25),
-    }
+    };
+    let e = Rgb::from(v(0).to_array());
+    Record { e, site, rotational: gradient(16), translational: gradient(25) }
 }
 
 /// FNV-1a, 64 bits: against damage, not against malice.
@@ -153,8 +154,8 @@ pub fn to_csv(records: &[Record]) -> String {
         String::from("x,y,z,nx,ny,nz,e_r,e_g,e_b,radius_u,radius_v,clear,grad_x,grad_y,grad_z\n");
     for r in records {
         let g = r.translational.0.iter().sum::<Vec3>() / 3.0;
-        let numbers = [r.p.to_array(), r.n.to_array(), r.e.to_array()].concat();
-        let more = [r.radii[0], r.radii[1], r.clear, g.x, g.y, g.z];
+        let numbers = [r.site.p.to_array(), r.site.n.to_array(), r.e.to_array()].concat();
+        let more = [r.site.radii[0], r.site.radii[1], r.site.clear, g.x, g.y, g.z];
         let row: Vec<String> = numbers.iter().chain(&more).map(f32::to_string).collect();
         out += &row.join(",");
         out.push('\n');
@@ -173,8 +174,8 @@ pub fn to_ply(records: &[Record]) -> Vec<u8> {
     let mut out = out.into_bytes();
     let brightest = records.iter().map(|r| r.e.max()).fold(f32::MIN_POSITIVE, f32::max);
     for r in records {
-        let numbers = [r.p.to_array(), r.n.to_array(), r.e.to_array()].concat();
-        numbers.iter().chain([&r.reach()]).for_each(|f| out.extend(f.to_le_bytes()));
+        let numbers = [r.site.p.to_array(), r.site.n.to_array(), r.e.to_array()].concat();
+        numbers.iter().chain([&r.site.reach()]).for_each(|f| out.extend(f.to_le_bytes()));
         let byte = |c: f32| ((c / brightest).powf(1.0 / 2.2) * 255.0 + 0.5) as u8;
         out.extend(r.e.to_array().map(byte));
     }

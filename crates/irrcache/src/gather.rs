@@ -15,7 +15,8 @@ use glam::Vec3;
 use crate::control::Control;
 use crate::gradients::{rotational, translational};
 use crate::hemisphere::{Hemisphere, Seen, Strata};
-use crate::record::{Query, Record};
+use crate::record::Record;
+use crate::site::{Query, RELAXED, Site};
 
 /// A point that wants a record.
 #[derive(Clone, Copy, Debug)]
@@ -75,18 +76,17 @@ impl<'a> Gatherer<'a> {
             [0.0, unit]
         };
         let radii = validity.radii.map(|r| r.min(most).max(least));
-        let gradient = gradient.limited(e, radii[0].max(radii[1]));
-        Record {
-            e,
+        let gradient = gradient.limited(e, RELAXED * radii[0].max(radii[1]));
+        let site = Site {
             n: place.n,
             p: place.surface.p,
             radii,
             axis: frame.to_world(validity.axis),
             least,
             clear: h.nearest(),
-            rotational: rotational(&h).to_world(&frame),
-            translational: gradient.to_world(&frame),
-        }
+        };
+        let rotational = rotational(&h).to_world(&frame);
+        Record { e, site, rotational, translational: gradient.to_world(&frame) }
     }
 
     /// Tangents turned by a random angle, so that the borders of strata do not line up from record to record.
@@ -138,12 +138,12 @@ const SURELY_CLEAR: f32 = 0.5;
 
 /// Whether nothing stands between a record and the query: the guard against light that leaks under thin walls and round
 /// corners. Lengths are relative to the distance between the two.
-pub fn sees(scene: &Scene, record: &Record, q: &Query) -> bool {
-    let distance = (record.p - q.p).length();
-    if distance <= SURELY_CLEAR * record.clear {
+pub fn sees(scene: &Scene, site: &Site, q: &Query) -> bool {
+    let distance = (site.p - q.p).length();
+    if distance <= SURELY_CLEAR * site.clear {
         return true;
     }
     let lifted = |p: Vec3, n: Vec3| p + n * (LIFT * distance);
-    let (a, b) = (lifted(q.p, q.n), lifted(record.p, record.n));
+    let (a, b) = (lifted(q.p, q.n), lifted(site.p, site.n));
     !scene.tree().occluded(&Ray { o: a, tmin: 0.0, d: b - a, tmax: 1.0 })
 }

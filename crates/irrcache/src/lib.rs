@@ -26,89 +26,31 @@ pub mod gradients;
 pub mod hemisphere;
 pub mod hessian;
 pub mod octree;
+mod overture;
+mod params;
 pub mod record;
+pub mod site;
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-use gi_core::eye::{Answered, EyePath, EyeVertex, PathLimits, Supplied, nothing};
+use gi_core::eye::{Answered, EyePath, EyeVertex, Supplied};
 use gi_core::film::{Film, Show};
 use gi_core::math::{INV_PI, Rgb};
-use gi_core::rng::hash_words;
 use gi_core::technique::{Picture, Setting, Technique};
-use rayon::prelude::*;
 
-use cache::{Cache, Interpolation, Weights};
-use control::{Control, ErrorControl, SphereRadius};
-use figures::Figure;
+use cache::{Cache, Weighing};
 use file::SavedCache;
-use fill::{coarse_to_fine, in_rounds, scattered};
-use gather::{Gatherer, Place, sees};
-use hemisphere::Strata;
-use record::{Gradients, Query};
-
-/// The knobs.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Params {
-    /// How long paths may be.
-    pub limits: PathLimits,
-    /// Rays of a record.
-    pub rays: u32,
-    /// The accuracy a, relative.
-    pub accuracy: f32,
-    /// Levels of caches; `None` lets gather rays go on as paths.
-    pub bounces: Option<u32>,
-    /// The split sphere's length.
-    pub radius: SphereRadius,
-    /// What the error is estimated by.
-    pub error: ErrorControl,
-    /// Smallest radius of a record, pixels.
-    pub min_spacing: f32,
-    /// Largest radius of a record, pixels; 0 is the scene's radius.
-    pub max_spacing: f32,
-    /// Whether the radii of neighbours limit each other.
-    pub neighbour_clamping: bool,
-    /// Whether a ray looks for walls between a record and where it is used.
-    pub leak_guard: bool,
-    /// Which gradients are followed.
-    pub gradients: Gradients,
-    /// How records are weighed.
-    pub weights: Weights,
-    /// A cache to begin with.
-    pub cache: Option<SavedCache>,
-    /// What to draw.
-    pub figures: Vec<Figure>,
-}
-
-impl Default for Params {
-    fn default() -> Self {
-        Params {
-            limits: PathLimits::default(),
-            rays: 1000,
-            accuracy: 0.1,
-            bounces: None,
-            radius: SphereRadius::Harmonic,
-            error: ErrorControl::HessianOcclusion,
-            min_spacing: 3.0,
-            max_spacing: 40.0,
-            neighbour_clamping: true,
-            leak_guard: true,
-            gradients: Gradients::Both,
-            weights: Weights::Smooth,
-            cache: None,
-            figures: Vec::new(),
-        }
-    }
-}
-
-/// How many times less accurate than allowed a record may be where no better one is found.
-const RELAXED: f32 = 2.0;
+use gather::sees;
+pub use params::Params;
+use record::Record;
+use site::{Query, RELAXED};
 
 /// Irradiance caching.
 pub struct IrradianceCaching<'a> {
     setting: Setting<'a>,
     params: Params,
     /// The cache that the eye sees, then those that gather rays of the one before see.
-    levels: Vec<Cache>,
+    levels: Vec<Cache<Record>>,
     read: usize,
     relaxed: AtomicU64,
     failed: AtomicU64,
@@ -145,7 +87,7 @@ impl<'a> Technique<'a> for IrradianceCaching<'a> {
         let rays: usize = (0..self.levels.len())
             .map(|k| self.levels[k].records().len() * self.gatherer(k).strata.count())
             .sum();
-        let radii = first.records().iter().map(|r| f64::from(r.reach()));
+        let radii = first.records().iter().map(|r| f64::from(r.site.reach()));
         let mut all = vec![
             ("records".to_string(), first.records().len() as f64),
             ("records_made".to_string(), made as f64),
@@ -174,12 +116,6 @@ impl<'a> Technique<'a> for IrradianceCaching<'a> {
 
 impl<'a> IrradianceCaching<'a> {
     fn empty(setting: Setting<'a>, params: &Params) -> Self {
-        let how = Interpolation {
-            accuracy: params.accuracy,
-            gradients: params.gradients,
-            weights: params.weights,
-            slope: None,
-        };
         let count = params.bounces.unwrap_or(1).max(1);
         let mut technique = IrradianceCaching {
             setting,
@@ -193,120 +129,10 @@ impl<'a> IrradianceCaching<'a> {
             let control = technique.gatherer(k).control;
             let clamped = params.neighbour_clamping && control.has_limits();
             let slope = clamped.then(|| control.slope());
-            let how = Interpolation { accuracy: control.accuracy, slope, ..how };
+            let how = Weighing { accuracy: control.accuracy, weights: params.weights, slope };
             technique.levels.push(Cache::new(setting.scene.bounds(), how));
         }
         technique
-    }
-
-    /// How records of a level are made. Each level is seen through the one before, and may be coarser by as much: half the
-    /// rays, half again the error, twice the spacing.
-    fn gatherer(&self, level: usize) -> Gatherer<'a> {
-        let Params { rays, accuracy, min_spacing, max_spacing, .. } = self.params;
-        let pixel = self.setting.camera.pixel_width();
-        let coarser = 2f32.powi(level as i32);
-        let most = if max_spacing > 0.0 { max_spacing * pixel * coarser } else { f32::INFINITY };
-        Gatherer {
-            scene: self.setting.scene,
-            limits: self.params.limits,
-            seed: self.setting.seed,
-            strata: Strata::of((rays >> level.min(31)).max(FEWEST_RAYS.min(rays))),
-            control: Control {
-                error: self.params.error,
-                radius: self.params.radius,
-                accuracy: (accuracy * 1.5f32.powi(level as i32)).min(COARSEST.max(accuracy)),
-            },
-            spacing: [min_spacing * pixel * coarser, most],
-        }
-    }
-
-    /// Look at every pixel from coarse to fine.
-    fn overture(&mut self) {
-        let order = coarse_to_fine(self.setting.camera.size());
-        let mut levels = std::mem::take(&mut self.levels);
-        self.fill(&mut levels, 0, order.len(), |cache, k| self.missing_in_pixel(cache, order[k]));
-        self.levels = levels;
-    }
-
-    /// Where the path through a pixel asks for what no record is good for. It is the path of the first pass.
-    fn missing_in_pixel(&self, cache: &Cache, [x, y]: [u32; 2]) -> Vec<Place> {
-        let Setting { scene, camera, seed, .. } = self.setting;
-        let path = EyePath { scene, limits: self.params.limits, show: Show::Indirect };
-        let mut missing = Vec::new();
-        path.sample_pixel(camera, seed, [x as usize, y as usize], 0, &mut |v, _| {
-            let key = hash_words(&[y * camera.size()[0] as u32 + x, v.segments, v.rough]);
-            self.note_missing(cache, v, 0, key, &mut missing)
-        });
-        missing
-    }
-
-    /// Where the gather rays of a record ask the next level for what it does not have.
-    fn missing_round(&self, next: &Cache, level: usize, place: &Place) -> Vec<Place> {
-        let mut missing = Vec::new();
-        let mut count = 0;
-        self.gatherer(level - 1).record(place, &mut |v, _| {
-            count += 1;
-            let key = hash_words(&[place.key, level as u32, count]);
-            self.note_missing(next, v, level, key, &mut missing)
-        });
-        missing
-    }
-
-    /// A supplier that notes what is missing and ends the path.
-    fn note_missing(
-        &self,
-        cache: &Cache,
-        v: &EyeVertex,
-        level: usize,
-        key: u32,
-        missing: &mut Vec<Place>,
-    ) -> Option<Supplied> {
-        if !self.is_for_cache(v, level) {
-            return None;
-        }
-        let part = v.bsdf.diffuse_part(v.wo)?;
-        let surface = *v.surface;
-        let place = Place { surface, n: part.normal, segments: v.segments, length: v.length, key };
-        if self.lookup(cache, &place.query(), 1.0).is_none() {
-            missing.push(place);
-        }
-        let answered = Answered::Diffuse(part);
-        Some(Supplied { answered, indirect: Rgb::BLACK, caustic: None })
-    }
-
-    /// Fill the cache of a level, and those below it with what its gather rays will ask for.
-    fn fill(
-        &self,
-        levels: &mut [Cache],
-        level: usize,
-        points: usize,
-        ask: impl Fn(&Cache, usize) -> Vec<Place> + Sync,
-    ) {
-        let (this, deeper) = levels.split_first_mut().expect("a level");
-        in_rounds(this, points, ask, |this, places| {
-            if let Some(next) = deeper.first() {
-                let missing = |place| self.missing_round(next, level + 1, place);
-                let wanted: Vec<Place> = places.par_iter().flat_map_iter(missing).collect();
-                let order = scattered(wanted.len());
-                let ask: &(dyn Fn(&Cache, usize) -> Vec<Place> + Sync) = &|cache, k| {
-                    let place = wanted[order[k] as usize];
-                    let found = self.lookup(cache, &place.query(), 1.0);
-                    if found.is_none() { vec![place] } else { Vec::new() }
-                };
-                self.fill(deeper, level + 1, wanted.len(), ask);
-            }
-            let gatherer = self.gatherer(level);
-            let make = |place| match (deeper.first(), self.params.bounces) {
-                (None, None) => gatherer.record(place, &mut nothing),
-                // The deepest of the levels asked for sees direct light only.
-                (None, Some(_)) => gatherer.record(place, &mut |v, _| answer(v, Rgb::BLACK)),
-                (Some(next), _) => gatherer.record(place, &mut |v, _| {
-                    self.is_for_cache(v, level + 1).then(|| self.supply_from(next, v)).flatten()
-                }),
-            };
-            let records: Vec<_> = places.par_iter().with_max_len(1).map(make).collect();
-            records.into_iter().for_each(|record| this.insert(record));
-        });
     }
 
     /// What the cache knows of the indirect light at a vertex.
@@ -317,7 +143,7 @@ impl<'a> IrradianceCaching<'a> {
         self.supply_from(&self.levels[level], v)
     }
 
-    fn supply_from(&self, cache: &Cache, v: &EyeVertex) -> Option<Supplied> {
+    pub(crate) fn supply_from(&self, cache: &Cache<Record>, v: &EyeVertex) -> Option<Supplied> {
         let part = v.bsdf.diffuse_part(v.wo)?;
         let q = Query { p: v.surface.p, n: part.normal };
         let e = self.lookup(cache, &q, 1.0).or_else(|| {
@@ -332,16 +158,17 @@ impl<'a> IrradianceCaching<'a> {
 
     /// Whether records hold what a vertex wants. With a largest depth they hold the light of what is left of it where they
     /// were made; elsewhere paths go on. Where only one segment is left there is no indirect light.
-    fn is_for_cache(&self, v: &EyeVertex, level: usize) -> bool {
+    pub(crate) fn is_for_cache(&self, v: &EyeVertex, level: usize) -> bool {
         match self.params.limits.max_depth {
             None => true,
             Some(_) => v.segments == 1 + level as u32 && self.params.limits.goes_on(v.segments + 1),
         }
     }
 
-    fn lookup(&self, cache: &Cache, q: &Query, slack: f32) -> Option<Rgb> {
+    pub(crate) fn lookup(&self, cache: &Cache<Record>, q: &Query, slack: f32) -> Option<Rgb> {
         let scene = self.setting.scene;
-        cache.irradiance(q, slack, |record| !self.params.leak_guard || sees(scene, record, q))
+        let sees = |site: &site::Site| !self.params.leak_guard || sees(scene, site, q);
+        cache.irradiance(q, self.params.gradients, slack, sees)
     }
 
     /// Settings that shape what a record holds: those of a saved cache must be this run's.
@@ -387,19 +214,7 @@ impl<'a> IrradianceCaching<'a> {
     }
 
     /// The cache that the eye sees.
-    pub fn cache(&self) -> &Cache {
+    pub fn cache(&self) -> &Cache<Record> {
         &self.levels[0]
     }
 }
-
-/// A supplier that knows the irradiance.
-fn answer(v: &EyeVertex, e: Rgb) -> Option<Supplied> {
-    let part = v.bsdf.diffuse_part(v.wo)?;
-    let indirect = part.albedo * INV_PI * e;
-    Some(Supplied { answered: Answered::Diffuse(part), indirect, caustic: None })
-}
-
-/// Deeper levels do not have fewer rays than this.
-const FEWEST_RAYS: u32 = 64;
-/// Deeper levels are not less accurate than this.
-const COARSEST: f32 = 0.5;

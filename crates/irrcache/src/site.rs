@@ -1,0 +1,111 @@
+//! Where a record stands and how far it is good for: what records of any kind have, whatever they hold.
+
+use gi_core::math::safe_sqrt;
+use glam::Vec3;
+
+/// A place with its reach.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Site {
+    /// Unit normal, on the side that the light comes from.
+    pub n: Vec3,
+    /// Position, world.
+    pub p: Vec3,
+    /// How far the record is good for along `axis` and across it in the tangent plane, world: where the error that comes
+    /// with distance alone reaches the accuracy asked for. In the slide's terms a r.
+    pub radii: [f32; 2],
+    /// Unit tangent.
+    pub axis: Vec3,
+    /// The smallest that neighbours may make the radii, world.
+    pub least: f32,
+    /// Distance of the nearest surface that any ray met, world.
+    pub clear: f32,
+}
+
+/// What stands at a site.
+pub trait Sited {
+    /// Where.
+    fn site(&self) -> &Site;
+    /// Where, to limit its reach.
+    fn site_mut(&mut self) -> &mut Site;
+}
+
+/// Where a record is asked for.
+#[derive(Clone, Copy, Debug)]
+pub struct Query {
+    /// Position, world.
+    pub p: Vec3,
+    /// Unit normal.
+    pub n: Vec3,
+}
+
+/// How many times less accurate than allowed a record may be where no better one is found.
+pub const RELAXED: f32 = 2.0;
+
+/// How far behind the record's tangent plane a point may lie, in units of the record's reach.
+const BEHIND: f32 = 0.05;
+
+impl Site {
+    /// The larger of the radii.
+    pub fn reach(&self) -> f32 {
+        self.radii[0].max(self.radii[1])
+    }
+
+    /// Let the radii be no larger than `reach`.
+    pub fn limit(&mut self, reach: f32) {
+        self.radii = self.radii.map(|r| r.min(reach));
+    }
+
+    /// The estimate of the error at `q` [slide 11], in units of the accuracy a:
+    /// (|x - x_j| / r_j + sqrt(1 - n . n_j)) / a. The record is good for the query below 1.
+    #[inline]
+    pub fn error(&self, q: &Query, accuracy: f32) -> f32 {
+        let d = q.p - self.p;
+        let across = self.n.cross(self.axis);
+        let (u, v) = (d.dot(self.axis) / self.radii[0], d.dot(across) / self.radii[1]);
+        let h = d.dot(self.n) / self.radii[0].min(self.radii[1]);
+        (u * u + v * v + h * h).sqrt() + safe_sqrt(1.0 - self.n.dot(q.n)) / accuracy
+    }
+
+    /// Whether the point lies so far behind the record that what the record sees may be hidden from it: below the
+    /// plane with the mean of both normals \[Ward88\].
+    #[inline]
+    pub fn is_in_front_of(&self, q: &Query) -> bool {
+        (q.p - self.p).dot(self.n + q.n) * 0.5 < -BEHIND * self.reach()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_error_is_the_slides_and_grows_with_distance_and_angle() {
+        let site = Site {
+            n: Vec3::Z,
+            p: Vec3::ZERO,
+            radii: [0.2, 0.2],
+            axis: Vec3::X,
+            least: 0.0,
+            clear: 1.0,
+        };
+        // a r = 0.2 with a = 0.1 is r = 2.
+        let slide = |q: &Query| (q.p.length() / 2.0 + (1.0 - q.n.z).max(0.0).sqrt()) / 0.1;
+        let mut last = 0.0;
+        for k in 1..10 {
+            let t = 0.02 * k as f32;
+            let q = Query {
+                p: Vec3::new(t, -0.5 * t, 0.0),
+                n: Vec3::new(0.05 * t, 0.0, 1.0).normalize(),
+            };
+            let error = site.error(&q, 0.1);
+            assert!((error - slide(&q)).abs() < 1e-4, "{error}");
+            assert!(error > last);
+            last = error;
+        }
+        assert_eq!(site.error(&Query { p: Vec3::ZERO, n: Vec3::Z }, 0.1), 0.0);
+        let narrow = Site { radii: [0.2, 0.1], ..site };
+        let along = narrow.error(&Query { p: Vec3::X * 0.1, n: Vec3::Z }, 0.1);
+        let across = narrow.error(&Query { p: Vec3::Y * 0.1, n: Vec3::Z }, 0.1);
+        assert!((along - 0.5).abs() < 1e-6 && (across - 1.0).abs() < 1e-6);
+    }
+}
