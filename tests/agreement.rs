@@ -118,32 +118,25 @@ fn paths_that_are_answered_for_agree_with_those_that_go_on() {
         alpha_u: Texture::grey(alpha),
         alpha_v: Texture::grey(alpha),
     };
-    for (name, rough) in [("smooth", None), ("rough", Some(roughness(0.3)))] {
-        // Coated walls: their base is answered for, their coat is not.
+    // The diffuse part of Phong's model is answered for exactly, that of a coat nearly: coats are answered for whole.
+    for (name, whole) in [("phong", false), ("smooth coats", true), ("rough coats", true)] {
         let world = World::load_with("cornell-spheres.xml", [24, 24], &[], |parts, _| {
             for material in &mut parts.materials {
                 if let Material::Diffuse { reflectance } = material.clone() {
-                    let (specular, roughness) = (Texture::grey(1.0), rough.clone());
-                    let (eta, nonlinear) = (1.5, false);
-                    *material = Material::Plastic {
-                        eta,
-                        diffuse: reflectance,
-                        specular,
-                        nonlinear,
-                        roughness,
+                    let (diffuse, eta, nonlinear) = (reflectance, 1.5, false);
+                    let rough = (name == "rough coats").then(|| roughness(0.3));
+                    *material = if name == "phong" {
+                        let (specular, exponent) = (Texture::grey(0.2), Texture::grey(20.0));
+                        Material::Phong { diffuse, specular, exponent }
+                    } else {
+                        let specular = Texture::grey(1.0);
+                        Material::Plastic { eta, diffuse, specular, nonlinear, roughness: rough }
                     };
                 }
             }
         });
         let [path, _] = both_ends(&world, [256, 1], Show::All);
-        for whole in [false, true] {
-            let answered = answered_by_nested_paths(&world, whole, 256);
-            assert_agree(
-                &format!("{name} coats, the whole answered for: {whole}"),
-                &path,
-                &answered,
-                8,
-            );
-        }
+        let answered = answered_by_nested_paths(&world, whole, 256);
+        assert_agree(name, &path, &answered, 8);
     }
 }

@@ -86,7 +86,7 @@ pub struct Supplied {
 pub enum Answered {
     /// All but delta lobes.
     Rough,
-    /// The Lambertian part. What the whole scatters more (or less) than that is left to the path.
+    /// The diffuse part. What the whole scatters besides is left to the path.
     Diffuse(DiffusePart),
 }
 
@@ -247,8 +247,7 @@ impl<'a> EyePath<'a> {
             // Play Russian roulette with what is left, the squeezing by refraction undone.
             let mut survival = 1.0;
             if prefix.segments > self.limits.rr_depth {
-                survival =
-                    (prefix.throughput.map(f32::abs).max() * prefix.eta_sq).min(MAX_SURVIVAL);
+                survival = (prefix.throughput.max() * prefix.eta_sq).min(MAX_SURVIVAL);
             }
             if u_roulette >= survival {
                 return;
@@ -326,7 +325,7 @@ fn play_for_the_unanswered(prefix: &mut Prefix, sampler: &mut Sampler) {
     if prefix.unanswered.is_black() || prefix.unanswered == Rgb::WHITE {
         return;
     }
-    let survival = prefix.unanswered.map(f32::abs).max().min(1.0);
+    let survival = prefix.unanswered.max().min(1.0);
     let survives = sampler.next_1d() < survival;
     prefix.unanswered = if survives { prefix.unanswered / survival } else { Rgb::BLACK };
 }
@@ -347,16 +346,6 @@ fn unanswered(supplied: Option<&Supplied>, bsdf: &Bsdf, wo: Vec3, wi: Vec3) -> R
     match supplied.map(|s| s.answered) {
         None => Rgb::WHITE,
         Some(Answered::Rough) => Rgb::BLACK,
-        Some(Answered::Diffuse(part)) => {
-            let (whole, answered) = (bsdf.f_cos(wo, wi), part.f_cos(wi));
-            whole.zip(answered, |w, a| if w > 0.0 { share_left(w, a) } else { 0.0 })
-        }
+        Some(Answered::Diffuse(part)) => bsdf.beside_diffuse(&part, wo, wi),
     }
-}
-
-/// (w - a) / w, nothing where they differ by rounding only.
-#[inline]
-fn share_left(whole: f32, answered: f32) -> f32 {
-    let left = 1.0 - answered / whole;
-    if left.abs() < 1e-5 { 0.0 } else { left }
 }

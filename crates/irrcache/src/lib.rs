@@ -12,6 +12,7 @@
 //! | `--bounces` | levels of caches; without it gather rays go on as paths |
 //! | `--min-spacing`, `--max-spacing` | limits of a record's radius, pixels |
 //! | bias | light changes more slowly between records than it should: too few rays show as blotches as large as records, too coarse an accuracy as soft shadows that are missing and light that leaks at corners |
+//! | coats | the base of a plastic counts as Lambertian: what its coat lets in from the side differs by a few per cent at most |
 //! | sources | \[Ward88\], \[Ward92\], \[Tabellion04\], \[Krivanek06\], \[Schwarzhaupt12\] |
 
 #![forbid(unsafe_code)]

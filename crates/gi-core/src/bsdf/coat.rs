@@ -69,12 +69,17 @@ impl Coat {
 
     /// f without the cosine, both directions above.
     pub(crate) fn f(&self, wo: Vec3, wi: Vec3, diffuse: Rgb, specular: Rgb) -> Rgb {
-        let f = self.base(diffuse) * (INV_PI * self.entering(wo.z) * self.entering(wi.z));
+        let f = self.base_f(wo, wi, diffuse);
         let Some(rough) = &self.rough else { return f };
         let m = (wo + wi).normalize();
         let fresnel = fresnel::dielectric(wo.dot(m), self.eta).reflectance;
         f + specular
             * (fresnel * rough.facets.d(m) * rough.facets.g(wo, wi, m) / (4.0 * wo.z * wi.z))
+    }
+
+    /// f of the base alone, both directions above.
+    pub(crate) fn base_f(&self, wo: Vec3, wi: Vec3, diffuse: Rgb) -> Rgb {
+        self.base(diffuse) * (INV_PI * self.entering(wo.z) * self.entering(wi.z))
     }
 
     /// pi times the base's f for `wo` above, with the mean over the cosine-weighted hemisphere of what enters.

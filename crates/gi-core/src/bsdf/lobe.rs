@@ -170,6 +170,15 @@ impl Lobe<'_> {
         }
     }
 
+    /// The part of f that [`Lobe::diffuse_albedo`] stands for, as it is.
+    pub(crate) fn diffuse_f(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        match *self {
+            _ if wo.z <= 0.0 || wi.z <= 0.0 => Rgb::BLACK,
+            Lobe::Plastic { coat, diffuse, .. } => coat.base_f(wo, wi, diffuse),
+            _ => self.diffuse_albedo(wo) * INV_PI,
+        }
+    }
+
     /// Roughly which share of the light from `wo` comes back, for pictures of the albedo.
     pub(crate) fn albedo_hint(&self, wo: Vec3) -> Rgb {
         match *self {

@@ -13,7 +13,7 @@ mod resolve;
 
 use glam::Vec3;
 
-use crate::math::{Frame, INV_PI, Rgb, sqr};
+use crate::math::{Frame, Rgb, sqr};
 pub(crate) use coat::Coat;
 use lobe::Lobe;
 pub(crate) use resolve::{PreparedMaterial, check_children, component_count};
@@ -67,21 +67,13 @@ impl Scatter {
     }
 }
 
-/// The Lambertian part of a BSDF for one `wo`: what irradiance alone answers for.
+/// The diffuse part of a BSDF for one `wo`: what irradiance alone answers for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiffusePart {
-    /// Its albedo, pi times its f.
+    /// Its albedo: pi times its f, or the mean of that over the cosine-weighted hemisphere.
     pub albedo: Rgb,
     /// Unit normal that its cosine is taken with, on the side of `wo`.
     pub normal: Vec3,
-}
-
-impl DiffusePart {
-    /// f times the cosine of `wi`.
-    #[inline]
-    pub fn f_cos(&self, wi: Vec3) -> Rgb {
-        self.albedo * (INV_PI * self.normal.dot(wi).max(0.0))
-    }
 }
 
 /// Most lobes that a material may blend; deeper ones are refused when the scene is made.
@@ -106,6 +98,13 @@ impl Component<'_> {
     fn pdf_w(&self, wo: Vec3, wi: Vec3) -> f32 {
         self.lobe.pdf_w(self.frame.to_local(wo), self.frame.to_local(wi)) * self.weight
     }
+}
+
+/// (whole - part) / whole, nothing where they differ by rounding only.
+#[inline]
+fn share_left(whole: f32, part: f32) -> f32 {
+    let left = if whole > 0.0 { 1.0 - part / whole } else { 0.0 };
+    if left < 1e-5 { 0.0 } else { left }
 }
 
 /// The BSDF at a point. Made by [`crate::scene::Scene::bsdf`].
@@ -233,7 +232,7 @@ impl<'a> Bsdf<'a> {
         self.components().iter().all(|c| c.lobe.is_delta())
     }
 
-    /// The Lambertian part, `None` where there is none: all of a diffuse surface, the base of a plastic with the mean of
+    /// The diffuse part, `None` where there is none: all of a diffuse surface, the base of a plastic with the mean of
     /// what its coat lets in, what is constant in other lobes. Of a blend whose normals differ, those alike the first.
     pub fn diffuse_part(&self, wo: Vec3) -> Option<DiffusePart> {
         let mut part: Option<DiffusePart> = None;
@@ -251,6 +250,18 @@ impl<'a> Bsdf<'a> {
             }
         }
         part
+    }
+
+    /// The share of [`Bsdf::f_cos`] that [`Bsdf::diffuse_part`] does not stand for. The base of a plastic counts as stood for,
+    /// though its coat lets in a little more from above and less from the side than the mean.
+    pub fn beside_diffuse(&self, part: &DiffusePart, wo: Vec3, wi: Vec3) -> Rgb {
+        let diffuse = |c: &Component| {
+            let (wo, wi) = (c.frame.to_local(wo), c.frame.to_local(wi));
+            c.lobe.diffuse_f(wo, wi) * (wi.z.max(0.0) * c.weight)
+        };
+        let alike = self.components().iter().filter(|c| c.frame.n == part.normal);
+        let diffuse: Rgb = alike.map(diffuse).sum();
+        self.f_cos(wo, wi).zip(diffuse, share_left)
     }
 
     /// A fast estimate of the reflected share of light from `wo`, for the albedo layer: exact for Lambert,
