@@ -103,7 +103,12 @@ fn answered_by_nested_paths(world: &World, whole: bool, passes: u32) -> Film {
                 };
                 let ray = scene.spawn(v.surface, wi);
                 let found = path.gather(ray, place, sampler, &mut nothing).radiance;
-                Some(Supplied { answered, indirect: factor * found.indirect, caustic: None })
+                Some(Supplied {
+                    answered,
+                    indirect: factor * found.indirect,
+                    direct: None,
+                    caustic: None,
+                })
             };
             path.sample_pixel(camera, 3, pixel, pass, &mut supply)
         });

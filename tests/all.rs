@@ -6,5 +6,7 @@ mod agreement;
 mod analytic;
 /// The same bits for any number of threads.
 mod determinism;
+/// What instant radiosity is held to.
+mod instant_radiosity_facts;
 /// What irradiance caching is held to.
 mod irrcache_facts;

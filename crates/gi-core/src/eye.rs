@@ -74,6 +74,9 @@ pub struct EyeVertex<'v, 'a> {
 pub struct Supplied {
     /// Which scattering at the vertex is answered for.
     pub answered: Answered,
+    /// Radiance of light that comes straight from a light and is scattered by other than delta lobes. `None` lets the path
+    /// look for it: a light is sampled, and met by scattering.
+    pub direct: Option<Rgb>,
     /// Radiance that the answered scattering sends back along the path, of light that came over other surfaces that
     /// scatter by other than delta lobes.
     pub indirect: Rgb,
@@ -86,6 +89,12 @@ pub struct Supplied {
 pub enum Answered {
     /// All but delta lobes.
     Rough,
+    /// All but delta lobes, of light from other such surfaces that are seen straight, not over delta lobes, and of
+    /// that what a geometric term cos cos' / d^2 (geometric normals) bounded by `most` leaves, per squared world unit.
+    Straight {
+        /// The bound; infinite where there is none.
+        most: f32,
+    },
     /// The diffuse part. What the whole scatters besides is left to the path.
     Diffuse(DiffusePart),
 }
@@ -99,6 +108,10 @@ struct Prefix {
     unanswered: Rgb,
     /// Whether light over delta lobes was supplied at the last vertex.
     caustic_answered: bool,
+    /// Whether light straight from lights was.
+    direct_answered: bool,
+    /// Where light from the next surface, if it is met straight, was supplied: how much of it shows there.
+    straight: Option<Straight>,
     /// Where the last scattering was, and its density per solid angle; `None` at the eye and after delta lobes.
     last: Option<(Vec3, f32)>,
     /// Scatterings by other than delta lobes.
@@ -116,6 +129,8 @@ impl Prefix {
         throughput: Rgb::WHITE,
         unanswered: Rgb::WHITE,
         caustic_answered: false,
+        direct_answered: false,
+        straight: None,
         last: None,
         rough: 0,
         after_delta: false,
@@ -123,6 +138,14 @@ impl Prefix {
         segments: 1,
         length: 0.0,
     };
+}
+
+impl Prefix {
+    /// Whether the light of what is met now was supplied at the last vertex.
+    #[inline]
+    fn has_answered_lights(&self) -> bool {
+        if self.after_delta { self.caustic_answered } else { self.direct_answered }
+    }
 }
 
 /// A supplier for paths that nobody answers for.
@@ -204,21 +227,24 @@ impl<'a> EyePath<'a> {
                 return;
             }
             let rough = !bsdf.is_delta();
-            if rough {
-                play_for_the_unanswered(&mut prefix, sampler);
-            }
-            // Sample a light.
-            if !ends {
-                self.add_direct(&surface, &bsdf, wo, &prefix, sampler, &mut out.radiance);
-            }
+            // Share of what is scattered here that nobody has answered for.
+            let unanswered_here = match prefix.straight {
+                Some(straight) if rough => straight.unanswered(&surface, wo),
+                _ => prefix.unanswered,
+            };
+            let here = if rough { play_for(unanswered_here, sampler) } else { unanswered_here };
             // Ask the technique.
             let mut supplied = None;
-            if rough && !ends && !prefix.unanswered.is_black() {
+            if rough && !ends && !here.is_black() {
                 let Prefix { segments, rough, length, .. } = prefix;
                 let vertex =
                     EyeVertex { surface: &surface, wo, bsdf: &bsdf, segments, rough, length };
                 supplied = supply(&vertex, sampler);
-                add_supplied(supplied.as_ref(), &prefix, &mut out.radiance);
+                add_supplied(supplied.as_ref(), &prefix, here, &mut out.radiance);
+            }
+            // Sample a light.
+            if !ends && supplied.is_none_or(|s| s.direct.is_none()) {
+                self.add_direct(&surface, &bsdf, wo, (&prefix, here), sampler, &mut out.radiance);
             }
             // Choose the next direction.
             let (u_choice, u, u_roulette) =
@@ -230,9 +256,15 @@ impl<'a> EyePath<'a> {
             if scatter.delta {
                 prefix.throughput *= scatter.weight;
             } else {
-                prefix.throughput *= scatter.weight * prefix.unanswered;
+                prefix.throughput *= scatter.weight * here;
                 prefix.unanswered = unanswered(supplied.as_ref(), &bsdf, wo, scatter.wi);
                 prefix.caustic_answered = supplied.is_some_and(|s| s.caustic.is_some());
+                prefix.direct_answered = supplied.is_some_and(|s| s.direct.is_some());
+            }
+            if !scatter.null {
+                prefix.straight = supplied
+                    .filter(|_| !scatter.delta)
+                    .and_then(|s| Straight::new(&s.answered, &surface, scatter.wi));
             }
             if !scatter.null {
                 prefix.segments += 1;
@@ -260,7 +292,13 @@ impl<'a> EyePath<'a> {
     /// Whether nothing that the path can still find is asked for.
     #[inline]
     fn is_done(&self, prefix: &Prefix) -> bool {
+        // Whatever lies ahead has been answered for.
+        let all_answered = prefix.unanswered.is_black()
+            && prefix.direct_answered
+            && prefix.caustic_answered
+            && !prefix.after_delta;
         prefix.throughput.is_black()
+            || all_answered
             || match self.show {
                 Show::All => false,
                 Show::Direct | Show::Caustic => prefix.rough > 1,
@@ -275,7 +313,7 @@ impl<'a> EyePath<'a> {
         surface: &Surface,
         bsdf: &Bsdf,
         wo: Vec3,
-        prefix: &Prefix,
+        (prefix, here): (&Prefix, Rgb),
         sampler: &mut Sampler,
         out: &mut Components,
     ) {
@@ -285,18 +323,18 @@ impl<'a> EyePath<'a> {
             Show::Indirect => prefix.rough > 0,
             Show::Caustic => false,
         };
-        if !asked_for || prefix.unanswered.is_black() {
+        if !asked_for || here.is_black() {
             return sampler.skip();
         }
         let direct = direct_light(self.scene, surface, bsdf, wo, sampler);
-        *out.of_path(prefix.rough + 1, false) += prefix.throughput * prefix.unanswered * direct;
+        *out.of_path(prefix.rough + 1, false) += prefix.throughput * here * direct;
     }
 
     /// Light of a surface that the path has met, weighted against having sampled it as a light.
     #[inline]
     fn add_emitted(&self, surface: &Surface, wo: Vec3, prefix: &Prefix, out: &mut Components) {
         let emitted = self.scene.emitted(surface, wo);
-        if emitted.is_black() || (prefix.caustic_answered && prefix.after_delta) {
+        if emitted.is_black() || prefix.has_answered_lights() {
             return;
         }
         let weight = match prefix.last {
@@ -309,7 +347,7 @@ impl<'a> EyePath<'a> {
     /// Light from infinity, where the path has left the scene.
     #[inline]
     fn add_background(&self, d: Vec3, prefix: &Prefix, out: &mut Components) {
-        if prefix.caustic_answered && prefix.after_delta {
+        if prefix.has_answered_lights() {
             return;
         }
         for (radiance, pdf_light) in self.scene.escaped(d) {
@@ -321,20 +359,49 @@ impl<'a> EyePath<'a> {
 
 /// Where a part of the next scattering was answered for, play Russian roulette for the rest: it is mostly small.
 #[inline]
-fn play_for_the_unanswered(prefix: &mut Prefix, sampler: &mut Sampler) {
-    if prefix.unanswered.is_black() || prefix.unanswered == Rgb::WHITE {
-        return;
+fn play_for(unanswered: Rgb, sampler: &mut Sampler) -> Rgb {
+    if unanswered.is_black() || unanswered == Rgb::WHITE {
+        return unanswered;
     }
-    let survival = prefix.unanswered.max().min(1.0);
+    let survival = unanswered.max().min(1.0);
     let survives = sampler.next_1d() < survival;
-    prefix.unanswered = if survives { prefix.unanswered / survival } else { Rgb::BLACK };
+    if survives { unanswered / survival } else { Rgb::BLACK }
+}
+
+/// [`Answered::Straight`] on its way to the next surface.
+#[derive(Clone, Copy)]
+struct Straight {
+    p: Vec3,
+    cos: f32,
+    most: f32,
+}
+
+impl Straight {
+    fn new(answered: &Answered, surface: &Surface, wi: Vec3) -> Option<Self> {
+        match *answered {
+            Answered::Straight { most } => {
+                Some(Straight { p: surface.p, cos: surface.ng.dot(wi).abs(), most })
+            }
+            _ => None,
+        }
+    }
+
+    /// Share of the light of `surface`, met straight, that the bounded geometric term left out.
+    fn unanswered(&self, surface: &Surface, wo: Vec3) -> Rgb {
+        let cos = surface.ng.dot(wo).abs();
+        let geometry = self.cos * cos / (surface.p - self.p).length_squared();
+        Rgb::grey(if geometry > self.most { 1.0 - self.most / geometry } else { 0.0 })
+    }
 }
 
 #[inline]
-fn add_supplied(supplied: Option<&Supplied>, prefix: &Prefix, out: &mut Components) {
+fn add_supplied(supplied: Option<&Supplied>, prefix: &Prefix, here: Rgb, out: &mut Components) {
     let Some(supplied) = supplied else { return };
-    let factor = prefix.throughput * prefix.unanswered;
+    let factor = prefix.throughput * here;
     *out.of_path(prefix.rough + 2, false) += factor * supplied.indirect;
+    if let Some(direct) = supplied.direct {
+        *out.of_path(prefix.rough + 1, false) += factor * direct;
+    }
     if let Some(caustic) = supplied.caustic {
         *out.of_path(prefix.rough + 1, true) += factor * caustic;
     }
@@ -344,7 +411,8 @@ fn add_supplied(supplied: Option<&Supplied>, prefix: &Prefix, out: &mut Componen
 #[inline]
 fn unanswered(supplied: Option<&Supplied>, bsdf: &Bsdf, wo: Vec3, wi: Vec3) -> Rgb {
     match supplied.map(|s| s.answered) {
-        None => Rgb::WHITE,
+        // What is answered of light met straight shows where it is met.
+        None | Some(Answered::Straight { .. }) => Rgb::WHITE,
         Some(Answered::Rough) => Rgb::BLACK,
         Some(Answered::Diffuse(part)) => bsdf.beside_diffuse(&part, wo, wi),
     }

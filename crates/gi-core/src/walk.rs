@@ -116,15 +116,18 @@ impl<'a> LightWalk<'a> {
         }
         // A path that passes straight through has not met anything.
         if !s.null {
-            if let Roulette::ByAlbedo { from } = roulette
-                && vertex.depth + 1 >= from
-            {
-                let survival = factor.max().min(1.0);
-                if u_roulette >= survival {
-                    return false;
+            let (survives, survival) = match roulette {
+                Roulette::ByAlbedo { from } if vertex.depth + 1 >= from => {
+                    let survival = factor.max().min(1.0);
+                    (u_roulette < survival, survival)
                 }
-                factor = factor / survival;
+                Roulette::Decided { survives, survival } => (survives, survival),
+                Roulette::Off | Roulette::ByAlbedo { .. } => (true, 1.0),
+            };
+            if !survives {
+                return false;
             }
+            factor = factor / survival;
             self.depth += 1;
             self.rough += u32::from(!s.delta);
             self.after_delta = s.delta;
@@ -136,7 +139,7 @@ impl<'a> LightWalk<'a> {
 }
 
 /// When a light path may end early.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Roulette {
     /// Never.
     Off,
@@ -145,6 +148,13 @@ pub enum Roulette {
     ByAlbedo {
         /// The first scattering that may end the path.
         from: u32,
+    },
+    /// As the caller says, who lets this share of all paths go on.
+    Decided {
+        /// Whether this one does.
+        survives: bool,
+        /// The share, above 0.
+        survival: f32,
     },
 }
 

@@ -154,7 +154,7 @@ impl<'a> IrradianceCaching<'a> {
             relaxed
         })?;
         let answered = Answered::Diffuse(part);
-        Some(Supplied { answered, indirect: part.albedo * INV_PI * e, caustic: None })
+        Some(Supplied { answered, indirect: part.albedo * INV_PI * e, direct: None, caustic: None })
     }
 
     /// Whether records hold what a vertex wants. With a largest depth they hold the light of what is left of it where they

@@ -89,7 +89,7 @@ impl<'a> IrradianceCaching<'a> {
             missing.push(place);
         }
         let answered = Answered::Diffuse(part);
-        Some(Supplied { answered, indirect: Rgb::BLACK, caustic: None })
+        Some(Supplied { answered, indirect: Rgb::BLACK, direct: None, caustic: None })
     }
 
     /// Fill the cache of a level, and those below it with what its gather rays will ask for.
@@ -132,7 +132,7 @@ impl<'a> IrradianceCaching<'a> {
 fn answer(v: &EyeVertex, e: Rgb) -> Option<Supplied> {
     let part = v.bsdf.diffuse_part(v.wo)?;
     let indirect = part.albedo * INV_PI * e;
-    Some(Supplied { answered: Answered::Diffuse(part), indirect, caustic: None })
+    Some(Supplied { answered: Answered::Diffuse(part), indirect, direct: None, caustic: None })
 }
 
 /// Deeper levels do not have fewer rays than this.

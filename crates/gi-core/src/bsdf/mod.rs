@@ -252,6 +252,17 @@ impl<'a> Bsdf<'a> {
         part
     }
 
+    /// The albedo of a surface that is Lambertian and nothing else; black from behind.
+    #[inline]
+    pub fn lambertian(&self, wo: Vec3) -> Option<Rgb> {
+        match &self.parts {
+            Parts::One(Component { lobe: Lobe::Diffuse { albedo }, weight, frame }) => {
+                Some(if wo.dot(frame.n) > 0.0 { *albedo * *weight } else { Rgb::BLACK })
+            }
+            _ => None,
+        }
+    }
+
     /// The share of [`Bsdf::f_cos`] that [`Bsdf::diffuse_part`] does not stand for. The base of a plastic counts as stood for,
     /// though its coat lets in a little more from above and less from the side than the mean.
     pub fn beside_diffuse(&self, part: &DiffusePart, wo: Vec3, wi: Vec3) -> Rgb {

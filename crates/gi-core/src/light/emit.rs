@@ -23,6 +23,32 @@ pub struct Emission {
     /// Power that the path carries: emitted radiance times cosine, already divided by all densities
     /// (choice of the light included), not by the number of paths.
     pub power: Rgb,
+    /// What a point sees of the light's point at `p`.
+    pub source: PointSource,
+}
+
+/// The light at the start of a path as a light of no extent: what the lecture's accumulation buffer adds up [slide 47]. All
+/// are already divided by the densities of the light and of the point on it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PointSource {
+    /// A point of a surface: intensity is this times the cosine at the surface.
+    Oriented(Rgb),
+    /// A point that shines alike in all directions, with this intensity.
+    Omni(Rgb),
+    /// A spot: the intensity on its axis; see [`Light::spot_fade`].
+    Spot(Rgb),
+    /// Parallel light along [`Emission::d`]: irradiance across it.
+    Directional(Rgb),
+}
+
+impl Light {
+    /// Share of a spot's full intensity along unit `d`; 1 for other lights.
+    pub fn spot_fade(&self, d: Vec3) -> f32 {
+        match self {
+            Light::Spot { frame, cutoff, beam, .. } => spot_fade(d.dot(frame.n), *cutoff, *beam),
+            _ => 1.0,
+        }
+    }
 }
 
 impl Lights {
@@ -35,45 +61,51 @@ impl Lights {
         emission: impl Fn(u32, u32, &EmitterPoint) -> Rgb,
     ) -> Option<Emission> {
         let (light, probability, _) = self.choose(u_light)?;
-        let start = |p, ng, d, power: Rgb| {
-            Some(Emission { light: light as u32, p, ng, d, power: power / probability })
+        let start = |p, ng, d, power: Rgb, source: fn(Rgb) -> PointSource, seen: Rgb| {
+            let (light, power) = (light as u32, power / probability);
+            Some(Emission { light, p, ng, d, power, source: source(seen / probability) })
         };
         match &self.all()[light] {
             Light::Area { emitter, shape, primitive } => {
                 let point = emitter.sample_area(u_p);
                 let d = Frame::from_normal(point.normal).to_world(warp::cosine_hemisphere(u_d));
-                let power = emission(*shape, *primitive, &point) * (PI * emitter.area());
-                start(point.p, point.normal, d, power)
+                let seen = emission(*shape, *primitive, &point) * emitter.area();
+                start(point.p, point.normal, d, seen * PI, PointSource::Oriented, seen)
             }
             Light::Point { position, intensity } => {
                 let d = warp::sphere(u_d);
-                start(*position, d, d, *intensity * (4.0 * PI))
+                start(*position, d, d, *intensity * (4.0 * PI), PointSource::Omni, *intensity)
             }
             Light::Spot { position, frame, intensity, cutoff, beam } => {
                 let one_minus_cos = 1.0 - cutoff.cos();
                 let local = warp::cone(u_d, one_minus_cos);
                 let d = frame.to_world(local);
                 let fade = spot_fade(local.z, *cutoff, *beam);
-                start(*position, d, d, *intensity * (fade / warp::cone_pdf(one_minus_cos)))
+                let power = *intensity * (fade / warp::cone_pdf(one_minus_cos));
+                start(*position, d, d, power, PointSource::Spot, *intensity)
             }
             Light::Directional { frame, irradiance } => {
                 let (p, area) = self.outside(frame.n, u_p);
-                start(p, frame.n, frame.n, *irradiance * area)
+                let source = PointSource::Directional;
+                start(p, frame.n, frame.n, *irradiance * area, source, *irradiance)
             }
             Light::Constant { radiance } => {
                 let d = warp::sphere(u_d);
                 let (p, area) = self.outside(d, u_p);
-                start(p, d, d, *radiance * (area / warp::sphere_pdf()))
+                let seen = *radiance / warp::sphere_pdf();
+                start(p, d, d, seen * area, PointSource::Directional, seen)
             }
             Light::Environment(map) => {
                 let (toward, pdf_w) = map.sample(u_d)?;
                 let (p, area) = self.outside(-toward, u_p);
-                start(p, -toward, -toward, map.radiance(toward) * (area / pdf_w))
+                let seen = map.radiance(toward) / pdf_w;
+                start(p, -toward, -toward, seen * area, PointSource::Directional, seen)
             }
             Light::DistantDisc { frame, one_minus_cos, radiance } => {
                 let d = -frame.to_world(warp::cone(u_d, *one_minus_cos));
                 let (p, area) = self.outside(d, u_p);
-                start(p, d, d, *radiance * (area / warp::cone_pdf(*one_minus_cos)))
+                let seen = *radiance / warp::cone_pdf(*one_minus_cos);
+                start(p, d, d, seen * area, PointSource::Directional, seen)
             }
         }
     }

@@ -12,7 +12,7 @@ mod table;
 
 pub use area::{Emitter, EmitterPoint};
 pub use distribution::{Discrete, Grid};
-pub use emit::Emission;
+pub use emit::{Emission, PointSource};
 pub use environment::Environment;
 pub use source::LightSource;
 pub use table::{Light, LightSample, Lights};

@@ -1,0 +1,85 @@
+//! What the technique shows of itself.
+
+use gi_core::bsdf::Transport;
+use gi_core::canvas::{Canvas, seen_at, viridis};
+use gi_core::film::Film;
+use gi_core::math::Rgb;
+use gi_core::technique::{Picture, Setting};
+use glam::Vec2;
+use vpl::{Kind, Receiver, Vpls};
+
+/// Pictures that may be asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Figure {
+    /// The lights of the last pass over the picture, coloured by how often their light was scattered [slide 49].
+    Vpls,
+    /// Shadow rays from what a pixel sees to the lights: green where nothing stands in between, red where something
+    /// does [slide 50].
+    Connections {
+        /// The pixel; the middle one if `None`.
+        pixel: Option<[usize; 2]>,
+    },
+}
+
+impl Figure {
+    /// Draw.
+    pub fn draw(self, setting: &Setting, vpls: &Vpls, film: &Film) -> Picture {
+        let (name, view) = match self {
+            Figure::Vpls => ("vpls", lights(setting, vpls, film)),
+            Figure::Connections { pixel } => {
+                ("connections", connections(setting, vpls, film, pixel))
+            }
+        };
+        Picture { name: name.into(), channels: Vec::new(), view }
+    }
+}
+
+fn background(film: &Film) -> Canvas {
+    let pixels = film.radiance().into_iter().map(|c| c.map(|v| v.clamp(0.0, 1.0)) * 0.35);
+    Canvas::over(film.size(), pixels.collect())
+}
+
+/// Radius of a dot, pixels.
+fn dot(film: &Film) -> f32 {
+    (film.size()[0] as f32 / 250.0).max(1.0)
+}
+
+fn lights(setting: &Setting, vpls: &Vpls, film: &Film) -> Vec<Rgb> {
+    let mut canvas = background(film);
+    let deepest = vpls.lights.last().map_or(1, |v| v.depth).max(1);
+    for v in vpls.lights.iter().filter(|v| v.kind != Kind::Directional) {
+        if let Some(at) = seen_at(setting.scene, setting.camera, v.p, v.n) {
+            canvas.disc(at, dot(film), viridis(v.depth as f32 / deepest as f32));
+        }
+    }
+    canvas.into_pixels()
+}
+
+fn connections(setting: &Setting, vpls: &Vpls, film: &Film, pixel: Option<[usize; 2]>) -> Vec<Rgb> {
+    let mut canvas = background(film);
+    let size = film.size();
+    let [x, y] = pixel.unwrap_or(size.map(|n| n / 2)).map(|c| c as f32 + 0.5);
+    let ray = setting.camera.ray([x, y], [0.5; 2]);
+    let Some((surface, _)) = setting.scene.intersect(&ray) else { return canvas.into_pixels() };
+    let wo = -ray.d;
+    let bsdf = setting.scene.bsdf(&surface, wo, Transport::Radiance);
+    let at = Receiver { surface: &surface, wo, bsdf: &bsdf };
+    let from = Vec2::new(x, y);
+    let margin = size[0] as f32;
+    for v in &vpls.lights {
+        let Some(c) = vpls.connect(setting.scene, v, &at) else { continue };
+        let end = if v.kind == Kind::Directional {
+            surface.p + c.wi * setting.scene.radius()
+        } else {
+            v.p
+        };
+        let Some(to) = setting.camera.connect(end, [0.5; 2], margin) else { continue };
+        let open = !setting.scene.transmittance(c.shadow).is_black();
+        // Green and red of one palette that the colour-blind can tell apart.
+        let colour = if open { Rgb::new(0.0, 0.35, 0.17) } else { Rgb::new(0.66, 0.12, 0.0) };
+        canvas.line(from, Vec2::from_array(to.film), 0.3 * dot(film), colour);
+        canvas.disc(Vec2::from_array(to.film), 0.7 * dot(film), colour);
+    }
+    canvas.disc(from, 1.5 * dot(film), Rgb::WHITE);
+    canvas.into_pixels()
+}

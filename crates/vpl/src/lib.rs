@@ -1,0 +1,131 @@
+//! Virtual point lights: where light paths meet surfaces, light starts again [slides 47-50, Keller97].
+//!
+//! Made once, by the one light walk, for instant radiosity and for lightcuts. A light's power is already divided by the
+//! number of paths: to light a point is to add up all lights.
+
+#![forbid(unsafe_code)]
+
+mod illuminate;
+mod shoot;
+
+use gi_core::geometry::Surface;
+use gi_core::light::PointSource;
+use gi_core::math::Rgb;
+use glam::Vec3;
+
+pub use illuminate::{Connection, Receiver};
+pub use shoot::{Pilot, Shooting, Termination, shoot};
+
+/// A virtual point light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vpl {
+    /// Position, world; without meaning for parallel light.
+    pub p: Vec3,
+    /// Unit normal of the surface, on the side that it lights; the way that parallel light travels.
+    pub n: Vec3,
+    /// What it shines with; by kind: intensity on the normal (oriented: it falls off as the cosine), intensity (omni,
+    /// spot), irradiance across it (directional), power that arrives (glossy). Divided by the number of paths.
+    pub power: Rgb,
+    /// How it shines.
+    pub kind: Kind,
+    /// Scatterings on its path, its own included: 0 for points of lights.
+    pub depth: u32,
+}
+
+/// How a virtual point light shines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// As the cosine: a point of a Lambertian surface, or of an area light.
+    Oriented,
+    /// Alike in all directions.
+    Omni,
+    /// As the scene's spot light of this number.
+    Spot(u32),
+    /// In parallel, from infinity.
+    Directional,
+    /// As the BSDF of its surface scatters: index into [`Vpls::surfaces`].
+    Glossy(u32),
+}
+
+/// Where a glossy light lies.
+#[derive(Clone, Copy, Debug)]
+pub struct LitSurface {
+    /// The surface.
+    pub surface: Surface,
+    /// Unit direction to where its light came from.
+    pub wo: Vec3,
+}
+
+/// A set of virtual point lights.
+#[derive(Clone, Debug, Default)]
+pub struct Vpls {
+    /// The lights, by depth: those with fewer scatterings first.
+    pub lights: Vec<Vpl>,
+    /// Where the glossy ones lie.
+    pub surfaces: Vec<LitSurface>,
+    /// Light paths that were walked.
+    pub paths: u64,
+    /// Power that all surfaces received, all scatterings together.
+    pub arrived: Rgb,
+    /// Power that left the lights.
+    pub emitted: Rgb,
+}
+
+impl Vpls {
+    /// The lights whose paths have at most `depth` scatterings.
+    pub fn up_to(&self, depth: u32) -> &[Vpl] {
+        &self.lights[..self.lights.partition_point(|v| v.depth <= depth)]
+    }
+
+    /// What the set occupies.
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(&self.lights[..]) + size_of_val(&self.surfaces[..])
+    }
+}
+
+impl Vpl {
+    /// The light that a path starts from.
+    fn of_emission(emission: &gi_core::light::Emission, paths: f32) -> Self {
+        let (kind, power) = match emission.source {
+            PointSource::Oriented(power) => (Kind::Oriented, power),
+            PointSource::Omni(power) => (Kind::Omni, power),
+            PointSource::Spot(power) => (Kind::Spot(emission.light), power),
+            PointSource::Directional(power) => (Kind::Directional, power),
+        };
+        let n = if kind == Kind::Oriented { emission.ng } else { emission.d };
+        Vpl { p: emission.p, n, power: power / paths, kind, depth: 0 }
+    }
+}
+
+/// Lights as a point cloud: position, normal, power, depth.
+pub fn to_ply(vpls: &[Vpl]) -> Vec<u8> {
+    let floats = ["x", "y", "z", "nx", "ny", "nz", "power_r", "power_g", "power_b"];
+    let mut out = format!("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", vpls.len());
+    floats.iter().for_each(|p| out += &format!("property float {p}\n"));
+    out += "property uint depth\nend_header\n";
+    let mut out = out.into_bytes();
+    for v in vpls {
+        let numbers = [v.p.to_array(), v.n.to_array(), v.power.to_array()].concat();
+        numbers.iter().for_each(|f| out.extend(f.to_le_bytes()));
+        out.extend(v.depth.to_le_bytes());
+    }
+    out
+}
+
+/// Lights as a table.
+pub fn to_csv(vpls: &[Vpl]) -> String {
+    let mut out = String::from("x,y,z,nx,ny,nz,power_r,power_g,power_b,depth,kind\n");
+    for v in vpls {
+        let numbers = [v.p.to_array(), v.n.to_array(), v.power.to_array()].concat();
+        let row: Vec<String> = numbers.iter().map(f32::to_string).collect();
+        let kind = match v.kind {
+            Kind::Oriented => "oriented",
+            Kind::Omni => "omni",
+            Kind::Spot(_) => "spot",
+            Kind::Directional => "directional",
+            Kind::Glossy(_) => "glossy",
+        };
+        out += &format!("{},{},{kind}\n", row.join(","), v.depth);
+    }
+    out
+}

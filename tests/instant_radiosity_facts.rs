@@ -1,0 +1,182 @@
+//! Instant radiosity against the truth and against itself.
+
+use gi_core::eye::PathLimits;
+use gi_core::film::{Film, Show};
+use gi_stats::{Running, sidak, welch_t_test};
+use gi_tests::{World, furnace, mean_and_variance};
+use instant_radiosity::{InstantRadiosity, Params};
+use pathtrace::PathTracer;
+use vpl::Termination;
+
+use crate::agreement::blocks;
+
+fn render(world: &World, params: &Params, passes: u32, seed: u32, show: Show) -> Film {
+    world.render::<InstantRadiosity>(params, passes, seed, show)
+}
+
+/// Means of the blocks of pictures by seed. Pixels of one picture share their lights: only pictures are independent.
+fn by_seed(seeds: u32, side: usize, film: impl Fn(u32) -> Film) -> Vec<Vec<f64>> {
+    (0..seeds).map(|seed| blocks(&film(seed), side).into_iter().map(|b| b.0).collect()).collect()
+}
+
+/// Check that two sets of independent pictures have the same means, block by block.
+fn assert_same_means(name: &str, a: &[Vec<f64>], b: &[Vec<f64>]) {
+    let blocks = a[0].len();
+    let level = sidak(1e-3, blocks);
+    for k in 0..blocks {
+        let column = |pictures: &[Vec<f64>]| pictures.iter().map(|p| p[k]).collect::<Running>();
+        let (a, b) = (column(a), column(b));
+        let p = welch_t_test(&a, &b);
+        assert!(p > level, "{name}, block {k}: {} against {}, p = {p:.1e}", a.mean(), b.mean());
+    }
+}
+
+fn path_traced(world: &World, show: Show) -> Vec<Vec<f64>> {
+    by_seed(16, 8, |seed| world.render::<PathTracer>(&pathtrace::Params::default(), 64, seed, show))
+}
+
+#[test]
+fn with_compensation_it_is_the_path_tracers_picture_in_the_mean() {
+    for scene in ["cornell-box.xml", "cornell-glossy.xml", "cornell-spheres.xml"] {
+        let world = World::load(scene, [16, 16], &[]);
+        let path = path_traced(&world, Show::Indirect);
+        for termination in [Termination::Fractional, Termination::Roulette] {
+            // A low bound, so that paths have much to bring back.
+            let params = Params { termination, clamp: 4.0, vpls: 64, ..Params::default() };
+            let vpl = by_seed(24, 8, |seed| render(&world, &params, 8, 100 + seed, Show::Indirect));
+            assert_same_means(&format!("{scene}, {termination:?}"), &vpl, &path);
+        }
+    }
+}
+
+#[test]
+fn direct_light_from_points_of_lights_is_that_of_sampling_them() {
+    // An area light, and the sun with its sky.
+    for (scene, size) in [("cornell-box.xml", [16, 16]), ("patio.xml", [16, 12])] {
+        let world = World::load(scene, size, &[]);
+        let path = path_traced(&world, Show::Direct);
+        let params =
+            Params { direct_by_vpls: true, clamp: f32::INFINITY, vpls: 256, ..Params::default() };
+        let vpl = by_seed(24, 8, |seed| render(&world, &params, 8, 100 + seed, Show::Direct));
+        assert_same_means(scene, &vpl, &path);
+    }
+}
+
+#[test]
+fn a_bound_takes_light_from_every_pixel_and_gives_none() {
+    let world = World::load("cornell-box.xml", [24, 24], &[]);
+    let film = |clamp: f32| {
+        let params = Params { clamp, compensation: false, vpls: 64, ..Params::default() };
+        world.run::<InstantRadiosity>(&params, 2, 5, Show::Indirect)
+    };
+    let (_, open) = film(f32::INFINITY);
+    let mut last = 0.0;
+    for clamp in [100.0, 10.0, 1.0] {
+        let (technique, bounded) = film(clamp);
+        for (a, b) in bounded.radiance().iter().zip(open.radiance()) {
+            assert!(a.r <= b.r && a.g <= b.g && a.b <= b.b, "{a:?} above {b:?}");
+        }
+        // What is said to be cut off is what is missing.
+        let (a, b) = (mean(&bounded), mean(&open));
+        let said = statistic(&technique, "energy_cut");
+        assert!((said - (1.0 - a / b)).abs() < 0.02, "{said} said, {} missing", 1.0 - a / b);
+        assert!(said > last);
+        last = said;
+    }
+    // No bound is a bound beyond all terms.
+    let (_, huge) = film(1e30);
+    assert_eq!(huge.layers().channels, open.layers().channels);
+}
+
+fn mean(film: &Film) -> f64 {
+    film.radiance().iter().map(|c| f64::from(c.luminance())).sum()
+}
+
+fn statistic(technique: &InstantRadiosity, name: &str) -> f64 {
+    use gi_core::technique::Technique;
+    let all = technique.statistics();
+    all.iter().find(|(n, _)| n == name).unwrap_or_else(|| panic!("no {name}")).1
+}
+
+#[test]
+fn a_growing_bound_loses_less() {
+    let world = World::load("cornell-box.xml", [16, 16], &[]);
+    let cut = |relaxation: f32| {
+        let params =
+            Params { relaxation, clamp: 2.0, compensation: false, vpls: 64, ..Params::default() };
+        let (technique, _) = world.run::<InstantRadiosity>(&params, 8, 5, Show::Indirect);
+        statistic(&technique, "energy_cut")
+    };
+    let (still, growing) = (cut(0.0), cut(1.0));
+    assert!(growing < 0.6 * still, "{growing} of {still}");
+}
+
+#[test]
+fn a_furnace_cut_at_k_bounces_reads_the_geometric_sum() {
+    let a = 0.6f64;
+    let (parts, camera) = furnace(a as f32);
+    let world = World::new(parts, &camera);
+    for depth in [2u32, 3, 4, 6] {
+        let limits = PathLimits { max_depth: Some(depth), ..PathLimits::default() };
+        for termination in [Termination::Fractional, Termination::Roulette] {
+            let params = Params { limits, termination, clamp: 3.0, vpls: 64, ..Params::default() };
+            let means: Vec<f64> = (0..16)
+                .map(|seed| mean_and_variance(&render(&world, &params, 4, seed, Show::All)).0)
+                .collect();
+            let n = means.len() as f64;
+            let mean = means.iter().sum::<f64>() / n;
+            let error =
+                (means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt();
+            let expected = (1.0 - a.powi(depth as i32)) / (1.0 - a);
+            // t with 15 degrees of freedom exceeds 4.1 once in a thousand; floats have seven digits.
+            assert!(
+                (mean - expected).abs() < 4.1 * error + 1e-5,
+                "{depth} segments, {termination:?}: {mean} +- {error} is not {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn spheres_have_no_spikes_and_nearly_the_right_mean_on_a_glossy_scene() {
+    let world = World::load("cornell-glossy.xml", [32, 32], &[]);
+    let reference =
+        world.render::<PathTracer>(&pathtrace::Params::default(), 1024, 3, Show::Indirect);
+    let film = |vsl: bool| {
+        let params =
+            Params { vsl, clamp: 1e6, compensation: false, vpls: 256, ..Params::default() };
+        render(&world, &params, 2, 5, Show::Indirect)
+    };
+    let error = |film: &Film| {
+        let pairs = film.radiance().into_iter().zip(reference.radiance());
+        pairs
+            .map(|(a, b)| f64::from((a - b).luminance().powi(2) / (b.luminance().powi(2) + 1e-2)))
+            .sum::<f64>()
+    };
+    let (points, spheres) = (film(false), film(true));
+    assert!(
+        error(&spheres) < 0.5 * error(&points),
+        "{} against {}",
+        error(&spheres),
+        error(&points)
+    );
+    let ratio = mean(&spheres) / mean(&reference);
+    assert!((ratio - 1.0).abs() < 0.05, "mean ratio {ratio}: spheres blur light over edges");
+}
+
+#[test]
+fn the_same_bits_for_any_number_of_threads() {
+    let bits = |threads: usize, params: &Params| -> Vec<u32> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| {
+            let world = World::load("cornell-glossy.xml", [40, 30], &[]);
+            let layers = render(&world, params, 2, 7, Show::All).layers();
+            layers.channels.into_iter().flat_map(|(_, v)| v.into_iter().map(f32::to_bits)).collect()
+        })
+    };
+    let spheres = Params { vsl: true, vpls: 64, ..Params::default() };
+    for params in [Params { direct_by_vpls: true, vpls: 64, ..Params::default() }, spheres] {
+        let one = bits(1, &params);
+        assert!([2, 4].into_iter().all(|threads| bits(threads, &params) == one), "{params:?}");
+    }
+}
