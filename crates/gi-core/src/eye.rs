@@ -86,6 +86,11 @@ pub struct Supplied {
 pub enum Answered {
     /// All but delta lobes.
     Rough,
+    /// All but delta lobes, of light that comes straight from a light too: no light is sampled.
+    Whole {
+        /// Radiance that comes of it.
+        direct: Rgb,
+    },
     /// The diffuse part. What the whole scatters besides is left to the path.
     Diffuse(DiffusePart),
 }
@@ -207,10 +212,6 @@ impl<'a> EyePath<'a> {
             if rough {
                 play_for_the_unanswered(&mut prefix, sampler);
             }
-            // Sample a light.
-            if !ends {
-                self.add_direct(&surface, &bsdf, wo, &prefix, sampler, &mut out.radiance);
-            }
             // Ask the technique.
             let mut supplied = None;
             if rough && !ends && !prefix.unanswered.is_black() {
@@ -220,11 +221,16 @@ impl<'a> EyePath<'a> {
                 supplied = supply(&vertex, sampler);
                 add_supplied(supplied.as_ref(), &prefix, &mut out.radiance);
             }
+            // Sample a light.
+            let whole = supplied.is_some_and(|s| matches!(s.answered, Answered::Whole { .. }));
+            if !ends && !whole {
+                self.add_direct(&surface, &bsdf, wo, &prefix, sampler, &mut out.radiance);
+            }
             // Choose the next direction.
             let (u_choice, u, u_roulette) =
                 (sampler.next_1d(), sampler.next_2d(), sampler.next_1d());
             let Some(scatter) = bsdf.sample(wo, u_choice, u) else { return };
-            if ends && !scatter.null {
+            if (ends && !scatter.null) || (whole && !scatter.delta) {
                 return;
             }
             if scatter.delta {
@@ -335,6 +341,9 @@ fn add_supplied(supplied: Option<&Supplied>, prefix: &Prefix, out: &mut Componen
     let Some(supplied) = supplied else { return };
     let factor = prefix.throughput * prefix.unanswered;
     *out.of_path(prefix.rough + 2, false) += factor * supplied.indirect;
+    if let Answered::Whole { direct } = supplied.answered {
+        *out.of_path(prefix.rough + 1, false) += factor * direct;
+    }
     if let Some(caustic) = supplied.caustic {
         *out.of_path(prefix.rough + 1, true) += factor * caustic;
     }
@@ -345,7 +354,7 @@ fn add_supplied(supplied: Option<&Supplied>, prefix: &Prefix, out: &mut Componen
 fn unanswered(supplied: Option<&Supplied>, bsdf: &Bsdf, wo: Vec3, wi: Vec3) -> Rgb {
     match supplied.map(|s| s.answered) {
         None => Rgb::WHITE,
-        Some(Answered::Rough) => Rgb::BLACK,
+        Some(Answered::Rough | Answered::Whole { .. }) => Rgb::BLACK,
         Some(Answered::Diffuse(part)) => bsdf.beside_diffuse(&part, wo, wi),
     }
 }

@@ -264,6 +264,17 @@ impl<'a> Bsdf<'a> {
         self.f_cos(wo, wi).zip(diffuse, share_left)
     }
 
+    /// The albedo of a surface that is Lambertian and nothing else; black from behind.
+    #[inline]
+    pub fn lambertian(&self, wo: Vec3) -> Option<Rgb> {
+        match &self.parts {
+            Parts::One(Component { lobe: Lobe::Diffuse { albedo }, weight, frame }) => {
+                Some(if wo.dot(frame.n) > 0.0 { *albedo * *weight } else { Rgb::BLACK })
+            }
+            _ => None,
+        }
+    }
+
     /// A fast estimate of the reflected share of light from `wo`, for the albedo layer: exact for Lambert,
     /// the colour of the reflection elsewhere.
     pub fn albedo_hint(&self, wo: Vec3) -> Rgb {

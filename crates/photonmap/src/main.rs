@@ -1,0 +1,128 @@
+//! `photonmap`: photon mapping.
+
+use std::process::ExitCode;
+
+use clap::{Parser, ValueEnum};
+use gi_cli::{Common, Program};
+use photonmap::kernel::Kernel;
+use photonmap::map::Layout;
+use photonmap::{Gather, Params, PhotonMapping};
+
+/// Photon mapping: photons from the lights, density estimates, final gather.
+///
+/// What it does badly shows as blur: soft caustics, light through thin walls, dark rims of walls; with too few photons as
+/// blotches. More photons make it sharper, more photons an estimate (--lookup) smoother.
+#[derive(Parser)]
+#[command(name = "photonmap", version)]
+struct Args {
+    #[command(flatten)]
+    common: Common,
+    /// Photons to store in the global map [slide 26]: more blur less
+    #[arg(long, value_name = "N", default_value_t = Params::default().photons)]
+    photons: usize,
+    /// Photons to store in the caustic map [slide 26]; 0 leaves caustics to paths from the eye
+    #[arg(long, value_name = "N", default_value_t = Params::default().caustic_photons)]
+    caustic_photons: usize,
+    /// Photons of an estimate [slide 24]: more are smoother and blur more
+    #[arg(long, value_name = "K", default_value_t = Params::default().lookup)]
+    lookup: usize,
+    /// Largest radius of an estimate, as a share of the scene's radius; 0 is automatic
+    #[arg(long, value_name = "R", default_value_t = Params::default().max_radius)]
+    max_radius: f32,
+    /// How photons count by their distance [slide 24]
+    #[arg(long, value_enum, default_value_t = KernelFlag::Epanechnikov)]
+    kernel: KernelFlag,
+    /// Where the maps are read [slides 27-31]
+    #[arg(long, value_enum, default_value_t = GatherFlag::Final)]
+    gather: GatherFlag,
+    /// Rays of a gather point in a pass [slide 31]
+    #[arg(long, value_name = "N", default_value_t = Params::default().gather_rays, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    gather_rays: u32,
+    /// How photons lie in memory [slide 25]; the picture is the same
+    #[arg(long, value_enum, default_value_t = LayoutFlag::Fast)]
+    photon_layout: LayoutFlag,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum KernelFlag {
+    /// All the same but the k-th
+    Box,
+    /// Falls linearly with the distance
+    Cone,
+    /// Jensen's Gaussian
+    Gaussian,
+    /// Falls with the squared distance, to zero
+    Epanechnikov,
+    /// Epanechnikov's squared
+    Simpson,
+    /// The slide's formula as it stands, too bright by k / (k - 1)
+    Lecture,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum GatherFlag {
+    /// At the first surface, for all light [slides 29, 30]
+    None,
+    /// At the first surface, direct light by sampling lights
+    Direct,
+    /// At the second diffuse surface, caustics at the first [slide 31]
+    Final,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum LayoutFlag {
+    /// The lecture's left-balanced tree
+    Jensen,
+    /// Leaves of 32
+    Fast,
+}
+
+impl Program for Args {
+    type Params = Params;
+    type Technique<'a> = PhotonMapping<'a>;
+
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn params(&self) -> Result<Params, String> {
+        if self.photons == 0 || self.lookup == 0 {
+            return Err("--photons and --lookup are at least 1".into());
+        }
+        if !(self.max_radius >= 0.0 && self.max_radius.is_finite()) {
+            return Err(format!("--max-radius {}: a share of the scene's radius, 0 or more", self.max_radius));
+        }
+        let kernel = match self.kernel {
+            KernelFlag::Box => Kernel::Box,
+            KernelFlag::Cone => Kernel::Cone,
+            KernelFlag::Gaussian => Kernel::Gaussian,
+            KernelFlag::Epanechnikov => Kernel::Epanechnikov,
+            KernelFlag::Simpson => Kernel::Simpson,
+            KernelFlag::Lecture => Kernel::Lecture,
+        };
+        let gather = match self.gather {
+            GatherFlag::None => Gather::None,
+            GatherFlag::Direct => Gather::Direct,
+            GatherFlag::Final => Gather::Final,
+        };
+        let layout = match self.photon_layout {
+            LayoutFlag::Jensen => Layout::Jensen,
+            LayoutFlag::Fast => Layout::Fast,
+        };
+        Ok(Params {
+            photons: self.photons,
+            caustic_photons: self.caustic_photons,
+            lookup: self.lookup,
+            max_radius: self.max_radius,
+            kernel,
+            gather,
+            gather_rays: self.gather_rays,
+            layout,
+            max_depth: self.common.max_depth(),
+        })
+    }
+}
+
+fn main() -> ExitCode {
+    gi_cli::main::<Args>()
+}
