@@ -82,10 +82,21 @@ impl Estimator {
         depth: u8,
         f: impl Fn(&Payload) -> Rgb,
     ) -> Estimate {
+        self.estimate_by(self.kernel, p, n, depth, f)
+    }
+
+    fn estimate_by(
+        &self,
+        kernel: Kernel,
+        p: Vec3,
+        n: Vec3,
+        depth: u8,
+        f: impl Fn(&Payload) -> Rgb,
+    ) -> Estimate {
         let mut sum = Estimate::default();
         let accept = |photon: &Payload, d: u8| d <= depth && photon.normal().dot(n) > SAME_SIDE;
         sum.found = self.map.nearest(p, self.k, self.max_radius_sq, accept, |photon, d2, r2| {
-            let light = f(photon) * photon.power.to_rgb() * self.kernel.weigh(d2, r2);
+            let light = f(photon) * photon.power.to_rgb() * kernel.weigh(d2, r2);
             match photon.kind() {
                 Kind::Direct => sum.direct += light,
                 Kind::Caustic => sum.caustic += light,
@@ -98,6 +109,11 @@ impl Estimator {
     /// Irradiance on the side of the unit normal `n`.
     pub fn irradiance(&self, p: Vec3, n: Vec3, depth: u8) -> Estimate {
         self.estimate(p, n, depth, |_| Rgb::WHITE)
+    }
+
+    /// The same by another kernel.
+    pub(crate) fn irradiance_by(&self, kernel: Kernel, p: Vec3, n: Vec3, depth: u8) -> Estimate {
+        self.estimate_by(kernel, p, n, depth, |_| Rgb::WHITE)
     }
 
     /// Radiance toward `wo` [slide 24]; delta lobes are not in it.

@@ -10,6 +10,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::estimate::Estimator;
+use crate::kernel::Kernel;
 use crate::map::{Layout, PhotonMap};
 use crate::photon::{Payload, Photon, Rgbe};
 use crate::shoot::Stored;
@@ -32,13 +33,17 @@ pub(crate) struct IrradianceMap {
 impl IrradianceMap {
     /// Estimate the irradiance at every fourth photon, of light that took at most `depth` segments.
     pub(crate) fn new(scene: &Scene, from: &Estimator, depth: u8, seed: u32) -> Self {
+        // At a photon, one photon lies in the very middle; to make up for it, the photon that a point looks up has fewer
+        // neighbours on the point's side, one on average. The two cancel where all places of the disc count the same:
+        // a kernel that is high in the middle would be too bright by about 1 / 2k.
+        let kernel = if from.kernel == Kernel::Lecture { Kernel::Lecture } else { Kernel::Box };
         let n = from.map.len().div_ceil(EVERY);
         let points: Vec<Stored> = (0..n)
             .into_par_iter()
             .map(|k| {
                 let photon = from.map.stored(k * EVERY).photon;
                 let (p, normal) = (photon.p(), photon.payload.normal());
-                let e = from.irradiance(p, normal, depth);
+                let e = from.irradiance_by(kernel, p, normal, depth);
                 let share = share_of_disc(scene, p, normal, e.found.radius_sq, k as u32);
                 let dither = [0, 1, 2].map(|c| bits_to_unit(hash_words(&[seed, k as u32, c, 7])));
                 let power = Rgbe::dithered(e.all() / share, dither);
