@@ -8,3 +8,5 @@ mod analytic;
 mod determinism;
 /// What irradiance caching is held to.
 mod irrcache_facts;
+/// Photon mapping.
+mod photonmap;

@@ -11,7 +11,7 @@ use gi_core::math::Rgb;
 use gi_core::rng::Pcg;
 use gi_core::warp;
 use glam::Vec3;
-use photonmap::map::{Layout, PhotonMap};
+use photonmap::map::{Layout, Order, PhotonMap};
 use photonmap::photon::{Kind, Payload, Photon, Rgbe};
 use photonmap::shoot::Stored;
 
@@ -145,8 +145,8 @@ fn main() {
 
     let stored: Vec<Stored> = points.iter().map(|&p| photon(p)).collect();
     let (for_jensen, for_fast) = (stored.clone(), stored.clone());
-    let jensen = timed("jensen", || PhotonMap::build(for_jensen, 1, Layout::Jensen, false));
-    let fast = timed("fast", || PhotonMap::build(for_fast, 1, Layout::Fast, false));
+    let jensen = timed("jensen", || PhotonMap::build(for_jensen, 1, Layout::Jensen, Order::Any, false));
+    let fast = timed("fast", || PhotonMap::build(for_fast, 1, Layout::Fast, Order::Any, false));
     // Others return numbers; what the photons bring is read in the order that they were given.
     let payloads: Vec<Payload> = stored.iter().map(|s| s.photon.payload).collect();
     drop(stored);

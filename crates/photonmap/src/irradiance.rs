@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::estimate::Estimator;
 use crate::kernel::Kernel;
-use crate::map::{Layout, PhotonMap};
+use crate::map::{Layout, Order, PhotonMap};
 use crate::photon::{Payload, Photon, Rgbe};
 use crate::shoot::Stored;
 
@@ -52,7 +52,7 @@ impl IrradianceMap {
                 Stored { photon: Photon { payload, ..photon }, depth: 0 }
             })
             .collect();
-        let map = PhotonMap::build(points, from.map.emitted, Layout::Fast, false);
+        let map = PhotonMap::build(points, from.map.emitted, Layout::Fast, Order::Any, false);
         IrradianceMap { map, radius_sq: from.max_radius_sq }
     }
 

@@ -2,9 +2,11 @@
 //!
 //! \[Jensen01, 6.2 and appendix B\]: every photon is a node, the split axis is in its flags, and the array has no gaps.
 
+use gi_core::math::Bounds;
 use glam::Vec3;
 
 use crate::kd::longest_axis;
+use crate::map::Order;
 use crate::nearest::Candidates;
 use crate::photon::{Payload, Photon};
 use crate::shoot::Stored;
@@ -23,11 +25,14 @@ const NOTHING: Photon = Photon {
 
 impl HeapTree {
     /// Balance photons into a tree.
-    pub(crate) fn build(mut photons: Vec<Stored>, with_depths: bool) -> Self {
+    pub(crate) fn build(mut photons: Vec<Stored>, order: Order, with_depths: bool) -> Self {
         let n = photons.len();
         let depths = vec![0; if with_depths { n + 1 } else { 0 }];
         let mut tree = HeapTree { photons: vec![NOTHING; n + 1], depths };
-        tree.balance(&mut photons, 1);
+        match order {
+            Order::Any => tree.balance(&mut photons, 1),
+            Order::Tree => photons.iter().enumerate().for_each(|(k, s)| tree.put(k + 1, *s)),
+        }
         tree
     }
 
@@ -51,13 +56,34 @@ impl HeapTree {
         let coordinate = |s: &Stored| s.photon.position[axis];
         photons.select_nth_unstable_by(median, |a, b| coordinate(a).total_cmp(&coordinate(b)));
         let Stored { photon, depth } = photons[median];
-        self.photons[i] = Photon { payload: photon.payload.with_axis(axis), ..photon };
-        if let Some(slot) = self.depths.get_mut(i) {
-            *slot = depth;
-        }
+        let photon = Photon { payload: photon.payload.with_axis(axis), ..photon };
+        self.put(i, Stored { photon, depth });
         let (left, right) = photons.split_at_mut(median);
         self.balance(left, 2 * i);
         self.balance(&mut right[1..], 2 * i + 1);
+    }
+
+    fn put(&mut self, i: usize, Stored { photon, depth }: Stored) {
+        self.photons[i] = photon;
+        if let Some(slot) = self.depths.get_mut(i) {
+            *slot = depth;
+        }
+    }
+
+    /// The boxes of all cells down to `depth` levels, for pictures.
+    pub(crate) fn cells(&self, bounds: Bounds, depth: u32) -> Vec<Bounds> {
+        let mut cells = vec![(bounds, 1)];
+        for _ in 0..depth {
+            let halves = |(cell, i): (Bounds, usize)| {
+                let Some(photon) = self.photons.get(i) else { return vec![(cell, i)] };
+                let (axis, mut a, mut b) = (photon.payload.axis() % 3, cell, cell);
+                a.max[axis] = photon.position[axis];
+                b.min[axis] = photon.position[axis];
+                vec![(a, 2 * i), (b, 2 * i + 1)]
+            };
+            cells = cells.into_iter().flat_map(halves).collect();
+        }
+        cells.into_iter().map(|(cell, _)| cell).collect()
     }
 
     /// Offer `found` all photons that may be among the nearest to `p`.

@@ -6,9 +6,11 @@
 //! has m - 1 nodes in preorder, its left child follows, its right child stands m / 2 behind. That is 20 bytes a photon
 //! and 8 bytes for 32.
 
+use gi_core::math::Bounds;
 use glam::Vec3;
 use rayon::prelude::*;
 
+use crate::map::Order;
 use crate::nearest::{Candidates, LEAF};
 use crate::photon::{Payload, Photon};
 use crate::shoot::Stored;
@@ -55,10 +57,10 @@ const PARALLEL: usize = 50_000;
 
 impl KdTree {
     /// Build the tree. The same photons in the same order give the same tree.
-    pub(crate) fn build(mut photons: Vec<Stored>, with_depths: bool) -> Self {
+    pub(crate) fn build(mut photons: Vec<Stored>, order: Order, with_depths: bool) -> Self {
         let leaves = photons.len().div_ceil(LEAF);
         let mut nodes = vec![Node::default(); leaves.saturating_sub(1)];
-        arrange(&mut photons, &mut nodes, leaves);
+        arrange(&mut photons, &mut nodes, leaves, order);
         let blocks = photons.par_chunks(LEAF).map(block).collect();
         let payloads = photons.par_iter().map(|s| s.photon.payload).collect();
         let depths =
@@ -170,7 +172,7 @@ impl KdTree {
     }
 
     /// The boxes of all cells down to `depth` levels, for pictures: the plane's axis and place cut each.
-    pub(crate) fn cells(&self, bounds: gi_core::math::Bounds, depth: u32) -> Vec<gi_core::math::Bounds> {
+    pub(crate) fn cells(&self, bounds: Bounds, depth: u32) -> Vec<Bounds> {
         let mut cells = vec![(bounds, 0, self.blocks.len())];
         for _ in 0..depth {
             let mut next = Vec::with_capacity(2 * cells.len());
@@ -212,24 +214,34 @@ fn block(photons: &[Stored]) -> Block {
 }
 
 /// Bring photons into the order of the leaves: the median of the longest side parts them, again and again.
-fn arrange(photons: &mut [Stored], nodes: &mut [Node], leaves: usize) {
+fn arrange(photons: &mut [Stored], nodes: &mut [Node], leaves: usize, order: Order) {
     if leaves < 2 {
         return;
     }
     let axis = longest_axis(photons.iter());
     let left = leaves / 2;
     let coordinate = |s: &Stored| s.photon.position[axis];
-    photons.select_nth_unstable_by(left * LEAF, |a, b| coordinate(a).total_cmp(&coordinate(b)));
+    let plane = match order {
+        Order::Any => {
+            let compare = |a: &Stored, b: &Stored| coordinate(a).total_cmp(&coordinate(b));
+            coordinate(photons.select_nth_unstable_by(left * LEAF, compare).1)
+        }
+        // Parted already: the plane goes through the first photon of the right.
+        Order::Tree => photons[left * LEAF..].iter().map(coordinate).fold(f32::INFINITY, f32::min),
+    };
     let (mine, below) = nodes.split_at_mut(1);
-    mine[0] = Node { plane: coordinate(&photons[left * LEAF]), axis: axis as u32 };
+    mine[0] = Node { plane, axis: axis as u32 };
     let parallel = photons.len() > PARALLEL;
     let (a, b) = photons.split_at_mut(left * LEAF);
     let (nodes_a, nodes_b) = below.split_at_mut(left - 1);
     if parallel {
-        rayon::join(|| arrange(a, nodes_a, left), || arrange(b, nodes_b, leaves - left));
+        rayon::join(
+            || arrange(a, nodes_a, left, order),
+            || arrange(b, nodes_b, leaves - left, order),
+        );
     } else {
-        arrange(a, nodes_a, left);
-        arrange(b, nodes_b, leaves - left);
+        arrange(a, nodes_a, left, order);
+        arrange(b, nodes_b, leaves - left, order);
     }
 }
 

@@ -14,6 +14,7 @@
 #![forbid(unsafe_code)]
 
 pub mod estimate;
+mod file;
 mod gather;
 mod irradiance;
 mod jensen;
@@ -22,16 +23,18 @@ pub mod kernel;
 pub mod map;
 mod nearest;
 pub mod photon;
+mod pictures;
 pub mod shoot;
 
 use gi_core::eye::{EyePath, PathLimits};
 use gi_core::film::Film;
-use gi_core::technique::{Setting, Technique};
+use gi_core::technique::{Picture, Setting, Technique};
 
 use estimate::Estimator;
 use irradiance::IrradianceMap;
 use kernel::Kernel;
-use map::{Layout, PhotonMap};
+use map::{Layout, Order, PhotonMap};
+pub use pictures::Show;
 use shoot::{Shot, Source, Wanted};
 
 /// Where the maps are read.
@@ -67,6 +70,10 @@ pub struct Params {
     pub layout: Layout,
     /// Most segments of a path; `None` is unbounded.
     pub max_depth: Option<u32>,
+    /// Maps that were saved, instead of shooting photons.
+    pub map_in: Option<Vec<u8>>,
+    /// Pictures of the maps.
+    pub show: Vec<Show>,
 }
 
 impl Default for Params {
@@ -81,6 +88,8 @@ impl Default for Params {
             gather_rays: 16,
             layout: Layout::default(),
             max_depth: None,
+            map_in: None,
+            show: Vec::new(),
         }
     }
 }
@@ -101,28 +110,21 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
 
     /// Shoot photons, build the maps, compute irradiance ahead.
     fn prepare(setting: Setting<'a>, params: &Params) -> Result<Self, String> {
-        let bounded = params.max_depth.is_some();
-        let max_segments = params.max_depth.map(|most| most.saturating_sub(1));
-        let source = Source { scene: setting.scene, seed: setting.seed, max_segments };
+        let Maps { global, caustic, order } = match &params.map_in {
+            Some(bytes) => load(&setting, params, bytes)?,
+            None => shoot(&setting, params),
+        };
+        let gave_up = [global.gave_up, caustic.as_ref().is_some_and(|c| c.gave_up)];
         let max_radius = params.max_radius * setting.scene.radius();
         let estimator = |shot: Shot| {
-            let map = PhotonMap::build(shot.photons, shot.emitted, params.layout, bounded);
+            let bounded = params.max_depth.is_some();
+            let map = PhotonMap::build(shot.photons, shot.emitted, params.layout, order, bounded);
             Estimator::new(map, params.kernel, params.lookup, max_radius)
         };
-        let shot = source.shoot(Wanted::Global, params.photons);
-        let mut gave_up = [shot.gave_up, false];
-        let global = estimator(shot);
-        let caustic = (params.gather == Gather::Final && params.caustic_photons > 0).then(|| {
-            let targets = setting.scene.focusing();
-            let count = if targets.is_empty() { 0 } else { params.caustic_photons };
-            let shot = source.shoot(Wanted::Caustic(&targets), count);
-            gave_up[1] = shot.gave_up;
-            estimator(shot)
-        });
-        let irradiance = if params.gather == Gather::Final {
-            irradiance_maps(&setting, params, &global)
-        } else {
-            Vec::new()
+        let (global, caustic) = (estimator(global), caustic.map(estimator));
+        let irradiance = match params.gather {
+            Gather::Final => irradiance_maps(&setting, params, &global),
+            Gather::None | Gather::Direct => Vec::new(),
         };
         Ok(PhotonMapping { setting, params: params.clone(), global, caustic, irradiance, gave_up })
     }
@@ -136,6 +138,10 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
         film.add_pass(|pixel| {
             path.sample_pixel(camera, seed, pixel, index, &mut |v, sampler| this.supply(v, sampler))
         });
+    }
+
+    fn pictures(&self, film: &Film) -> Vec<Picture> {
+        self.draw(film)
     }
 
     fn statistics(&self) -> Vec<(String, f64)> {
@@ -160,7 +166,68 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
     }
 }
 
+/// Photons for both maps.
+struct Maps {
+    global: Shot,
+    caustic: Option<Shot>,
+    order: Order,
+}
+
+/// Photon tracing [slide 22].
+fn shoot(setting: &Setting, params: &Params) -> Maps {
+    let max_segments = params.max_depth.map(|most| most.saturating_sub(1));
+    let source = Source { scene: setting.scene, seed: setting.seed, max_segments };
+    let global = source.shoot(Wanted::Global, params.photons);
+    let caustic = (params.gather == Gather::Final && params.caustic_photons > 0).then(|| {
+        let targets = setting.scene.focusing();
+        let count = if targets.is_empty() { 0 } else { params.caustic_photons };
+        source.shoot(Wanted::Caustic(&targets), count)
+    });
+    Maps { global, caustic, order: Order::Any }
+}
+
+/// Photons of an earlier run.
+fn load(setting: &Setting, params: &Params, bytes: &[u8]) -> Result<Maps, String> {
+    let saved = file::from_bytes(bytes).map_err(|e| format!("--map-in: {e}"))?;
+    if saved.world != setting.world {
+        return Err("--map-in: these photons are of another scene; shoot them anew".into());
+    }
+    if saved.max_depth != params.max_depth.unwrap_or(0) {
+        return Err("--map-in: these photons were shot with another --max-depth".into());
+    }
+    if params.gather == Gather::Final && params.caustic_photons > 0 && saved.caustic.is_none() {
+        return Err("--map-in: there is no caustic map in it; give --caustic-photons 0, or shoot anew".into());
+    }
+    let order = if saved.layout == params.layout { Order::Tree } else { Order::Any };
+    let caustic = saved.caustic.filter(|_| params.caustic_photons > 0);
+    Ok(Maps { global: saved.global, caustic, order })
+}
+
 impl PhotonMapping<'_> {
+    /// The maps as a file for `--map-in`.
+    pub fn save(&self) -> Vec<u8> {
+        let mut caustic = self.caustic.as_ref().map(|c| (c.map.photons(), c.map.len(), c.map.emitted));
+        let global = &self.global.map;
+        file::to_bytes(
+            self.setting.world,
+            self.params.max_depth.unwrap_or(0),
+            self.params.layout,
+            [
+                Some((&mut global.photons(), global.len(), global.emitted)),
+                caustic.as_mut().map(|(photons, n, emitted)| (photons as &mut dyn Iterator<Item = _>, *n, *emitted)),
+            ],
+        )
+    }
+
+    /// All photons, to look at: as comma-separated values, or as a PLY of points.
+    pub fn export(&self, as_csv: bool) -> Vec<u8> {
+        let mut caustic = self.caustic.as_ref().map(|c| c.map.photons());
+        let mut global = self.global.map.photons();
+        let maps: [Option<&mut dyn Iterator<Item = _>>; 2] =
+            [Some(&mut global), caustic.as_mut().map(|c| c as _)];
+        if as_csv { file::to_csv(maps) } else { file::to_ply(maps) }
+    }
+
     /// Irradiance of light that took at most `depth` segments.
     fn irradiance(&self, depth: u8) -> &IrradianceMap {
         let last = self.irradiance.len() - 1;

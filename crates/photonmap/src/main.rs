@@ -2,11 +2,13 @@
 
 use std::process::ExitCode;
 
+use std::path::{Path, PathBuf};
+
 use clap::{Parser, ValueEnum};
 use gi_cli::{Common, Program};
 use photonmap::kernel::Kernel;
 use photonmap::map::Layout;
-use photonmap::{Gather, Params, PhotonMapping};
+use photonmap::{Gather, Params, PhotonMapping, Show};
 
 /// Photon mapping: photons from the lights, density estimates, final gather.
 ///
@@ -38,6 +40,18 @@ struct Args {
     /// Rays of a gather point in a pass [slide 31]
     #[arg(long, value_name = "N", default_value_t = Params::default().gather_rays, value_parser = clap::value_parser!(u32).range(1..=65536))]
     gather_rays: u32,
+    /// Pictures of the maps beside the picture [slides 22, 23, 25, 26]; several joined by commas
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT")]
+    show: Vec<ShowFlag>,
+    /// Save the photons
+    #[arg(long, value_name = "FILE")]
+    map_out: Option<PathBuf>,
+    /// Use photons that --map-out saved, for another view of the same scene
+    #[arg(long, value_name = "FILE")]
+    map_in: Option<PathBuf>,
+    /// Write the photons with their kinds: .ply (points) or .csv
+    #[arg(long, value_name = "FILE")]
+    photons_out: Option<PathBuf>,
     /// How photons lie in memory [slide 25]; the picture is the same
     #[arg(long, value_enum, default_value_t = LayoutFlag::Fast)]
     photon_layout: LayoutFlag,
@@ -77,6 +91,16 @@ enum LayoutFlag {
     Fast,
 }
 
+#[derive(Clone, Copy, ValueEnum)]
+enum ShowFlag {
+    /// The first 200 photon paths
+    Paths,
+    /// The photons of both maps as dots
+    Photons,
+    /// Cells of the tree
+    Cells,
+}
+
 impl Program for Args {
     type Params = Params;
     type Technique<'a> = PhotonMapping<'a>;
@@ -105,6 +129,16 @@ impl Program for Args {
             GatherFlag::Direct => Gather::Direct,
             GatherFlag::Final => Gather::Final,
         };
+        let extension = self.photons_out.as_ref().and_then(|p| p.extension());
+        if self.photons_out.is_some() && !extension.is_some_and(|e| e == "ply" || e == "csv") {
+            return Err("--photons-out: the file's name ends in .ply or .csv".into());
+        }
+        let show = self.show.iter().map(|s| match s {
+            ShowFlag::Paths => Show::Paths,
+            ShowFlag::Photons => Show::Photons,
+            ShowFlag::Cells => Show::Cells,
+        });
+        let show = show.collect();
         let layout = match self.photon_layout {
             LayoutFlag::Jensen => Layout::Jensen,
             LayoutFlag::Fast => Layout::Fast,
@@ -119,7 +153,21 @@ impl Program for Args {
             gather_rays: self.gather_rays,
             layout,
             max_depth: self.common.max_depth(),
+            map_in: self.map_in.as_deref().map(gi_cli::read_input).transpose()?,
+            show,
         })
+    }
+
+    fn outputs(&self) -> Vec<PathBuf> {
+        [&self.map_out, &self.photons_out].into_iter().flatten().cloned().collect()
+    }
+
+    fn export(&self, technique: &PhotonMapping, path: &Path) -> Vec<u8> {
+        if self.map_out.as_deref() == Some(path) {
+            technique.save()
+        } else {
+            technique.export(path.extension().is_some_and(|e| e == "csv"))
+        }
     }
 }
 

@@ -18,6 +18,15 @@ pub enum Layout {
     Fast,
 }
 
+/// The order in which photons are given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// Any.
+    Any,
+    /// That of [`PhotonMap::photons`] of a map of the same layout: the tree is then the same, bit for bit.
+    Tree,
+}
+
 /// A photon map.
 pub struct PhotonMap {
     tree: Tree,
@@ -41,10 +50,16 @@ pub struct Found {
 
 impl PhotonMap {
     /// Build a map. Depths are kept where a search is to ask for them.
-    pub fn build(photons: Vec<Stored>, emitted: u64, layout: Layout, with_depths: bool) -> Self {
+    pub fn build(
+        photons: Vec<Stored>,
+        emitted: u64,
+        layout: Layout,
+        order: Order,
+        with_depths: bool,
+    ) -> Self {
         let tree = match layout {
-            Layout::Jensen => Tree::Jensen(HeapTree::build(photons, with_depths)),
-            Layout::Fast => Tree::Fast(KdTree::build(photons, with_depths)),
+            Layout::Jensen => Tree::Jensen(HeapTree::build(photons, order, with_depths)),
+            Layout::Fast => Tree::Fast(KdTree::build(photons, order, with_depths)),
         };
         PhotonMap { tree, emitted }
     }
@@ -60,6 +75,14 @@ impl PhotonMap {
     /// Whether there are no photons.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// How the photons lie in memory.
+    pub fn layout(&self) -> Layout {
+        match &self.tree {
+            Tree::Jensen(_) => Layout::Jensen,
+            Tree::Fast(_) => Layout::Fast,
+        }
     }
 
     /// Bytes in memory.
@@ -147,10 +170,10 @@ impl PhotonMap {
         }
     }
 
-    /// The boxes that the fast layout's planes part `bounds` into, `depth` levels down; for pictures.
+    /// The boxes that the tree's planes part `bounds` into, `depth` levels down; for pictures.
     pub fn cells(&self, bounds: gi_core::math::Bounds, depth: u32) -> Vec<gi_core::math::Bounds> {
         match &self.tree {
-            Tree::Jensen(_) => Vec::new(),
+            Tree::Jensen(tree) => tree.cells(bounds, depth),
             Tree::Fast(tree) => tree.cells(bounds, depth),
         }
     }
@@ -188,7 +211,7 @@ mod tests {
         for n in [0, 1, 2, 31, 32, 33, 64, 65, 1000, 5000] {
             let all = photons(n);
             for layout in [Layout::Jensen, Layout::Fast] {
-                let map = PhotonMap::build(all.clone(), 1, layout, true);
+                let map = PhotonMap::build(all.clone(), 1, layout, Order::Any, true);
                 assert_eq!(map.len(), n);
                 let mut rng = Pcg::new(4, 0);
                 for case in 0..100 {
@@ -228,8 +251,21 @@ mod tests {
         };
         let expected = sum(&mut all.iter().copied());
         for layout in [Layout::Jensen, Layout::Fast] {
-            let map = PhotonMap::build(all.clone(), 1, layout, false);
+            let map = PhotonMap::build(all.clone(), 1, layout, Order::Any, false);
             assert!((sum(&mut map.photons()) - expected).abs() < 1e-6 * expected);
+            let in_order: Vec<Stored> = map.photons().collect();
+            let again = PhotonMap::build(in_order.clone(), 1, layout, Order::Tree, false);
+            assert!(again.photons().eq(in_order), "{layout:?}: the order was not kept");
+            let same = |p: Vec3| {
+                let mut sums = [&map, &again].map(|map| {
+                    let mut sum = 0.0;
+                    map.nearest(p, 40, 1.0, |_, _| true, |_, d2, _| sum += d2);
+                    sum
+                });
+                sums[0] -= sums[1];
+                sums[0] == 0.0
+            };
+            assert!(all.iter().step_by(97).all(|s| same(s.photon.p())), "{layout:?}");
             // 20 bytes and at most a tenth.
             assert!(map.bytes() as f64 <= 22.0 * all.len() as f64, "{layout:?}: {}", map.bytes());
         }

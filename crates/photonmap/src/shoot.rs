@@ -136,35 +136,47 @@ impl Source<'_> {
     fn chunk(&self, wanted: Wanted, chunk: u64) -> Chunk {
         let mut out = Chunk { hits: Vec::new(), ends: Vec::with_capacity(CHUNK as usize) };
         for path in chunk * CHUNK..(chunk + 1) * CHUNK {
-            self.path(wanted, path, &mut |vertex| out.hits.extend(hit(vertex)));
+            self.walk(wanted, path, &mut |_, vertex| {
+                let asked_for = match wanted {
+                    Wanted::Global => true,
+                    Wanted::Caustic(_) => kind(vertex) == Kind::Caustic,
+                };
+                if asked_for && !vertex.bsdf.is_delta() {
+                    out.hits.extend(hit(vertex));
+                }
+            });
             out.ends.push(out.hits.len() as u32);
         }
         out
     }
 
-    /// Walk path number `path` and visit the vertices that are wanted.
-    pub(crate) fn path(&self, wanted: Wanted, path: u64, visit: &mut impl FnMut(&LightVertex)) {
+    /// Walk path number `path`; `visit` gets the point that it began at and every vertex.
+    pub(crate) fn walk(
+        &self,
+        wanted: Wanted,
+        path: u64,
+        visit: &mut impl FnMut(Vec3, &LightVertex),
+    ) {
         // Each map has a stream of its own; within one, paths are the points of a sequence.
-        let (stream, walk): (u32, fn(&Self, Wanted, Sampler) -> _) = match wanted {
-            Wanted::Global => (0x676c_6f62, |s, _, sampler| LightWalk::begin(s.scene, sampler)),
-            Wanted::Caustic(_) => (0x6361_7573, |s, wanted, sampler| match wanted {
-                Wanted::Caustic(targets) => LightWalk::begin_toward(s.scene, sampler, targets),
-                Wanted::Global => None,
-            }),
+        let sampler = |stream: u32| {
+            Sampler::new(self.seed ^ stream, (path >> 32) as u32, path as u32)
         };
-        let sampler = Sampler::new(self.seed ^ stream, (path >> 32) as u32, path as u32);
-        let Some(mut walk) = walk(self, wanted, sampler) else { return };
-        let only_caustics = matches!(wanted, Wanted::Caustic(_));
+        let walk = match wanted {
+            Wanted::Global => LightWalk::begin(self.scene, sampler(0x676c_6f62)),
+            Wanted::Caustic(targets) => {
+                LightWalk::begin_toward(self.scene, sampler(0x6361_7573), targets)
+            }
+        };
+        let Some(mut walk) = walk else { return };
+        let start = walk.emission().p;
         while let Some(vertex) = walk.next_vertex() {
             if self.max_segments.is_some_and(|most| vertex.depth >= most) {
                 return;
             }
-            if !vertex.bsdf.is_delta() && (!only_caustics || kind(&vertex) == Kind::Caustic) {
-                visit(&vertex);
-            }
+            visit(start, &vertex);
             // Roulette from the first scattering on keeps powers nearly equal [Jensen01, 5.1].
             let goes_on = walk.scatter(&vertex, Roulette::ByAlbedo { from: 1 });
-            if !goes_on || (only_caustics && walk.rough() > 0) {
+            if !goes_on || (matches!(wanted, Wanted::Caustic(_)) && walk.rough() > 0) {
                 return;
             }
         }
@@ -172,7 +184,7 @@ impl Source<'_> {
 }
 
 /// What the path to a vertex has met.
-fn kind(vertex: &LightVertex) -> Kind {
+pub(crate) fn kind(vertex: &LightVertex) -> Kind {
     match (vertex.rough, vertex.depth) {
         (0, 0) => Kind::Direct,
         (0, _) => Kind::Caustic,
