@@ -8,15 +8,22 @@ use gi_core::sampler::Sampler;
 use gi_core::warp;
 
 use crate::estimate::facing;
+use crate::guide::Guide;
+use crate::photon::Kind;
 use crate::{Gather, PhotonMapping};
 
 impl<'a> PhotonMapping<'a> {
     /// What the maps know at a vertex of a path from the eye.
-    pub(crate) fn supply(&self, v: &EyeVertex<'_, 'a>, sampler: &mut Sampler) -> Option<Supplied> {
+    pub(crate) fn supply(
+        &self,
+        v: &EyeVertex<'_, 'a>,
+        sampler: &mut Sampler,
+        rays: &Rays,
+    ) -> Option<Supplied> {
         match self.params.gather {
             Gather::None => self.from_the_map(v, true),
             Gather::Direct => self.from_the_map(v, false),
-            Gather::Final => self.final_gather(v, sampler),
+            Gather::Final => self.final_gather(v, sampler, rays),
         }
     }
 
@@ -30,12 +37,17 @@ impl<'a> PhotonMapping<'a> {
 
     /// Caustics from their map [slide 27], indirect light by rays to the photons behind [slide 28]. Lobes that are not
     /// Lambertian are left to the path.
-    fn final_gather(&self, v: &EyeVertex<'_, 'a>, sampler: &mut Sampler) -> Option<Supplied> {
+    fn final_gather(
+        &self,
+        v: &EyeVertex<'_, 'a>,
+        sampler: &mut Sampler,
+        rays: &Rays,
+    ) -> Option<Supplied> {
         let part = v.bsdf.diffuse_part(v.wo)?;
         let show = self.setting.show;
         let mut indirect = Rgb::BLACK;
         if matches!(show, Show::All | Show::Indirect) {
-            indirect = self.gather(v, &part, sampler);
+            indirect = self.gather(v, &part, sampler, rays);
         }
         let wanted = v.rough > 0 || matches!(show, Show::All | Show::Caustic);
         let caustic = match &self.caustic {
@@ -51,18 +63,42 @@ impl<'a> PhotonMapping<'a> {
     }
 
     /// Mean over gather rays of what they find, times albedo: indirect light that the Lambertian part scatters.
-    fn gather(&self, v: &EyeVertex<'_, 'a>, part: &DiffusePart, sampler: &mut Sampler) -> Rgb {
+    fn gather(
+        &self,
+        v: &EyeVertex<'_, 'a>,
+        part: &DiffusePart,
+        sampler: &mut Sampler,
+        rays: &Rays,
+    ) -> Rgb {
         // Behind a glossy surface one ray is as good as the path's one.
-        let rays = if v.rough == 0 { self.params.gather_rays } else { 1 };
+        let count = if v.rough == 0 { self.params.gather_rays } else { 1 };
         let frame = Frame::from_normal(part.normal);
-        let rotation = sampler.next_2d();
+        let guide = if v.rough == 0 { self.guide(v, &frame) } else { None };
         let mut sum = Rgb::BLACK;
-        for k in 0..rays {
-            let u = if rays == 1 { rotation } else { stratum(k, rays, rotation) };
-            let wi = frame.to_world(warp::cosine_hemisphere(u));
-            sum += self.along(v, wi, sampler);
+        for k in 0..count {
+            let u = if v.rough == 0 { rays.direction(k, count) } else { sampler.next_2d() };
+            let (local, density) = match &guide {
+                Some(guide) => guide.sample(u),
+                None => (warp::cosine_hemisphere(u), 1.0),
+            };
+            sum += self.along(v, frame.to_world(local), sampler) / density;
         }
-        sum * part.albedo / rays as f32
+        sum * part.albedo / count as f32
+    }
+
+    /// Where photons over rough surfaces came from, if gather rays are to be led there.
+    fn guide(&self, v: &EyeVertex<'_, 'a>, frame: &Frame) -> Option<Guide> {
+        if self.params.guided == 0.0 {
+            return None;
+        }
+        let (n, depth) = (facing(v.surface, v.wo), self.photon_depth(v.segments)?);
+        let mut photons = Vec::with_capacity(self.params.lookup);
+        self.global.visit(v.surface.p, n, depth, |photon| {
+            if photon.kind() == Kind::Indirect {
+                photons.push((photon.direction(), photon.power.to_rgb().luminance()));
+            }
+        });
+        Guide::new(frame, self.params.guided, photons.into_iter())
     }
 
     /// Light that comes to a vertex over a surface in direction `wi`, having been scattered there by other than
@@ -124,10 +160,19 @@ impl<'a> PhotonMapping<'a> {
 /// Photons below which an estimate is left to the path.
 const MIN_PHOTONS: usize = 8;
 
-/// Point `k` of `n` that are spread over the unit square, the same lattice turned by `rotation` everywhere.
-#[inline]
-fn stratum(k: u32, n: u32, rotation: [f32; 2]) -> [f32; 2] {
-    // Kronecker's lattice of the plastic number: every n is well spread.
-    let u = [(k as f32 + 0.5) / n as f32, k as f32 * 0.754_877_7];
-    [(u[0] + rotation[0]).fract(), (u[1] + rotation[1]).fract()]
+/// Numbers for the gather rays of a pixel's first diffuse surface: the rays of all passes are one sequence, so that they
+/// are stratified together.
+pub(crate) struct Rays {
+    pub(crate) seed: u32,
+    pub(crate) stream: u32,
+    pub(crate) pass: u32,
+}
+
+impl Rays {
+    /// Two numbers for ray `k` of the `n` of this pass.
+    #[inline]
+    fn direction(&self, k: u32, n: u32) -> [f32; 2] {
+        let index = self.pass.wrapping_mul(n).wrapping_add(k);
+        Sampler::new(self.seed ^ 0x6761_7468, self.stream, index).next_2d()
+    }
 }

@@ -16,6 +16,7 @@
 pub mod estimate;
 mod file;
 mod gather;
+mod guide;
 mod irradiance;
 mod jensen;
 mod kd;
@@ -25,12 +26,15 @@ mod nearest;
 pub mod photon;
 mod pictures;
 pub mod shoot;
+#[cfg(test)]
+mod test_scenes;
 
 use gi_core::eye::{EyePath, PathLimits};
 use gi_core::film::Film;
 use gi_core::technique::{Picture, Setting, Technique};
 
 use estimate::Estimator;
+use gather::Rays;
 use irradiance::IrradianceMap;
 use kernel::Kernel;
 use map::{Layout, Order, PhotonMap};
@@ -66,6 +70,8 @@ pub struct Params {
     pub gather: Gather,
     /// Rays of a gather point in a pass.
     pub gather_rays: u32,
+    /// Share of the gather rays that are led to where photons came from, in [0, 1).
+    pub guided: f32,
     /// How photons lie in memory.
     pub layout: Layout,
     /// Most segments of a path; `None` is unbounded.
@@ -86,6 +92,7 @@ impl Default for Params {
             kernel: Kernel::default(),
             gather: Gather::default(),
             gather_rays: 16,
+            guided: 0.0,
             layout: Layout::default(),
             max_depth: None,
             map_in: None,
@@ -136,7 +143,11 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
         let path = EyePath { scene, limits, show };
         let this = &*self;
         film.add_pass(|pixel| {
-            path.sample_pixel(camera, seed, pixel, index, &mut |v, sampler| this.supply(v, sampler))
+            let stream = (pixel[1] * camera.size()[0] + pixel[0]) as u32;
+            let rays = Rays { seed, stream, pass: index };
+            path.sample_pixel(camera, seed, pixel, index, &mut |v, sampler| {
+                this.supply(v, sampler, &rays)
+            })
         });
     }
 
@@ -217,6 +228,21 @@ impl PhotonMapping<'_> {
                 caustic.as_mut().map(|(photons, n, emitted)| (photons as &mut dyn Iterator<Item = _>, *n, *emitted)),
             ],
         )
+    }
+
+    /// The estimate of slide 24 at what the middle of a pixel shows, against the number of photons: one line for each k.
+    pub fn probe(&self, [x, y]: [u32; 2]) -> Vec<u8> {
+        let Setting { scene, camera, .. } = self.setting;
+        let mut out = "k,found,radius,red,green,blue\n".to_string();
+        let ray = camera.ray([x as f32 + 0.5, y as f32 + 0.5], [0.5; 2]);
+        let Some((surface, _)) = scene.intersect(&ray) else { return out.into_bytes() };
+        let n = estimate::facing(&surface, -ray.d);
+        for k in [10, 15, 20, 30, 50, 70, 100, 150, 200, 300, 500, 700, 1000] {
+            let e = self.global.irradiance_of(k, surface.p, n);
+            let (c, r) = (e.all(), e.found.radius_sq.sqrt() / scene.radius());
+            out += &format!("{k},{},{r},{},{},{}\n", e.found.count, c.r, c.g, c.b);
+        }
+        out.into_bytes()
     }
 
     /// All photons, to look at: as comma-separated values, or as a PLY of points.

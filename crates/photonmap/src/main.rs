@@ -40,6 +40,9 @@ struct Args {
     /// Rays of a gather point in a pass [slide 31]
     #[arg(long, value_name = "N", default_value_t = Params::default().gather_rays, value_parser = clap::value_parser!(u32).range(1..=65536))]
     gather_rays: u32,
+    /// Share of the gather rays that are led to where photons came from, from 0 to below 1 [slide 31]
+    #[arg(long, value_name = "SHARE", default_value_t = Params::default().guided)]
+    guided: f32,
     /// Pictures of the maps beside the picture [slides 22, 23, 25, 26]; several joined by commas
     #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT")]
     show: Vec<ShowFlag>,
@@ -52,6 +55,12 @@ struct Args {
     /// Write the photons with their kinds: .ply (points) or .csv
     #[arg(long, value_name = "FILE")]
     photons_out: Option<PathBuf>,
+    /// Write the estimate at a pixel against the number of photons [slide 24], see --probe
+    #[arg(long, value_name = "FILE.csv", requires = "probe")]
+    probe_out: Option<PathBuf>,
+    /// The pixel of --probe-out
+    #[arg(long, value_name = "X,Y", value_delimiter = ',', num_args = 1, requires = "probe_out")]
+    probe: Vec<u32>,
     /// How photons lie in memory [slide 25]; the picture is the same
     #[arg(long, value_enum, default_value_t = LayoutFlag::Fast)]
     photon_layout: LayoutFlag,
@@ -116,6 +125,12 @@ impl Program for Args {
         if !(self.max_radius >= 0.0 && self.max_radius.is_finite()) {
             return Err(format!("--max-radius {}: a share of the scene's radius, 0 or more", self.max_radius));
         }
+        if !(0.0..1.0).contains(&self.guided) {
+            return Err(format!("--guided {}: a share from 0 to below 1", self.guided));
+        }
+        if !matches!(self.probe.len(), 0 | 2) {
+            return Err("--probe: two numbers, X,Y".into());
+        }
         let kernel = match self.kernel {
             KernelFlag::Box => Kernel::Box,
             KernelFlag::Cone => Kernel::Cone,
@@ -151,6 +166,7 @@ impl Program for Args {
             kernel,
             gather,
             gather_rays: self.gather_rays,
+            guided: self.guided,
             layout,
             max_depth: self.common.max_depth(),
             map_in: self.map_in.as_deref().map(gi_cli::read_input).transpose()?,
@@ -159,12 +175,14 @@ impl Program for Args {
     }
 
     fn outputs(&self) -> Vec<PathBuf> {
-        [&self.map_out, &self.photons_out].into_iter().flatten().cloned().collect()
+        [&self.map_out, &self.photons_out, &self.probe_out].into_iter().flatten().cloned().collect()
     }
 
     fn export(&self, technique: &PhotonMapping, path: &Path) -> Vec<u8> {
         if self.map_out.as_deref() == Some(path) {
             technique.save()
+        } else if self.probe_out.as_deref() == Some(path) {
+            technique.probe([self.probe[0], self.probe[1]])
         } else {
             technique.export(path.extension().is_some_and(|e| e == "csv"))
         }
