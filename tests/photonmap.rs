@@ -51,13 +51,26 @@ fn paths_of_bounded_length_agree_too() {
     }
 }
 
+#[test]
+fn guided_gather_rays_change_the_noise_only() {
+    let world = World::load("cornell-box.xml", [24, 24], &[]);
+    let render =
+        |guided| photons(&world, &Params { guided, ..Params::default() }, 32, Show::Indirect);
+    let ((a, va), (b, vb)) = (mean_and_variance(&render(0.0)), mean_and_variance(&render(0.8)));
+    let p = gi_stats::z_test(a, va, b, vb);
+    assert!(p > 1e-3 && (va + vb).sqrt() < 0.003 * a, "{a} is not {b}: p = {p:.1e}");
+}
+
 /// Mean over pixels and channels of the squared error over the squared truth plus 0.01.
 fn rel_mse(film: &Film, truth: &Film) -> f64 {
     let (a, b) = (film.radiance(), truth.radiance());
     let error = |x: f32, y: f32| f64::from((x - y) * (x - y) / (y * y + 0.01));
     let pixels = a.iter().zip(&b);
-    let sum: f64 =
-        pixels.flat_map(|(a, b)| (0..3).map(|k| error(a.to_array()[k], b.to_array()[k])).collect::<Vec<_>>()).sum();
+    let sum: f64 = pixels
+        .flat_map(|(a, b)| {
+            (0..3).map(|k| error(a.to_array()[k], b.to_array()[k])).collect::<Vec<_>>()
+        })
+        .sum();
     sum / (3 * a.len()) as f64
 }
 
@@ -82,8 +95,7 @@ fn more_photons_and_more_of_them_an_estimate_lower_the_error() {
 fn a_furnace_reads_one_over_one_minus_a_through_the_map() {
     let (parts, camera) = furnace(0.6);
     let world = World::new(parts, &camera);
-    let (mean, variance) =
-        mean_and_variance(&photons(&world, &Params::default(), 16, Show::All));
+    let (mean, variance) = mean_and_variance(&photons(&world, &Params::default(), 16, Show::All));
     // 100,000 photons of one power: their number on the walls is off by a share of 1 / sqrt(100000) = 0.3 %.
     let bound = 2.5 * (4.0 * variance.sqrt() + 3.0 * 0.0032 * 0.6);
     assert!((mean - 2.5).abs() < bound, "{mean} is not 2.5 +- {bound}");

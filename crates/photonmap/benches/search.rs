@@ -26,7 +26,7 @@ fn point(rng: &mut Pcg, with_caustic: bool) -> Vec3 {
     if u < 0.62 || (u < 0.64 && !with_caustic) {
         let mut p = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32()) * 2.0 - 1.0;
         let face = rng.next_below(6) as usize;
-        p[face / 2] = if face % 2 == 0 { -1.0 } else { 1.0 };
+        p[face / 2] = if face.is_multiple_of(2) { -1.0 } else { 1.0 };
         return p;
     }
     if u < 0.64 {
@@ -145,7 +145,8 @@ fn main() {
 
     let stored: Vec<Stored> = points.iter().map(|&p| photon(p)).collect();
     let (for_jensen, for_fast) = (stored.clone(), stored.clone());
-    let jensen = timed("jensen", || PhotonMap::build(for_jensen, 1, Layout::Jensen, Order::Any, false));
+    let jensen =
+        timed("jensen", || PhotonMap::build(for_jensen, 1, Layout::Jensen, Order::Any, false));
     let fast = timed("fast", || PhotonMap::build(for_fast, 1, Layout::Fast, Order::Any, false));
     // Others return numbers; what the photons bring is read in the order that they were given.
     let payloads: Vec<Payload> = stored.iter().map(|s| s.photon.payload).collect();

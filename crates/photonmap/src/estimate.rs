@@ -84,13 +84,7 @@ impl Estimator {
 
     /// Sum `f` times power over the photons round `p` that arrived on the side of the unit normal `n` after at most
     /// `depth` segments, per area.
-    pub fn estimate(
-        &self,
-        p: Vec3,
-        n: Vec3,
-        depth: u8,
-        f: impl Fn(&Payload) -> Rgb,
-    ) -> Estimate {
+    pub fn estimate(&self, p: Vec3, n: Vec3, depth: u8, f: impl Fn(&Payload) -> Rgb) -> Estimate {
         self.estimate_by(self.kernel, p, n, depth, f)
     }
 
@@ -200,7 +194,10 @@ mod tests {
         // Powers have eight bits.
         let error = e.variance_of_mean().sqrt() + expected * 0.001;
         let mean = e.mean();
-        assert!((mean - expected).abs() < 4.0 * error, "{name}: {mean} is not {expected} +- {error}");
+        assert!(
+            (mean - expected).abs() < 4.0 * error,
+            "{name}: {mean} is not {expected} +- {error}"
+        );
         assert!(error < 0.04, "{name}: {error}");
     }
 

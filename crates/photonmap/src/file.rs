@@ -6,7 +6,7 @@
 
 use std::fmt::Write;
 
-use crate::map::Layout;
+use crate::map::{Layout, PhotonMap};
 use crate::photon::{Kind, Payload, Photon, Rgbe};
 use crate::shoot::{Shot, Stored};
 
@@ -32,17 +32,17 @@ pub(crate) fn to_bytes(
     world: u64,
     max_depth: u32,
     layout: Layout,
-    maps: [Option<(&mut dyn Iterator<Item = Stored>, usize, u64)>; 2],
+    maps: [Option<&PhotonMap>; 2],
 ) -> Vec<u8> {
     let mut out = MAGIC.to_vec();
     out.extend(world.to_le_bytes());
     out.extend((1 + u32::from(maps[1].is_some())).to_le_bytes());
     out.extend(max_depth.to_le_bytes());
     out.extend(u32::from(layout == Layout::Fast).to_le_bytes());
-    for (photons, count, emitted) in maps.into_iter().flatten() {
-        out.extend(emitted.to_le_bytes());
-        out.extend((count as u64).to_le_bytes());
-        for Stored { photon: Photon { position, payload }, depth } in photons {
+    for map in maps.into_iter().flatten() {
+        out.extend(map.emitted.to_le_bytes());
+        out.extend((map.len() as u64).to_le_bytes());
+        for Stored { photon: Photon { position, payload }, depth } in map.photons() {
             out.extend(position.iter().flat_map(|x| x.to_le_bytes()));
             out.extend(payload.power.to_bytes());
             out.extend([payload.phi, payload.theta]);
@@ -123,16 +123,19 @@ fn kind_name(kind: Kind) -> &'static str {
 }
 
 /// Photons as comma-separated values, with the number of the map (see the first column) and all that they carry.
-pub(crate) fn to_csv(maps: [Option<&mut dyn Iterator<Item = Stored>>; 2]) -> Vec<u8> {
+pub(crate) fn to_csv(maps: [Option<&PhotonMap>; 2]) -> Vec<u8> {
     let mut out = "map,kind,x,y,z,red,green,blue,dx,dy,dz,nx,ny,nz\n".to_string();
-    for (map, photons) in MAPS.into_iter().zip(maps) {
-        for Stored { photon, .. } in photons.into_iter().flatten() {
-            let (c, d, n) =
-                (photon.payload.power.to_rgb(), photon.payload.direction(), photon.payload.normal());
+    for (name, map) in MAPS.into_iter().zip(maps) {
+        for Stored { photon, .. } in map.into_iter().flat_map(PhotonMap::photons) {
+            let (c, d, n) = (
+                photon.payload.power.to_rgb(),
+                photon.payload.direction(),
+                photon.payload.normal(),
+            );
             let (kind, [x, y, z]) = (kind_name(photon.payload.kind()), photon.position);
             let _ = writeln!(
                 out,
-                "{map},{kind},{x},{y},{z},{:e},{:e},{:e},{},{},{},{},{},{}",
+                "{name},{kind},{x},{y},{z},{:e},{:e},{:e},{},{},{},{},{},{}",
                 c.r, c.g, c.b, d.x, d.y, d.z, n.x, n.y, n.z
             ); // a String takes everything
         }
@@ -142,15 +145,15 @@ pub(crate) fn to_csv(maps: [Option<&mut dyn Iterator<Item = Stored>>; 2]) -> Vec
 
 /// Photons as the points of a binary PLY: position, direction back to the light as `nx ny nz`, power, and as `type` 0, 1, 2 for
 /// direct, caustic and indirect photons of the global map, 3 for those of the caustic map.
-pub(crate) fn to_ply(maps: [Option<&mut dyn Iterator<Item = Stored>>; 2]) -> Vec<u8> {
+pub(crate) fn to_ply(maps: [Option<&PhotonMap>; 2]) -> Vec<u8> {
     let (mut points, mut count) = (Vec::new(), 0);
-    for (map, photons) in maps.into_iter().enumerate() {
-        for Stored { photon, .. } in photons.into_iter().flatten() {
+    for (which, map) in maps.into_iter().enumerate() {
+        for Stored { photon, .. } in map.into_iter().flat_map(PhotonMap::photons) {
             let (power, d) = (photon.payload.power.to_rgb().to_array(), photon.payload.direction());
             for x in photon.position.into_iter().chain(d.to_array()).chain(power) {
                 points.extend(x.to_le_bytes());
             }
-            points.push(if map == 1 { 3 } else { photon.payload.kind() as u8 });
+            points.push(if which == 1 { 3 } else { photon.payload.kind() as u8 });
             count += 1;
         }
     }
@@ -167,6 +170,7 @@ pub(crate) fn to_ply(maps: [Option<&mut dyn Iterator<Item = Stored>>; 2]) -> Vec
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::map::Order;
     use gi_core::math::Rgb;
     use glam::Vec3;
 
@@ -182,24 +186,30 @@ mod tests {
             .collect()
     }
 
-    fn bytes(photons: &[Stored]) -> Vec<u8> {
-        let (mut a, mut b) = (photons.iter().copied(), photons[3..].iter().copied());
-        to_bytes(7, 4, Layout::Fast, [Some((&mut a, photons.len(), 100)), Some((&mut b, photons.len() - 3, 50))])
+    fn maps() -> [PhotonMap; 2] {
+        let map =
+            |photons, emitted| PhotonMap::build(photons, emitted, Layout::Fast, Order::Any, true);
+        [map(some(), 100), map(some()[3..].to_vec(), 50)]
+    }
+
+    fn bytes([global, caustic]: &[PhotonMap; 2]) -> Vec<u8> {
+        to_bytes(7, 4, Layout::Fast, [Some(global), Some(caustic)])
     }
 
     #[test]
     fn saved_photons_come_back() {
-        let photons = some();
-        let saved = from_bytes(&bytes(&photons)).expect("a good file");
-        let caustic = saved.caustic.expect("a second map");
-        assert_eq!((saved.world, saved.max_depth), (7, 4));
-        assert_eq!((saved.global.photons, saved.global.emitted), (photons.clone(), 100));
-        assert_eq!((caustic.photons, caustic.emitted), (photons[3..].to_vec(), 50));
+        let maps = maps();
+        let saved = from_bytes(&bytes(&maps)).expect("a good file");
+        assert_eq!((saved.world, saved.max_depth, saved.layout), (7, 4, Layout::Fast));
+        for (map, shot) in maps.iter().zip([saved.global, saved.caustic.expect("a second map")]) {
+            assert_eq!(shot.emitted, map.emitted);
+            assert_eq!(shot.photons, map.photons().collect::<Vec<_>>());
+        }
     }
 
     #[test]
     fn damaged_files_are_refused_wherever_they_are_cut() {
-        let whole = bytes(&some());
+        let whole = bytes(&maps());
         for end in 0..whole.len() {
             assert!(from_bytes(&whole[..end]).is_err(), "cut at {end}");
         }

@@ -21,14 +21,14 @@ impl<'a> PhotonMapping<'a> {
         rays: &Rays,
     ) -> Option<Supplied> {
         match self.params.gather {
-            Gather::None => self.from_the_map(v, true),
-            Gather::Direct => self.from_the_map(v, false),
+            Gather::None => self.read_map(v, true),
+            Gather::Direct => self.read_map(v, false),
             Gather::Final => self.final_gather(v, sampler, rays),
         }
     }
 
     /// The global map read at the vertex itself [slides 29, 30].
-    fn from_the_map(&self, v: &EyeVertex<'_, 'a>, whole: bool) -> Option<Supplied> {
+    fn read_map(&self, v: &EyeVertex<'_, 'a>, whole: bool) -> Option<Supplied> {
         let depth = self.photon_depth(v.segments)?;
         let e = self.global.radiance(v.surface, v.wo, v.bsdf, depth);
         let answered = if whole { Answered::Whole { direct: e.direct } } else { Answered::Rough };

@@ -1,11 +1,11 @@
 //! Irradiance computed ahead at photons \[Christensen99\]: a gather ray then looks up one number instead of k photons.
 
+use gi_core::math::Frame;
 use gi_core::math::Rgb;
+use gi_core::ray::Ray;
 use gi_core::rng::{bits_to_unit, hash_words};
 use gi_core::scene::Scene;
 use gi_core::warp;
-use gi_core::ray::Ray;
-use gi_core::math::Frame;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -60,7 +60,7 @@ impl IrradianceMap {
     #[inline]
     pub(crate) fn lookup(&self, p: Vec3, n: Vec3) -> Option<(Rgb, f32)> {
         let accept = |payload: &Payload| payload.normal().dot(n) > SAME_SIDE;
-        let payload = self.map.nearest_one(p, self.radius_sq, accept)?;
+        let payload = self.map.near_one(p, self.radius_sq, accept)?;
         let radius = from_half(u16::from_le_bytes([payload.phi, payload.theta]));
         Some((payload.power.to_rgb(), radius))
     }

@@ -87,9 +87,9 @@ mod tests {
         for kernel in Kernel::ALL {
             // Squared distances are uniform over a disc.
             let n = 100_000;
-            let mean = (0..n)
-                .map(|i| f64::from(kernel.weight((i as f32 + 0.5) / n as f32)))
-                .sum::<f64>() / f64::from(n);
+            let mean =
+                (0..n).map(|i| f64::from(kernel.weight((i as f32 + 0.5) / n as f32))).sum::<f64>()
+                    / f64::from(n);
             assert!((mean - 1.0).abs() < 2e-5, "{kernel:?}: {mean}");
         }
     }
@@ -128,7 +128,10 @@ mod tests {
                 let (mean, error) = estimate(kernel, k, 40_000);
                 let expected =
                     if kernel == Kernel::Lecture { k as f64 / (k as f64 - 1.0) } else { 1.0 };
-                assert!((mean - expected).abs() < 4.0 * error, "{kernel:?}, k = {k}: {mean} is not {expected} +- {error}");
+                assert!(
+                    (mean - expected).abs() < 4.0 * error,
+                    "{kernel:?}, k = {k}: {mean} is not {expected} +- {error}"
+                );
                 // Otherwise the two could not be told apart.
                 assert!(error < 0.1 / k as f64, "{kernel:?}, k = {k}: {error}");
             }

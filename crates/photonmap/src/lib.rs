@@ -3,8 +3,8 @@
 //! | | |
 //! |---|---|
 //! | estimated | radiance from photons: L = sum over the k nearest of f(wi, wo) power / (pi r^2) [slide 24] |
-//! | `--gather final` | direct light by sampling lights, caustics from a map of their own at the first diffuse surface [27], indirect light by gather rays to the global map at the second [28, 31] (default) |
-//! | `--gather none` | the global map seen directly [29, 30]; `--gather direct`: the same, with direct light by sampling lights |
+//! | `--gather final` | direct light by sampling lights, caustics from a map of their own at the first diffuse surface [slide 27], indirect light by gather rays to the global map at the second [slides 28, 31] (default) |
+//! | `--gather none` | the global map seen directly [slides 29, 30]; `--gather direct`: the same, with direct light by sampling lights |
 //! | `--photons`, `--caustic-photons` | photons to store (100000 each) |
 //! | `--lookup`, `--max-radius`, `--kernel` | photons of an estimate (50); bound on its radius (0: automatic); how photons count (epanechnikov) |
 //! | `--gather-rays` | rays of a gather point in a pass (16) |
@@ -207,7 +207,10 @@ fn load(setting: &Setting, params: &Params, bytes: &[u8]) -> Result<Maps, String
         return Err("--map-in: these photons were shot with another --max-depth".into());
     }
     if params.gather == Gather::Final && params.caustic_photons > 0 && saved.caustic.is_none() {
-        return Err("--map-in: there is no caustic map in it; give --caustic-photons 0, or shoot anew".into());
+        return Err(
+            "--map-in: there is no caustic map in it; give --caustic-photons 0, or shoot anew"
+                .into(),
+        );
     }
     let order = if saved.layout == params.layout { Order::Tree } else { Order::Any };
     let caustic = saved.caustic.filter(|_| params.caustic_photons > 0);
@@ -215,19 +218,19 @@ fn load(setting: &Setting, params: &Params, bytes: &[u8]) -> Result<Maps, String
 }
 
 impl PhotonMapping<'_> {
+    fn maps(&self) -> [Option<&PhotonMap>; 2] {
+        [Some(&self.global.map), self.caustic.as_ref().map(|c| &c.map)]
+    }
+
     /// The maps as a file for `--map-in`.
     pub fn save(&self) -> Vec<u8> {
-        let mut caustic = self.caustic.as_ref().map(|c| (c.map.photons(), c.map.len(), c.map.emitted));
-        let global = &self.global.map;
-        file::to_bytes(
-            self.setting.world,
-            self.params.max_depth.unwrap_or(0),
-            self.params.layout,
-            [
-                Some((&mut global.photons(), global.len(), global.emitted)),
-                caustic.as_mut().map(|(photons, n, emitted)| (photons as &mut dyn Iterator<Item = _>, *n, *emitted)),
-            ],
-        )
+        let max_depth = self.params.max_depth.unwrap_or(0);
+        file::to_bytes(self.setting.world, max_depth, self.params.layout, self.maps())
+    }
+
+    /// All photons, to look at: as comma-separated values, or as a PLY of points.
+    pub fn export(&self, as_csv: bool) -> Vec<u8> {
+        if as_csv { file::to_csv(self.maps()) } else { file::to_ply(self.maps()) }
     }
 
     /// The estimate of slide 24 at what the middle of a pixel shows, against the number of photons: one line for each k.
@@ -243,15 +246,6 @@ impl PhotonMapping<'_> {
             out += &format!("{k},{},{r},{},{},{}\n", e.found.count, c.r, c.g, c.b);
         }
         out.into_bytes()
-    }
-
-    /// All photons, to look at: as comma-separated values, or as a PLY of points.
-    pub fn export(&self, as_csv: bool) -> Vec<u8> {
-        let mut caustic = self.caustic.as_ref().map(|c| c.map.photons());
-        let mut global = self.global.map.photons();
-        let maps: [Option<&mut dyn Iterator<Item = _>>; 2] =
-            [Some(&mut global), caustic.as_mut().map(|c| c as _)];
-        if as_csv { file::to_csv(maps) } else { file::to_ply(maps) }
     }
 
     /// Irradiance of light that took at most `depth` segments.

@@ -123,7 +123,10 @@ impl Program for Args {
             return Err("--photons and --lookup are at least 1".into());
         }
         if !(self.max_radius >= 0.0 && self.max_radius.is_finite()) {
-            return Err(format!("--max-radius {}: a share of the scene's radius, 0 or more", self.max_radius));
+            return Err(format!(
+                "--max-radius {}: a share of the scene's radius, 0 or more",
+                self.max_radius
+            ));
         }
         if !(0.0..1.0).contains(&self.guided) {
             return Err(format!("--guided {}: a share from 0 to below 1", self.guided));

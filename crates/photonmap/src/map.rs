@@ -147,25 +147,25 @@ impl PhotonMap {
         })
     }
 
-    /// The photon nearest to `p`, nearer than `radius_sq` (squared), that `accept` takes.
+    /// A photon near `p`, nearer than `radius_sq` (squared), that `accept` takes: at most twice as far as the nearest.
     #[inline]
-    pub fn nearest_one(
+    pub fn near_one(
         &self,
         p: Vec3,
         radius_sq: f32,
         accept: impl Fn(&Payload) -> bool + Copy,
-    ) -> Option<&Payload> {
+    ) -> Option<Payload> {
         match &self.tree {
             Tree::Fast(tree) => {
-                let (_, i) = tree.nearest_one(p, radius_sq, |i| {
+                let (_, i) = tree.near_one(p, radius_sq, |i| {
                     tree.payloads.get(i as usize).is_some_and(accept)
                 })?;
-                Some(&tree.payloads[i as usize])
+                Some(tree.payloads[i as usize])
             }
             Tree::Jensen(tree) => Candidates::search(1, radius_sq, |found| {
                 tree.search(p, found, |i| accept(&tree.photons[i as usize].payload));
                 let key = *found.finish().0.first()?;
-                Some(&tree.photons[number(key)].payload)
+                Some(tree.photons[number(key)].payload)
             }),
         }
     }
@@ -199,8 +199,13 @@ mod tests {
                     _ => Vec3::splat((8.0 * u).floor() / 8.0),
                 };
                 let n = if k % 3 == 0 { Vec3::Y } else { -Vec3::Y };
-                let photon =
-                    Photon::new(p, Rgbe::nearest(Rgb::WHITE), Vec3::from_array([u, v, 0.1]).normalize(), n, Kind::Indirect);
+                let photon = Photon::new(
+                    p,
+                    Rgbe::nearest(Rgb::WHITE),
+                    Vec3::from_array([u, v, 0.1]).normalize(),
+                    n,
+                    Kind::Indirect,
+                );
                 Stored { photon, depth: (k % 5) as u8 }
             })
             .collect()
@@ -239,6 +244,36 @@ mod tests {
                     let last = if got.len() == k { got[k - 1] } else { radius_sq };
                     assert_eq!(found.radius_sq, last, "{layout:?}, {n}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn one_near_is_at_most_twice_as_far_as_the_nearest() {
+        let all = photons(3000);
+        let mut rng = Pcg::new(5, 0);
+        for layout in [Layout::Jensen, Layout::Fast] {
+            let map = PhotonMap::build(all.clone(), 1, layout, Order::Any, false);
+            for case in 0..500 {
+                let u: [f32; 3] = std::array::from_fn(|_| rng.next_f32());
+                let (p, radius_sq) = (Vec3::from_array(u), [1e-3, 1e-2, 9.0][case % 3]);
+                let accept = |p: &Payload| p.normal().y > 0.0;
+                let mut nearest = radius_sq;
+                map.nearest(p, 1, radius_sq, |p, _| accept(p), |_, d2, _| nearest = d2);
+                // Directions tell the photons apart.
+                let found = map.near_one(p, radius_sq, accept);
+                let is = |s: &&Stored| {
+                    found.is_some_and(|f| {
+                        f.direction() == s.photon.payload.direction() && accept(&f)
+                    })
+                };
+                let least = all.iter().filter(is).map(|s| s.photon.p().distance_squared(p));
+                let least = least.fold(f32::INFINITY, f32::min);
+                assert!(found.is_none() == (nearest == radius_sq), "{layout:?}, case {case}");
+                assert!(
+                    found.is_none() || least <= 4.0 * nearest,
+                    "{layout:?}: {least}, {nearest}"
+                );
             }
         }
     }

@@ -211,7 +211,8 @@ mod tests {
     #[test]
     fn angles_round_trip_within_their_bounds() {
         let mut rng = Pcg::new(1, 0);
-        let corners = [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z, Vec3::new(-1.0, -0.0, 0.0)];
+        let corners =
+            [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z, Vec3::new(-1.0, -0.0, 0.0)];
         let random: Vec<Vec3> = (0..100_000).map(|_| warp::sphere(rng.next_2d())).collect();
         let mut worst = [0f32; 2];
         for d in corners.into_iter().chain(random) {

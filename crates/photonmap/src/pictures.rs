@@ -46,9 +46,8 @@ impl PhotonMapping<'_> {
             let view = canvas.into_pixels();
             pictures.push(Picture { name: name.into(), channels: Vec::new(), view });
         };
-        let ground = || {
-            Canvas::over(film.size(), film.radiance().into_iter().map(|c| c * GROUND).collect())
-        };
+        let ground =
+            || Canvas::over(film.size(), film.radiance().into_iter().map(|c| c * GROUND).collect());
         for show in &self.params.show {
             match show {
                 Show::Paths => push("paths", self.paths(ground())),
@@ -97,7 +96,8 @@ impl PhotonMapping<'_> {
         let photons = self.global.map.photons().map(|s| s.photon.p());
         for cell in self.global.map.cells(Bounds::of(photons), LEVELS) {
             let corner = |k: usize| {
-                let pick = |axis: usize| if k >> axis & 1 == 0 { cell.min[axis] } else { cell.max[axis] };
+                let pick =
+                    |axis: usize| if k >> axis & 1 == 0 { cell.min[axis] } else { cell.max[axis] };
                 Vec3::new(pick(0), pick(1), pick(2))
             };
             for k in 0..8usize {

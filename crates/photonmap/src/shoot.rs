@@ -158,9 +158,8 @@ impl Source<'_> {
         visit: &mut impl FnMut(Vec3, &LightVertex),
     ) {
         // Each map has a stream of its own; within one, paths are the points of a sequence.
-        let sampler = |stream: u32| {
-            Sampler::new(self.seed ^ stream, (path >> 32) as u32, path as u32)
-        };
+        let sampler =
+            |stream: u32| Sampler::new(self.seed ^ stream, (path >> 32) as u32, path as u32);
         let walk = match wanted {
             Wanted::Global => LightWalk::begin(self.scene, sampler(0x676c_6f62)),
             Wanted::Caustic(targets) => {
@@ -240,7 +239,10 @@ mod tests {
             let n = shot.photons.len();
             // Photons of the last path begin at its first segment.
             let last = shot.photons.iter().rposition(|s| s.depth == 1).expect("a first hit");
-            assert!(n >= count && last < count, "{n} photons for {count}, the last path from {last}");
+            assert!(
+                n >= count && last < count,
+                "{n} photons for {count}, the last path from {last}"
+            );
             let first_hits = shot.photons.iter().filter(|s| s.depth == 1).count();
             assert_eq!(first_hits as u64, shot.emitted);
         }
@@ -258,7 +260,8 @@ mod tests {
                 let shot = source(&scene, seed).shoot(wanted, [4000, 40_000][k]);
                 let caustic = |s: &&Stored| s.photon.payload.kind() == Kind::Caustic;
                 let sums = |weight: fn(Vec3) -> f32| -> f64 {
-                    let power = |s: &Stored| s.photon.payload.power.to_rgb().g * weight(s.photon.p());
+                    let power =
+                        |s: &Stored| s.photon.payload.power.to_rgb().g * weight(s.photon.p());
                     shot.photons.iter().filter(caustic).map(|s| f64::from(power(s))).sum()
                 };
                 // The whole power, and where it falls.

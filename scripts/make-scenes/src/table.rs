@@ -13,11 +13,25 @@ const WALL: f32 = 0.02;
 const SEGMENTS: u32 = 192;
 
 /// Outside of the bowl, from the stem to the rim, as (radius, height).
-const BOWL: [[f32; 2]; 7] =
-    [[0.04, 0.40], [0.18, 0.44], [0.36, 0.58], [0.45, 0.80], [0.42, 1.04], [0.33, 1.24], [0.27, 1.38]];
+const BOWL: [[f32; 2]; 7] = [
+    [0.04, 0.40],
+    [0.18, 0.44],
+    [0.36, 0.58],
+    [0.45, 0.80],
+    [0.42, 1.04],
+    [0.33, 1.24],
+    [0.27, 1.38],
+];
 /// From the middle of the foot to the bowl.
-const FOOT: [[f32; 2]; 7] =
-    [[0.0, 0.0], [0.36, 0.0], [0.36, 0.015], [0.2, 0.045], [0.06, 0.1], [0.035, 0.22], [0.04, 0.40]];
+const FOOT: [[f32; 2]; 7] = [
+    [0.0, 0.0],
+    [0.36, 0.0],
+    [0.36, 0.015],
+    [0.2, 0.045],
+    [0.06, 0.1],
+    [0.035, 0.22],
+    [0.04, 0.40],
+];
 
 /// A snifter of cognac on a table under a small lamp [slide 32].
 pub(crate) fn cognac() -> SceneFile {

@@ -17,5 +17,5 @@ pub use emit::Emission;
 pub use environment::Environment;
 pub use source::LightSource;
 pub use table::{Light, LightSample, Lights};
-pub(crate) use target::sphere_round;
 pub use target::Targets;
+pub(crate) use target::sphere_round;

@@ -44,7 +44,13 @@ impl Targets {
 
     /// Draw a direction from `p` into the cones of the targets, uniformly by solid angle: the direction, and one over its
     /// density. `None` from inside of a target, or where the cones together are not narrower than `most` steradians.
-    fn sample_cones(&self, p: Vec3, normal: Option<Vec3>, u: [f32; 2], most: f32) -> Option<(Vec3, f32)> {
+    fn sample_cones(
+        &self,
+        p: Vec3,
+        normal: Option<Vec3>,
+        u: [f32; 2],
+        most: f32,
+    ) -> Option<(Vec3, f32)> {
         let faces = |b: &Ball| normal.is_none_or(|n| (b.center - p).dot(n) > -b.radius);
         let mut total = 0.0;
         for b in self.spheres.iter().filter(|b| faces(b)) {
@@ -207,29 +213,56 @@ mod tests {
 
     #[test]
     fn densities_of_cones_and_shadows_integrate_to_the_solid_angle_and_area_of_their_union() {
-        let balls = [(Vec3::new(0.0, 0.0, 3.0), 1.0), (Vec3::new(0.8, 0.0, 4.0), 1.0), (Vec3::new(-4.0, 0.0, 0.5), 0.7)];
+        let balls = [
+            (Vec3::new(0.0, 0.0, 3.0), 1.0),
+            (Vec3::new(0.8, 0.0, 4.0), 1.0),
+            (Vec3::new(-4.0, 0.0, 0.5), 0.7),
+        ];
         let targets = Targets::new(balls);
         let mut rng = Pcg::new(8, 0);
         let n = 400_000;
         let hits = |d: Vec3| {
-            targets.spheres.iter().any(|b| b.center.dot(d) > 0.0 && b.center.cross(d).length_squared() <= sqr(b.radius))
+            targets.spheres.iter().any(|b| {
+                b.center.dot(d) > 0.0 && b.center.cross(d).length_squared() <= sqr(b.radius)
+            })
         };
         // The union by blind throws, and as the mean of one over the density.
-        let blind = (0..n).filter(|_| hits(warp::sphere(rng.next_2d()))).count() as f64 / f64::from(n);
+        let blind =
+            (0..n).filter(|_| hits(warp::sphere(rng.next_2d()))).count() as f64 / f64::from(n);
         let inverse: f64 = (0..n)
-            .map(|_| targets.sample_cones(Vec3::ZERO, None, rng.next_2d(), 99.0).map_or(0.0, |s| f64::from(s.1)))
-            .sum::<f64>() / f64::from(n);
+            .map(|_| {
+                targets
+                    .sample_cones(Vec3::ZERO, None, rng.next_2d(), 99.0)
+                    .map_or(0.0, |s| f64::from(s.1))
+            })
+            .sum::<f64>()
+            / f64::from(n);
         let union = blind * 4.0 * std::f64::consts::PI;
         let error = 4.0 * std::f64::consts::PI * (blind / f64::from(n)).sqrt();
         assert!((inverse - union).abs() < 4.0 * error, "{inverse} is not {union} +- {error}");
-        let shadow = |p: Vec3| targets.spheres.iter().any(|b| (b.center - p).cross(Vec3::Z).length_squared() <= sqr(b.radius));
+        let shadow = |p: Vec3| {
+            targets
+                .spheres
+                .iter()
+                .any(|b| (b.center - p).cross(Vec3::Z).length_squared() <= sqr(b.radius))
+        };
         let square = 12.0;
         let blind = (0..n)
-            .filter(|_| shadow(Vec3::new(square * (rng.next_f32() - 0.5), square * (rng.next_f32() - 0.5), 0.0)))
-            .count() as f64 / f64::from(n);
+            .filter(|_| {
+                shadow(Vec3::new(
+                    square * (rng.next_f32() - 0.5),
+                    square * (rng.next_f32() - 0.5),
+                    0.0,
+                ))
+            })
+            .count() as f64
+            / f64::from(n);
         let area: f64 = (0..n)
-            .map(|_| targets.sample_shadows(Vec3::Z, rng.next_2d(), 99.0).map_or(0.0, |s| f64::from(s.1)))
-            .sum::<f64>() / f64::from(n);
+            .map(|_| {
+                targets.sample_shadows(Vec3::Z, rng.next_2d(), 99.0).map_or(0.0, |s| f64::from(s.1))
+            })
+            .sum::<f64>()
+            / f64::from(n);
         let union = blind * f64::from(square * square);
         let error = f64::from(square * square) * (blind / f64::from(n)).sqrt();
         assert!((area - union).abs() < 4.0 * error, "{area} is not {union} +- {error}");
@@ -239,7 +272,9 @@ mod tests {
     fn joining_spheres_loses_none() {
         let mut rng = Pcg::new(3, 1);
         let balls: Vec<(Vec3, f32)> = (0..200)
-            .map(|_| (Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32()), 0.05 * rng.next_f32()))
+            .map(|_| {
+                (Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32()), 0.05 * rng.next_f32())
+            })
             .collect();
         let targets = Targets::new(balls.iter().copied());
         assert!(targets.spheres.len() <= MOST);
