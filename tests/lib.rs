@@ -50,6 +50,8 @@ impl World {
     /// What a technique is prepared with.
     pub fn setting(&self, seed: u32, show: Show) -> Setting<'_> {
         Setting { scene: &self.scene, world: 0, camera: &self.camera, seed, show }
+    }
+
     /// A scene file's world of meshes and spheres, everything `scale` times as large.
     pub fn load_scaled(path: &str, size: [usize; 2], scale: f32) -> Self {
         let options = gi_scene::Options { size: Some(size), ..Default::default() };
