@@ -10,3 +10,5 @@ mod determinism;
 mod instant_radiosity_facts;
 /// What irradiance caching is held to.
 mod irrcache_facts;
+/// Photon mapping.
+mod photonmap;

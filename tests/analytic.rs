@@ -3,7 +3,7 @@
 use gi_core::camera::CameraSpec;
 use gi_core::eye::PathLimits;
 use gi_core::film::{Film, Show};
-use gi_core::geometry::{Geometry, Shape};
+use gi_core::geometry::Shape;
 use gi_core::light::LightSource;
 use gi_core::material::Material;
 use gi_core::math::Rgb;
@@ -11,7 +11,7 @@ use gi_core::scene::SceneParts;
 use gi_core::texture::Texture;
 use gi_stats::z_test;
 use gi_tests::{World, cube_inside, furnace, grey, mean_and_variance, polygon, sphere};
-use glam::{Affine3A, Vec3};
+use glam::Vec3;
 use pathtrace::{Mode, Params, PathTracer};
 
 /// Probability below which a deviation is no chance. Seeds are fixed: a pass stays a pass.
@@ -220,26 +220,7 @@ fn a_glass_ball_in_a_white_furnace_cannot_be_seen() {
 
 #[test]
 fn a_scene_ten_times_as_large_gives_the_same_picture() {
-    let read = |scale: f32| {
-        let path =
-            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/cornell-glossy.xml");
-        let options = gi_scene::Options { size: Some([24, 24]), ..Default::default() };
-        let mut loaded =
-            gi_scene::load(&path, &options).unwrap_or_else(|problems| panic!("{problems}"));
-        let map = Affine3A::from_scale(Vec3::splat(scale));
-        for shape in &mut loaded.parts.shapes {
-            match &mut shape.geometry {
-                Geometry::Mesh(mesh) => mesh.transform(&map),
-                Geometry::Sphere { center, radius, .. } => {
-                    *center *= scale;
-                    *radius *= scale;
-                }
-                other => panic!("no {other:?} in this scene"),
-            }
-        }
-        loaded.camera.to_world.translation *= scale;
-        World::new(loaded.parts, &loaded.camera)
-    };
+    let read = |scale: f32| World::load_scaled("cornell-glossy.xml", [24, 24], scale);
     for mode in modes() {
         let render = |scale| trace(&read(scale), mode, None, 32);
         let (one, other) = (mean_and_variance(&render(1.0)), mean_and_variance(&render(10.0)));

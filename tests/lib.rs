@@ -9,7 +9,7 @@ use gi_core::math::{Frame, Rgb};
 use gi_core::scene::{Scene, SceneParts};
 use gi_core::technique::{Setting, Technique};
 use gi_core::texture::Texture;
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
 
 /// A scene and its camera; pictures are made with the box filter, so that pixels are independent.
 pub struct World {
@@ -50,6 +50,27 @@ impl World {
     /// What a technique is prepared with.
     pub fn setting(&self, seed: u32, show: Show) -> Setting<'_> {
         Setting { scene: &self.scene, world: 0, camera: &self.camera, seed, show }
+    }
+
+    /// A scene file's world of meshes and spheres, everything `scale` times as large.
+    pub fn load_scaled(path: &str, size: [usize; 2], scale: f32) -> Self {
+        let options = gi_scene::Options { size: Some(size), ..Default::default() };
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(path);
+        let mut loaded =
+            gi_scene::load(&path, &options).unwrap_or_else(|problems| panic!("{problems}"));
+        let map = Affine3A::from_scale(Vec3::splat(scale));
+        for shape in &mut loaded.parts.shapes {
+            match &mut shape.geometry {
+                Geometry::Mesh(mesh) => mesh.transform(&map),
+                Geometry::Sphere { center, radius, .. } => {
+                    *center *= scale;
+                    *radius *= scale;
+                }
+                other => panic!("no {other:?} in this scene"),
+            }
+        }
+        loaded.camera.to_world.translation *= scale;
+        World::new(loaded.parts, &loaded.camera)
     }
 
     /// The film after some passes of a technique.

@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use crate::bsdf::{Bsdf, Transport};
 use crate::geometry::Surface;
-use crate::light::Emission;
+use crate::light::{Emission, Targets};
 use crate::math::Rgb;
 use crate::ray::Ray;
 use crate::sampler::Sampler;
@@ -53,11 +53,20 @@ impl<'a> LightWalk<'a> {
     /// Begin a path at a light; `None` where nothing shines.
     pub fn begin(scene: &'a Scene, mut sampler: Sampler) -> Option<Self> {
         let (u_light, u_p, u_d) = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
-        let emission = scene.emit(u_light, u_p, u_d)?;
+        Some(Self::follow(scene, sampler, scene.emit(u_light, u_p, u_d)?))
+    }
+
+    /// Begin a path at a light toward targets: the others are left out, the powers of these are right.
+    pub fn begin_toward(scene: &'a Scene, mut sampler: Sampler, targets: &Targets) -> Option<Self> {
+        let (u_light, u_p, u_d) = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
+        Some(Self::follow(scene, sampler, scene.emit_toward(targets, u_light, u_p, u_d)?))
+    }
+
+    fn follow(scene: &'a Scene, sampler: Sampler, emission: Emission) -> Self {
         let o = scene.tree().offset_origin(emission.p, emission.ng, emission.d);
         let ray = Ray::new(o, emission.d);
         let power = emission.power;
-        Some(LightWalk {
+        LightWalk {
             scene,
             sampler,
             emission,
@@ -67,12 +76,17 @@ impl<'a> LightWalk<'a> {
             depth: 0,
             rough: 0,
             after_delta: false,
-        })
+        }
     }
 
     /// Where the path began.
     pub fn emission(&self) -> &Emission {
         &self.emission
+    }
+
+    /// Scatterings by other than delta lobes so far.
+    pub fn rough(&self) -> u32 {
+        self.rough
     }
 
     /// The sampler, for what a visitor draws at a vertex (a lens point, say): at most

@@ -7,6 +7,7 @@ mod cornell;
 mod mesh;
 mod outdoors;
 mod rooms;
+mod table;
 mod xml;
 
 use std::path::{Path, PathBuf};
@@ -50,6 +51,7 @@ fn main() -> anyhow::Result<()> {
         rooms::ring(),
         rooms::gallery(),
         outdoors::patio(),
+        table::cognac(),
     ];
     for scene in scenes {
         write(&folder.join(format!("{}.xml", scene.name)), &scene.xml)?;

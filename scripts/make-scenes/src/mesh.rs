@@ -63,6 +63,17 @@ impl Mesh {
         mesh
     }
 
+    /// The mesh with its faces turned to the side that `n` points to.
+    pub(crate) fn facing(mut self, n: Vec3) -> Self {
+        for t in &mut self.triangles {
+            let [a, b, c] = t.map(|i| self.positions[i as usize]);
+            if (b - a).cross(c - a).dot(n) < 0.0 {
+                t.swap(1, 2);
+            }
+        }
+        self
+    }
+
     /// Both meshes as one. Both have normals, or neither.
     pub(crate) fn with(mut self, other: &Mesh) -> Self {
         let base = self.positions.len() as u32;

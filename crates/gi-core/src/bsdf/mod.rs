@@ -252,17 +252,6 @@ impl<'a> Bsdf<'a> {
         part
     }
 
-    /// The albedo of a surface that is Lambertian and nothing else; black from behind.
-    #[inline]
-    pub fn lambertian(&self, wo: Vec3) -> Option<Rgb> {
-        match &self.parts {
-            Parts::One(Component { lobe: Lobe::Diffuse { albedo }, weight, frame }) => {
-                Some(if wo.dot(frame.n) > 0.0 { *albedo * *weight } else { Rgb::BLACK })
-            }
-            _ => None,
-        }
-    }
-
     /// The share of [`Bsdf::f_cos`] that [`Bsdf::diffuse_part`] does not stand for. The base of a plastic counts as stood for,
     /// though its coat lets in a little more from above and less from the side than the mean.
     pub fn beside_diffuse(&self, part: &DiffusePart, wo: Vec3, wi: Vec3) -> Rgb {
@@ -273,6 +262,17 @@ impl<'a> Bsdf<'a> {
         let alike = self.components().iter().filter(|c| c.frame.n == part.normal);
         let diffuse: Rgb = alike.map(diffuse).sum();
         self.f_cos(wo, wi).zip(diffuse, share_left)
+    }
+
+    /// The albedo of a surface that is Lambertian and nothing else; black from behind.
+    #[inline]
+    pub fn lambertian(&self, wo: Vec3) -> Option<Rgb> {
+        match &self.parts {
+            Parts::One(Component { lobe: Lobe::Diffuse { albedo }, weight, frame }) => {
+                Some(if wo.dot(frame.n) > 0.0 { *albedo * *weight } else { Rgb::BLACK })
+            }
+            _ => None,
+        }
     }
 
     /// A fast estimate of the reflected share of light from `wo`, for the albedo layer: exact for Lambert,

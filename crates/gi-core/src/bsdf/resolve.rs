@@ -16,6 +16,8 @@ pub(crate) struct PreparedMaterial {
     coat: Option<Coat>,
     /// Whether anything passes straight through.
     pub(crate) has_null: bool,
+    /// Whether anything is thrown on by a delta lobe.
+    pub(crate) has_delta: bool,
     /// Whether the lobes depend on the directions of the texture coordinates.
     needs_tangents: bool,
 }
@@ -40,10 +42,22 @@ impl PreparedMaterial {
         PreparedMaterial {
             coat,
             has_null: has_null || children.iter().any(|c| c.has_null),
+            has_delta: has_delta(&material) || children.iter().any(|c| c.has_delta),
             needs_tangents: bends || roughness(&material).is_some_and(is_anisotropic),
             material,
         }
     }
+}
+
+/// Whether the material itself, children apart, has a delta lobe that passes nothing straight through only.
+fn has_delta(material: &Material) -> bool {
+    matches!(
+        material,
+        Material::Conductor { roughness: None, .. }
+            | Material::Dielectric { roughness: None, .. }
+            | Material::Plastic { roughness: None, .. }
+            | Material::ThinDielectric { .. }
+    )
 }
 
 /// Whether every child stands before its parent, as [`Material`] demands.

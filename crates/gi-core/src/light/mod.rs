@@ -9,6 +9,7 @@ mod emit;
 mod environment;
 mod source;
 mod table;
+mod target;
 
 pub use area::{Emitter, EmitterPoint};
 pub use distribution::{Discrete, Grid};
@@ -16,3 +17,5 @@ pub use emit::{Emission, PointSource};
 pub use environment::Environment;
 pub use source::LightSource;
 pub use table::{Light, LightSample, Lights};
+pub use target::Targets;
+pub(crate) use target::sphere_round;

@@ -1,4 +1,5 @@
 use std::fmt;
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{Mat3, Vec3};
@@ -78,11 +79,12 @@ impl Scene {
 
         // One tree a group, then the tree of the whole with the instances in it.
         let ends = group_starts.iter().copied().skip(1).chain([shapes.len()]);
-        let group_trees: Vec<Arc<Bvh>> = group_starts
+        let group_shapes: Vec<Range<usize>> =
+            group_starts.iter().zip(ends).map(|(&start, end)| start..end).collect();
+        let group_trees: Vec<Arc<Bvh>> = group_shapes
             .iter()
-            .zip(ends)
-            .map(|(&start, end)| {
-                tree(&shapes, &first_primitive, &shape_of, start..end, &[]).map(Arc::new)
+            .map(|group| {
+                tree(&shapes, &first_primitive, &shape_of, group.clone(), &[]).map(Arc::new)
             })
             .collect::<Result<_, _>>()?;
         let copies: Vec<(Solid, u32)> = instances
@@ -110,6 +112,7 @@ impl Scene {
             first_primitive,
             shape_of,
             instances,
+            group_shapes,
             materials,
             media,
             lights,
@@ -130,6 +133,7 @@ fn bounding_sphere(bounds: Bounds) -> (Vec3, f32) {
 
 fn prepare_instance(instance: &Instance) -> PreparedInstance {
     PreparedInstance {
+        group: instance.group,
         to_world: instance.to_world,
         to_local: instance.to_world.inverse(),
         normal_to_world: Mat3::from(instance.to_world.matrix3).inverse().transpose(),

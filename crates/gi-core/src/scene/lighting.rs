@@ -4,8 +4,8 @@ use glam::{Vec2, Vec3};
 
 use super::Scene;
 use crate::bsdf::Transport;
-use crate::geometry::Surface;
-use crate::light::{Emission, EmitterPoint, Light, LightSample};
+use crate::geometry::{Shape, Surface};
+use crate::light::{Emission, EmitterPoint, Light, LightSample, Targets, sphere_round};
 use crate::math::Rgb;
 use crate::ray::Ray;
 
@@ -60,6 +60,34 @@ impl Scene {
     /// Begin a light path, see [`Emission`].
     pub fn emit(&self, u_light: f32, u_p: [f32; 2], u_d: [f32; 2]) -> Option<Emission> {
         self.lights.emit(u_light, u_p, u_d, |s, k, point| self.emission_at(s, k, point))
+    }
+
+    /// Begin a light path toward targets, see [`Targets`].
+    pub fn emit_toward(
+        &self,
+        targets: &Targets,
+        u_light: f32,
+        u_p: [f32; 2],
+        u_d: [f32; 2],
+    ) -> Option<Emission> {
+        let emission = |s, k, point: &EmitterPoint| self.emission_at(s, k, point);
+        self.lights.emit_toward(targets, u_light, u_p, u_d, emission)
+    }
+
+    /// What a light path must meet first to be focused: everything that has a delta lobe.
+    pub fn focusing(&self) -> Targets {
+        let mut spheres = Vec::new();
+        let own = self.shapes.len() - self.group_shapes.iter().map(|g| g.len()).sum::<usize>();
+        let focuses = |shape: &&Shape| self.materials[shape.material].has_delta;
+        spheres.extend(self.shapes[..own].iter().filter(focuses).map(sphere_round));
+        for instance in &self.instances {
+            let group = self.group_shapes[instance.group].clone();
+            for shape in self.shapes[group].iter().filter(focuses) {
+                let bounds = shape.geometry.bounds().transformed(&instance.to_world);
+                spheres.push((bounds.center(), 0.5 * bounds.extent().length()));
+            }
+        }
+        Targets::new(spheres)
     }
 
     /// Radiance of a shining primitive at one of its points.

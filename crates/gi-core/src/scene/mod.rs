@@ -25,6 +25,8 @@ pub struct Scene {
     /// Shape of each primitive.
     shape_of: Vec<u32>,
     instances: Vec<PreparedInstance>,
+    /// Which shapes each group has.
+    group_shapes: Vec<std::ops::Range<usize>>,
     materials: Vec<PreparedMaterial>,
     media: Vec<Medium>,
     lights: Lights,
@@ -36,6 +38,7 @@ pub struct Scene {
 
 /// An instance with what its surfaces need.
 struct PreparedInstance {
+    group: usize,
     to_world: Affine3A,
     to_local: Affine3A,
     normal_to_world: Mat3,

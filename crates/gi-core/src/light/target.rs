@@ -1,0 +1,269 @@
+//! Light paths that begin toward chosen things: what projection maps are for \[Jensen01, 5.2\], without their cells.
+
+use std::f32::consts::PI;
+
+use glam::Vec3;
+
+use super::{Emission, EmitterPoint, Light, Lights, PointSource};
+use crate::geometry::{Geometry, Shape};
+use crate::math::{Frame, Rgb, sqr};
+use crate::warp;
+
+/// Spheres that hold everything that paths are to be aimed at.
+#[derive(Clone, Debug, Default)]
+pub struct Targets {
+    spheres: Vec<Ball>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Ball {
+    center: Vec3,
+    radius: f32,
+}
+
+/// Most spheres; each start of a path looks at all of them.
+const MOST: usize = 32;
+
+impl Targets {
+    /// Spheres round some shapes, or copies of shapes, given as middle and radius.
+    pub fn new(spheres: impl IntoIterator<Item = (Vec3, f32)>) -> Self {
+        // A little wider, so that no rounding puts a point of the shape outside.
+        let ball = |(center, radius): (Vec3, f32)| Ball { center, radius: radius * 1.001 };
+        let mut spheres: Vec<Ball> = spheres.into_iter().map(ball).collect();
+        while spheres.len() > MOST {
+            spheres = spheres.chunks(2).map(joined).collect();
+        }
+        Targets { spheres }
+    }
+
+    /// Whether there is nothing to aim at.
+    pub fn is_empty(&self) -> bool {
+        self.spheres.is_empty()
+    }
+
+    /// Draw a direction from `p` into the cones of the targets, uniformly by solid angle: the direction, and one over its
+    /// density. `None` from inside of a target, or where the cones together are not narrower than `most` steradians.
+    fn sample_cones(
+        &self,
+        p: Vec3,
+        normal: Option<Vec3>,
+        u: [f32; 2],
+        most: f32,
+    ) -> Option<(Vec3, f32)> {
+        let faces = |b: &Ball| normal.is_none_or(|n| (b.center - p).dot(n) > -b.radius);
+        let mut total = 0.0;
+        for b in self.spheres.iter().filter(|b| faces(b)) {
+            total += 2.0 * PI * b.one_minus_cos(p)?;
+        }
+        if total >= most || total <= 0.0 {
+            return None;
+        }
+        let mut rest = u[0] * total;
+        let mut chosen = None;
+        for b in self.spheres.iter().filter(|b| faces(b)) {
+            let one_minus_cos = b.one_minus_cos(p)?;
+            let omega = 2.0 * PI * one_minus_cos;
+            chosen = Some((b, one_minus_cos, (rest / omega).min(1.0)));
+            if rest < omega {
+                break;
+            }
+            rest -= omega;
+        }
+        let (ball, one_minus_cos, u0) = chosen?;
+        let axis = Frame::from_normal((ball.center - p).normalize());
+        let d = axis.to_world(warp::cone([u0, u[1]], one_minus_cos));
+        // Where cones overlap, as many may have drawn it.
+        let hit = |b: &&Ball| {
+            let to = b.center - p;
+            to.dot(d) > 0.0 && to.cross(d).length_squared() <= sqr(b.radius)
+        };
+        let count = self.spheres.iter().filter(|b| faces(b)).filter(hit).count().max(1);
+        Some((d, total / count as f32))
+    }
+
+    /// Draw a line along `d` through the targets' shadows on a plane across `d`, uniformly by area: a point of the line,
+    /// and one over its density per area. `None` where the shadows together are not smaller than `most`.
+    fn sample_shadows(&self, d: Vec3, u: [f32; 2], most: f32) -> Option<(Vec3, f32)> {
+        let total: f32 = self.spheres.iter().map(|b| PI * sqr(b.radius)).sum();
+        if total >= most || total <= 0.0 {
+            return None;
+        }
+        let mut rest = u[0] * total;
+        let mut chosen = None;
+        for b in &self.spheres {
+            let area = PI * sqr(b.radius);
+            chosen = Some((b, (rest / area).min(1.0)));
+            if rest < area {
+                break;
+            }
+            rest -= area;
+        }
+        let (ball, u0) = chosen?;
+        let frame = Frame::from_normal(d);
+        let q = warp::disk([u0, u[1]]) * ball.radius;
+        let p = ball.center + frame.s * q.x + frame.t * q.y;
+        let hit = |b: &&Ball| (b.center - p).cross(d).length_squared() <= sqr(b.radius);
+        let count = self.spheres.iter().filter(hit).count().max(1);
+        Some((p, total / count as f32))
+    }
+}
+
+impl Ball {
+    /// 1 - cos of the half angle of the cone that the ball fills from `p`; `None` from inside.
+    fn one_minus_cos(&self, p: Vec3) -> Option<f32> {
+        let sin_sq = sqr(self.radius) / (self.center - p).length_squared();
+        (sin_sq < 0.9999).then(|| sin_sq / (1.0 + (1.0 - sin_sq).sqrt()))
+    }
+}
+
+/// A ball round one or two.
+fn joined(balls: &[Ball]) -> Ball {
+    let [a, b] = *balls else { return balls[0] };
+    let distance = a.center.distance(b.center);
+    if distance + b.radius <= a.radius {
+        return a;
+    }
+    if distance + a.radius <= b.radius {
+        return b;
+    }
+    let radius = 0.5 * (distance + a.radius + b.radius);
+    let along = (b.center - a.center) / distance.max(f32::MIN_POSITIVE);
+    Ball { center: a.center + along * (radius - a.radius), radius: radius * 1.000_01 }
+}
+
+/// Middle and radius of a sphere round a shape.
+pub(crate) fn sphere_round(shape: &Shape) -> (Vec3, f32) {
+    let center = shape.geometry.bounds().center();
+    match &shape.geometry {
+        Geometry::Sphere { radius, .. } => (center, *radius),
+        Geometry::Mesh(mesh) => {
+            let far = mesh.positions.iter().map(|p| p.distance_squared(center));
+            (center, far.fold(0.0, f32::max).sqrt())
+        }
+        other => (center, 0.5 * other.bounds().extent().length()),
+    }
+}
+
+impl Lights {
+    /// As [`Lights::emit`], but only paths that may meet a target at once: power of all other paths is left out, power of
+    /// these is right. A light that the targets surround, or nearly, emits as ever.
+    pub(crate) fn emit_toward(
+        &self,
+        targets: &Targets,
+        u_light: f32,
+        u_p: [f32; 2],
+        u_d: [f32; 2],
+        emission: impl Fn(u32, u32, &EmitterPoint) -> Rgb,
+    ) -> Option<Emission> {
+        let start = self.emit(u_light, u_p, u_d, emission)?;
+        let cones = |normal, most| targets.sample_cones(start.p, normal, u_d, most);
+        let aimed = match start.source {
+            PointSource::Oriented(seen) => cones(Some(start.ng), PI).map(|(d, inverse_pdf)| {
+                let power = seen * (d.dot(start.ng).max(0.0) * inverse_pdf);
+                Emission { d, power, ..start }
+            }),
+            PointSource::Omni(intensity) => cones(None, 4.0 * PI).map(|(d, inverse_pdf)| {
+                Emission { ng: d, d, power: intensity * inverse_pdf, ..start }
+            }),
+            PointSource::Spot(intensity) => {
+                let light = &self.all()[start.light as usize];
+                let Light::Spot { cutoff, .. } = light else {
+                    unreachable!("only spots are spots")
+                };
+                cones(None, 2.0 * PI * (1.0 - cutoff.cos())).map(|(d, inverse_pdf)| {
+                    let power = intensity * (light.spot_fade(d) * inverse_pdf);
+                    Emission { ng: d, d, power, ..start }
+                })
+            }
+            PointSource::Directional(irradiance) => {
+                let (center, radius) = self.sphere;
+                let shadows = targets.sample_shadows(start.d, u_p, PI * sqr(radius));
+                shadows.map(|(q, area)| {
+                    // Back along the line to where light enters the scene's sphere.
+                    let p = q + start.d * ((center - q).dot(start.d) - radius);
+                    Emission { p, power: irradiance * area, ..start }
+                })
+            }
+        };
+        Some(aimed.unwrap_or(start))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::Pcg;
+
+    #[test]
+    fn densities_of_cones_and_shadows_integrate_to_the_solid_angle_and_area_of_their_union() {
+        let balls = [
+            (Vec3::new(0.0, 0.0, 3.0), 1.0),
+            (Vec3::new(0.8, 0.0, 4.0), 1.0),
+            (Vec3::new(-4.0, 0.0, 0.5), 0.7),
+        ];
+        let targets = Targets::new(balls);
+        let mut rng = Pcg::new(8, 0);
+        let n = 400_000;
+        let hits = |d: Vec3| {
+            targets.spheres.iter().any(|b| {
+                b.center.dot(d) > 0.0 && b.center.cross(d).length_squared() <= sqr(b.radius)
+            })
+        };
+        // The union by blind throws, and as the mean of one over the density.
+        let blind =
+            (0..n).filter(|_| hits(warp::sphere(rng.next_2d()))).count() as f64 / f64::from(n);
+        let inverse: f64 = (0..n)
+            .map(|_| {
+                targets
+                    .sample_cones(Vec3::ZERO, None, rng.next_2d(), 99.0)
+                    .map_or(0.0, |s| f64::from(s.1))
+            })
+            .sum::<f64>()
+            / f64::from(n);
+        let union = blind * 4.0 * std::f64::consts::PI;
+        let error = 4.0 * std::f64::consts::PI * (blind / f64::from(n)).sqrt();
+        assert!((inverse - union).abs() < 4.0 * error, "{inverse} is not {union} +- {error}");
+        let shadow = |p: Vec3| {
+            targets
+                .spheres
+                .iter()
+                .any(|b| (b.center - p).cross(Vec3::Z).length_squared() <= sqr(b.radius))
+        };
+        let square = 12.0;
+        let blind = (0..n)
+            .filter(|_| {
+                shadow(Vec3::new(
+                    square * (rng.next_f32() - 0.5),
+                    square * (rng.next_f32() - 0.5),
+                    0.0,
+                ))
+            })
+            .count() as f64
+            / f64::from(n);
+        let area: f64 = (0..n)
+            .map(|_| {
+                targets.sample_shadows(Vec3::Z, rng.next_2d(), 99.0).map_or(0.0, |s| f64::from(s.1))
+            })
+            .sum::<f64>()
+            / f64::from(n);
+        let union = blind * f64::from(square * square);
+        let error = f64::from(square * square) * (blind / f64::from(n)).sqrt();
+        assert!((area - union).abs() < 4.0 * error, "{area} is not {union} +- {error}");
+    }
+
+    #[test]
+    fn joining_spheres_loses_none() {
+        let mut rng = Pcg::new(3, 1);
+        let balls: Vec<(Vec3, f32)> = (0..200)
+            .map(|_| {
+                (Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32()), 0.05 * rng.next_f32())
+            })
+            .collect();
+        let targets = Targets::new(balls.iter().copied());
+        assert!(targets.spheres.len() <= MOST);
+        for (center, radius) in balls {
+            let held = |b: &Ball| b.center.distance(center) + radius <= b.radius * 1.000_01;
+            assert!(targets.spheres.iter().any(held), "{center} {radius}");
+        }
+    }
+}

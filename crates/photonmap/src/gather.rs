@@ -1,0 +1,179 @@
+//! Final gather: indirect light at the first diffuse surface, photons at the second [slides 28, 31].
+
+use gi_core::bsdf::{DiffusePart, Transport};
+use gi_core::eye::{Answered, EyePath, EyeVertex, PathLimits, Supplied};
+use gi_core::film::Show;
+use gi_core::math::{Frame, INV_PI, Rgb};
+use gi_core::sampler::Sampler;
+use gi_core::warp;
+
+use crate::estimate::facing;
+use crate::guide::Guide;
+use crate::photon::Kind;
+use crate::{Gather, PhotonMapping};
+
+impl<'a> PhotonMapping<'a> {
+    /// What the maps know at a vertex of a path from the eye.
+    pub(crate) fn supply(
+        &self,
+        v: &EyeVertex<'_, 'a>,
+        sampler: &mut Sampler,
+        rays: &Rays,
+    ) -> Option<Supplied> {
+        match self.params.gather {
+            Gather::None => self.read_map(v, true),
+            Gather::Direct => self.read_map(v, false),
+            Gather::Final => self.final_gather(v, sampler, rays),
+        }
+    }
+
+    /// The global map read at the vertex itself [slides 29, 30].
+    fn read_map(&self, v: &EyeVertex<'_, 'a>, whole: bool) -> Option<Supplied> {
+        let depth = self.photon_depth(v.segments)?;
+        let e = self.global.radiance(v.surface, v.wo, v.bsdf, depth);
+        let (answered, direct) = (Answered::Rough, whole.then_some(e.direct));
+        Some(Supplied { answered, direct, indirect: e.indirect, caustic: Some(e.caustic) })
+    }
+
+    /// Caustics from their map [slide 27], indirect light by rays to the photons behind [slide 28]. Lobes that are not
+    /// Lambertian are left to the path.
+    fn final_gather(
+        &self,
+        v: &EyeVertex<'_, 'a>,
+        sampler: &mut Sampler,
+        rays: &Rays,
+    ) -> Option<Supplied> {
+        let part = v.bsdf.diffuse_part(v.wo)?;
+        let show = self.setting.show;
+        let mut indirect = Rgb::BLACK;
+        if matches!(show, Show::All | Show::Indirect) {
+            indirect = self.gather(v, &part, sampler, rays);
+        }
+        let wanted = v.rough > 0 || matches!(show, Show::All | Show::Caustic);
+        let caustic = match &self.caustic {
+            Some(map) if wanted => {
+                let depth = self.photon_depth(v.segments)?;
+                let n = facing(v.surface, v.wo);
+                Some(map.irradiance(v.surface.p, n, depth).caustic * part.albedo * INV_PI)
+            }
+            Some(_) => Some(Rgb::BLACK),
+            None => None,
+        };
+        Some(Supplied { answered: Answered::Diffuse(part), direct: None, indirect, caustic })
+    }
+
+    /// Mean over gather rays of what they find, times albedo: indirect light that the Lambertian part scatters.
+    fn gather(
+        &self,
+        v: &EyeVertex<'_, 'a>,
+        part: &DiffusePart,
+        sampler: &mut Sampler,
+        rays: &Rays,
+    ) -> Rgb {
+        // Behind a glossy surface one ray is as good as the path's one.
+        let count = if v.rough == 0 { self.params.gather_rays } else { 1 };
+        let frame = Frame::from_normal(part.normal);
+        let guide = if v.rough == 0 { self.guide(v, &frame) } else { None };
+        let mut sum = Rgb::BLACK;
+        for k in 0..count {
+            let u = if v.rough == 0 { rays.direction(k, count) } else { sampler.next_2d() };
+            let (local, density) = match &guide {
+                Some(guide) => guide.sample(u),
+                None => (warp::cosine_hemisphere(u), 1.0),
+            };
+            sum += self.along(v, frame.to_world(local), sampler) / density;
+        }
+        sum * part.albedo / count as f32
+    }
+
+    /// Where photons over rough surfaces came from, if gather rays are to be led there.
+    fn guide(&self, v: &EyeVertex<'_, 'a>, frame: &Frame) -> Option<Guide> {
+        if self.params.guided == 0.0 {
+            return None;
+        }
+        let (n, depth) = (facing(v.surface, v.wo), self.photon_depth(v.segments)?);
+        let mut photons = Vec::with_capacity(self.params.lookup);
+        self.global.visit(v.surface.p, n, depth, |photon| {
+            if photon.kind() == Kind::Indirect {
+                photons.push((photon.direction(), photon.power.to_rgb().luminance()));
+            }
+        });
+        Guide::new(frame, self.params.guided, photons.into_iter())
+    }
+
+    /// Light that comes to a vertex over a surface in direction `wi`, having been scattered there by other than
+    /// delta lobes.
+    fn along(&self, v: &EyeVertex<'_, 'a>, wi: glam::Vec3, sampler: &mut Sampler) -> Rgb {
+        let scene = self.setting.scene;
+        let ray = scene.spawn(v.surface, wi);
+        let Some(hit) = scene.closest(&ray) else { return Rgb::BLACK };
+        let surface = scene.surface(&ray, &hit);
+        let wo = -wi;
+        let bsdf = scene.bsdf(&surface, wo, Transport::Radiance);
+        // On Lambertian ground the irradiance is there already.
+        if let Some(albedo) = bsdf.lambertian(wo) {
+            if albedo.is_black() {
+                return Rgb::BLACK;
+            }
+            let Some(depth) = self.photon_depth(v.segments + 1) else { return Rgb::BLACK };
+            match self.irradiance(depth).lookup(surface.p, facing(&surface, wo)) {
+                // Where the estimate is wider than the ray is long, corners would leak [Jensen01, 9.3.2].
+                Some((e, radius)) if hit.t > radius => return e * albedo * INV_PI,
+                Some(_) => {}
+                None => {}
+            }
+        }
+        self.path_on(v, ray, sampler)
+    }
+
+    /// The same by a path, to the first diffuse surface far enough away to be read from the map.
+    fn path_on(&self, v: &EyeVertex<'_, 'a>, ray: gi_core::ray::Ray, sampler: &mut Sampler) -> Rgb {
+        let start = v.length;
+        let mut supply = |w: &EyeVertex<'_, 'a>, _: &mut Sampler| {
+            let part = w.bsdf.diffuse_part(w.wo)?;
+            let depth = self.photon_depth(w.segments)?;
+            let e = self.global.irradiance(w.surface.p, facing(w.surface, w.wo), depth);
+            let far = w.length - start;
+            if far * far <= e.found.radius_sq || e.found.count < MIN_PHOTONS {
+                return None;
+            }
+            let f = part.albedo * INV_PI;
+            Some(Supplied {
+                answered: Answered::Diffuse(part),
+                direct: None,
+                indirect: e.indirect * f,
+                caustic: Some(e.caustic * f),
+            })
+        };
+        let limits = PathLimits { max_depth: self.params.max_depth, ..PathLimits::default() };
+        let path = EyePath { scene: self.setting.scene, limits, show: Show::Indirect };
+        path.gather(ray, (v.segments + 1, v.length), sampler, &mut supply).radiance.indirect
+    }
+
+    /// Most segments of a photon's path that a path of `segments` from the eye may be joined to; `None` if there are none.
+    pub(crate) fn photon_depth(&self, segments: u32) -> Option<u8> {
+        let Some(most) = self.params.max_depth else { return Some(u8::MAX) };
+        let left = most.saturating_sub(segments);
+        (left > 0).then_some(left.min(255) as u8)
+    }
+}
+
+/// Photons below which an estimate is left to the path.
+const MIN_PHOTONS: usize = 8;
+
+/// Numbers for the gather rays of a pixel's first diffuse surface: the rays of all passes are one sequence, so that they
+/// are stratified together.
+pub(crate) struct Rays {
+    pub(crate) seed: u32,
+    pub(crate) stream: u32,
+    pub(crate) pass: u32,
+}
+
+impl Rays {
+    /// Two numbers for ray `k` of the `n` of this pass.
+    #[inline]
+    fn direction(&self, k: u32, n: u32) -> [f32; 2] {
+        let index = self.pass.wrapping_mul(n).wrapping_add(k);
+        Sampler::new(self.seed ^ 0x6761_7468, self.stream, index).next_2d()
+    }
+}

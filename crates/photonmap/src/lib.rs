@@ -1,0 +1,271 @@
+//! Photon mapping on surfaces: light is traced from the lights and kept as photons; their density is its irradiance.
+//!
+//! | | |
+//! |---|---|
+//! | estimated | radiance from photons: L = sum over the k nearest of f(wi, wo) power / (pi r^2) [slide 24] |
+//! | `--gather final` | direct light by sampling lights, caustics from a map of their own at the first diffuse surface [slide 27], indirect light by gather rays to the global map at the second [slides 28, 31] (default) |
+//! | `--gather none` | the global map seen directly [slides 29, 30]; `--gather direct`: the same, with direct light by sampling lights |
+//! | `--photons`, `--caustic-photons` | photons to store (100000 each) |
+//! | `--lookup`, `--max-radius`, `--kernel` | photons of an estimate (50); bound on its radius (0: automatic); how photons count (epanechnikov) |
+//! | `--gather-rays` | rays of a gather point in a pass (16) |
+//! | bias, and how it looks | light is blurred over r: soft caustics, light through thin walls and round corners, dark rims of walls; blotches where photons are few |
+//! | sources | \[Jensen95\], \[Jensen96\], \[Christensen99\], \[Jensen01\] |
+
+#![forbid(unsafe_code)]
+
+pub mod estimate;
+mod file;
+mod gather;
+mod guide;
+mod irradiance;
+mod jensen;
+mod kd;
+pub mod kernel;
+pub mod map;
+mod nearest;
+pub mod photon;
+mod pictures;
+pub mod shoot;
+#[cfg(test)]
+mod test_scenes;
+
+use gi_core::eye::{EyePath, PathLimits};
+use gi_core::film::Film;
+use gi_core::technique::{Picture, Setting, Technique};
+
+use estimate::Estimator;
+use gather::Rays;
+use irradiance::IrradianceMap;
+use kernel::Kernel;
+use map::{Layout, Order, PhotonMap};
+pub use pictures::Show;
+use shoot::{Shot, Source, Wanted};
+
+/// Where the maps are read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Gather {
+    /// At the first surface, for all light.
+    None,
+    /// At the first surface, for all but direct light.
+    Direct,
+    /// At the second diffuse surface; caustics at the first.
+    #[default]
+    Final,
+}
+
+/// The knobs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Params {
+    /// Photons to store in the global map.
+    pub photons: usize,
+    /// Photons to store in the caustic map; with 0 caustics are left to the paths from the eye.
+    pub caustic_photons: usize,
+    /// Most photons of an estimate.
+    pub lookup: usize,
+    /// Largest radius of an estimate, relative to the scene's radius; 0 is automatic.
+    pub max_radius: f32,
+    /// How photons count by distance.
+    pub kernel: Kernel,
+    /// Where the maps are read.
+    pub gather: Gather,
+    /// Rays of a gather point in a pass.
+    pub gather_rays: u32,
+    /// Share of the gather rays that are led to where photons came from, in [0, 1).
+    pub guided: f32,
+    /// How photons lie in memory.
+    pub layout: Layout,
+    /// Most segments of a path; `None` is unbounded.
+    pub max_depth: Option<u32>,
+    /// Maps that were saved, instead of shooting photons.
+    pub map_in: Option<Vec<u8>>,
+    /// Pictures of the maps.
+    pub show: Vec<Show>,
+}
+
+impl Default for Params {
+    fn default() -> Self {
+        Params {
+            photons: 100_000,
+            caustic_photons: 100_000,
+            lookup: 50,
+            max_radius: 0.0,
+            kernel: Kernel::default(),
+            gather: Gather::default(),
+            gather_rays: 16,
+            guided: 0.0,
+            layout: Layout::default(),
+            max_depth: None,
+            map_in: None,
+            show: Vec::new(),
+        }
+    }
+}
+
+/// Photon mapping.
+pub struct PhotonMapping<'a> {
+    setting: Setting<'a>,
+    params: Params,
+    global: Estimator,
+    caustic: Option<Estimator>,
+    /// Irradiance ahead, by the depth that light may have; one for all where depth is unbounded.
+    irradiance: Vec<IrradianceMap>,
+    gave_up: [bool; 2],
+}
+
+impl<'a> Technique<'a> for PhotonMapping<'a> {
+    type Params = Params;
+
+    /// Shoot photons, build the maps, compute irradiance ahead.
+    fn prepare(setting: Setting<'a>, params: &Params) -> Result<Self, String> {
+        let Maps { global, caustic, order } = match &params.map_in {
+            Some(bytes) => load(&setting, params, bytes)?,
+            None => shoot(&setting, params),
+        };
+        let gave_up = [global.gave_up, caustic.as_ref().is_some_and(|c| c.gave_up)];
+        let max_radius = params.max_radius * setting.scene.radius();
+        let estimator = |shot: Shot| {
+            let bounded = params.max_depth.is_some();
+            let map = PhotonMap::build(shot.photons, shot.emitted, params.layout, order, bounded);
+            Estimator::new(map, params.kernel, params.lookup, max_radius)
+        };
+        let (global, caustic) = (estimator(global), caustic.map(estimator));
+        let irradiance = match params.gather {
+            Gather::Final => irradiance_maps(&setting, params, &global),
+            Gather::None | Gather::Direct => Vec::new(),
+        };
+        Ok(PhotonMapping { setting, params: params.clone(), global, caustic, irradiance, gave_up })
+    }
+
+    /// One path from the eye a pixel; the maps answer where it meets what scatters light.
+    fn pass(&mut self, index: u32, film: &mut Film) {
+        let Setting { scene, camera, seed, show, .. } = self.setting;
+        let limits = PathLimits { max_depth: self.params.max_depth, ..PathLimits::default() };
+        let path = EyePath { scene, limits, show };
+        let this = &*self;
+        film.add_pass(|pixel| {
+            let stream = (pixel[1] * camera.size()[0] + pixel[0]) as u32;
+            let rays = Rays { seed, stream, pass: index };
+            path.sample_pixel(camera, seed, pixel, index, &mut |v, sampler| {
+                this.supply(v, sampler, &rays)
+            })
+        });
+    }
+
+    fn pictures(&self, film: &Film) -> Vec<Picture> {
+        self.draw(film)
+    }
+
+    fn statistics(&self) -> Vec<(String, f64)> {
+        let mut out = Vec::new();
+        let maps = [("global", Some(&self.global)), ("caustic", self.caustic.as_ref())];
+        for ((name, map), gave_up) in maps.into_iter().zip(self.gave_up) {
+            let Some(Estimator { map, max_radius_sq, .. }) = map else { continue };
+            out.push((format!("{name}_photons"), map.len() as f64));
+            out.push((format!("{name}_paths"), map.emitted as f64));
+            out.push((format!("{name}_bytes"), map.bytes() as f64));
+            let radius = max_radius_sq.sqrt() / self.setting.scene.radius();
+            out.push((format!("{name}_max_radius"), f64::from(radius)));
+            out.push((format!("{name}_gave_up"), f64::from(u8::from(gave_up))));
+        }
+        let bytes: usize = self.irradiance.iter().map(IrradianceMap::bytes).sum();
+        out.push(("irradiance_bytes".into(), bytes as f64));
+        out
+    }
+
+    fn reach(&self) -> String {
+        "all paths, blurred where photons answer; E S* D S+ L only as far as the caustic map has photons".into()
+    }
+}
+
+/// Photons for both maps.
+struct Maps {
+    global: Shot,
+    caustic: Option<Shot>,
+    order: Order,
+}
+
+/// Photon tracing [slide 22].
+fn shoot(setting: &Setting, params: &Params) -> Maps {
+    let max_segments = params.max_depth.map(|most| most.saturating_sub(1));
+    let source = Source { scene: setting.scene, seed: setting.seed, max_segments };
+    let global = source.shoot(Wanted::Global, params.photons);
+    let caustic = (params.gather == Gather::Final && params.caustic_photons > 0).then(|| {
+        let targets = setting.scene.focusing();
+        let count = if targets.is_empty() { 0 } else { params.caustic_photons };
+        source.shoot(Wanted::Caustic(&targets), count)
+    });
+    Maps { global, caustic, order: Order::Any }
+}
+
+/// Photons of an earlier run.
+fn load(setting: &Setting, params: &Params, bytes: &[u8]) -> Result<Maps, String> {
+    let saved = file::from_bytes(bytes).map_err(|e| format!("--map-in: {e}"))?;
+    if saved.world != setting.world {
+        return Err("--map-in: these photons are of another scene; shoot them anew".into());
+    }
+    if saved.max_depth != params.max_depth.unwrap_or(0) {
+        return Err("--map-in: these photons were shot with another --max-depth".into());
+    }
+    if params.gather == Gather::Final && params.caustic_photons > 0 && saved.caustic.is_none() {
+        return Err(
+            "--map-in: there is no caustic map in it; give --caustic-photons 0, or shoot anew"
+                .into(),
+        );
+    }
+    let order = if saved.layout == params.layout { Order::Tree } else { Order::Any };
+    let caustic = saved.caustic.filter(|_| params.caustic_photons > 0);
+    Ok(Maps { global: saved.global, caustic, order })
+}
+
+impl PhotonMapping<'_> {
+    fn maps(&self) -> [Option<&PhotonMap>; 2] {
+        [Some(&self.global.map), self.caustic.as_ref().map(|c| &c.map)]
+    }
+
+    /// The maps as a file for `--map-in`.
+    pub fn save(&self) -> Vec<u8> {
+        let max_depth = self.params.max_depth.unwrap_or(0);
+        file::to_bytes(self.setting.world, max_depth, self.params.layout, self.maps())
+    }
+
+    /// All photons, to look at: as comma-separated values, or as a PLY of points.
+    pub fn export(&self, as_csv: bool) -> Vec<u8> {
+        if as_csv { file::to_csv(self.maps()) } else { file::to_ply(self.maps()) }
+    }
+
+    /// The estimate of slide 24 at what the middle of a pixel shows, against the number of photons: one line for each k.
+    pub fn probe(&self, [x, y]: [u32; 2]) -> Vec<u8> {
+        let Setting { scene, camera, .. } = self.setting;
+        let mut out = "k,found,radius,red,green,blue\n".to_string();
+        let ray = camera.ray([x as f32 + 0.5, y as f32 + 0.5], [0.5; 2]);
+        let Some((surface, _)) = scene.intersect(&ray) else { return out.into_bytes() };
+        let n = estimate::facing(&surface, -ray.d);
+        for k in [10, 15, 20, 30, 50, 70, 100, 150, 200, 300, 500, 700, 1000] {
+            let e = self.global.irradiance_of(k, surface.p, n);
+            let (c, r) = (e.all(), e.found.radius_sq.sqrt() / scene.radius());
+            out += &format!("{k},{},{r},{},{},{}\n", e.found.count, c.r, c.g, c.b);
+        }
+        out.into_bytes()
+    }
+
+    /// Irradiance of light that took at most `depth` segments.
+    fn irradiance(&self, depth: u8) -> &IrradianceMap {
+        let last = self.irradiance.len() - 1;
+        &self.irradiance[(depth as usize - 1).min(last)]
+    }
+}
+
+/// Irradiance for every depth that a gather ray can ask for: deeper than the deepest photon there is nothing new.
+fn irradiance_maps(setting: &Setting, params: &Params, global: &Estimator) -> Vec<IrradianceMap> {
+    let depths = match params.max_depth {
+        None => vec![u8::MAX],
+        Some(most) => {
+            let deepest = global.map.photons().map(|s| u32::from(s.depth)).max().unwrap_or(1);
+            (1..=most.saturating_sub(2).clamp(1, deepest.max(1)) as u8).collect()
+        }
+    };
+    depths
+        .into_iter()
+        .map(|depth| IrradianceMap::new(setting.scene, global, depth, setting.seed))
+        .collect()
+}

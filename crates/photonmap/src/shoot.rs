@@ -1,0 +1,281 @@
+//! Photon tracing: from the lights to the maps [slide 22].
+
+use gi_core::light::Targets;
+use gi_core::math::Rgb;
+use gi_core::rng::{bits_to_unit, hash_words};
+use gi_core::sampler::Sampler;
+use gi_core::scene::Scene;
+use gi_core::walk::{LightVertex, LightWalk, Roulette};
+use glam::Vec3;
+use rayon::prelude::*;
+
+use crate::photon::{Kind, Photon, Rgbe};
+
+/// A photon and the number of segments of its path, 255 standing for more.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stored {
+    /// The photon.
+    pub photon: Photon,
+    /// Segments from the light to here; 1 is light that came straight.
+    pub depth: u8,
+}
+
+/// Which photons are wanted.
+#[derive(Clone, Copy)]
+pub enum Wanted<'a> {
+    /// Every hit of a surface that is not delta lobes only [slide 26, left].
+    Global,
+    /// L S+ D: paths aimed at what has delta lobes, stored where they first meet anything else [slide 26, right].
+    Caustic(&'a Targets),
+}
+
+/// Where photons come from.
+#[derive(Clone, Copy)]
+pub struct Source<'a> {
+    /// The world.
+    pub scene: &'a Scene,
+    /// Seed of every random number.
+    pub seed: u32,
+    /// Most segments of a path from its light; `None` is unbounded.
+    pub max_segments: Option<u32>,
+}
+
+/// What was shot.
+pub struct Shot {
+    /// Photons in the order of their paths. Powers are already divided by `emitted`.
+    pub photons: Vec<Stored>,
+    /// Paths begun.
+    pub emitted: u64,
+    /// Whether emission was given up before there were as many photons as wanted.
+    pub gave_up: bool,
+}
+
+/// Paths that one task walks; photons are joined in the order of the paths.
+const CHUNK: u64 = 4096;
+/// Chunks between two looks at how many photons there are. Fixed, so that it is the same for any number of threads.
+const ROUND: u64 = 16;
+/// Paths per wanted photon after which a scene is taken to give no more.
+const MOST_PATHS: u64 = 256;
+
+/// A photon before it is packed: its power is not yet divided by the number of paths.
+struct Hit {
+    p: Vec3,
+    n: Vec3,
+    wo: Vec3,
+    power: Rgb,
+    kind: Kind,
+    depth: u8,
+}
+
+/// Hits of the paths of a chunk, and after which hit each path ended.
+struct Chunk {
+    hits: Vec<Hit>,
+    ends: Vec<u32>,
+}
+
+impl Source<'_> {
+    /// Shoot until `count` photons are there; the path that reaches the number is the last.
+    pub fn shoot(&self, wanted: Wanted, count: usize) -> Shot {
+        let (mut chunks, mut hits, mut emitted, mut gave_up) = (Vec::new(), 0, 0u64, false);
+        let limit = (count as u64).saturating_mul(MOST_PATHS).max(CHUNK * ROUND);
+        while hits < count {
+            if emitted >= limit {
+                gave_up = true;
+                break;
+            }
+            let first = emitted / CHUNK;
+            let round: Vec<Chunk> = (0..ROUND as usize)
+                .into_par_iter()
+                .with_max_len(1)
+                .map(|chunk| self.chunk(wanted, first + chunk as u64))
+                .collect();
+            for mut chunk in round {
+                if hits >= count {
+                    break;
+                }
+                // Cut after the path that reaches the number.
+                let enough = chunk.ends.iter().position(|&end| hits + end as usize >= count);
+                let paths = enough.map_or(chunk.ends.len(), |k| k + 1);
+                chunk.hits.truncate(chunk.ends[paths - 1] as usize);
+                hits += chunk.hits.len();
+                emitted += paths as u64;
+                chunks.push(chunk.hits);
+            }
+        }
+        Shot { photons: self.pack(chunks, emitted), emitted, gave_up }
+    }
+
+    /// Divide powers by the number of paths and pack the photons.
+    fn pack(&self, chunks: Vec<Vec<Hit>>, emitted: u64) -> Vec<Stored> {
+        let share = (1.0 / emitted.max(1) as f64) as f32;
+        let mut firsts = Vec::with_capacity(chunks.len());
+        let total = chunks.iter().fold(0, |first, chunk| {
+            firsts.push(first);
+            first + chunk.len()
+        });
+        let packed: Vec<Vec<Stored>> = chunks
+            .into_par_iter()
+            .zip(firsts)
+            .map(|(hits, first)| {
+                let pack = |(k, hit): (usize, &Hit)| {
+                    let dither = [0, 1, 2].map(|channel| {
+                        bits_to_unit(hash_words(&[self.seed, (first + k) as u32, channel]))
+                    });
+                    let power = Rgbe::dithered(hit.power * share, dither);
+                    let photon = Photon::new(hit.p, power, hit.wo, hit.n, hit.kind);
+                    Stored { photon, depth: hit.depth }
+                };
+                hits.iter().enumerate().map(pack).collect()
+            })
+            .collect();
+        let mut photons = Vec::with_capacity(total);
+        packed.into_iter().for_each(|chunk| photons.extend(chunk));
+        photons
+    }
+
+    fn chunk(&self, wanted: Wanted, chunk: u64) -> Chunk {
+        let mut out = Chunk { hits: Vec::new(), ends: Vec::with_capacity(CHUNK as usize) };
+        for path in chunk * CHUNK..(chunk + 1) * CHUNK {
+            self.walk(wanted, path, &mut |_, vertex| {
+                let asked_for = match wanted {
+                    Wanted::Global => true,
+                    Wanted::Caustic(_) => kind(vertex) == Kind::Caustic,
+                };
+                if asked_for && !vertex.bsdf.is_delta() {
+                    out.hits.extend(hit(vertex));
+                }
+            });
+            out.ends.push(out.hits.len() as u32);
+        }
+        out
+    }
+
+    /// Walk path number `path`; `visit` gets the point that it began at and every vertex.
+    pub(crate) fn walk(
+        &self,
+        wanted: Wanted,
+        path: u64,
+        visit: &mut impl FnMut(Vec3, &LightVertex),
+    ) {
+        // Each map has a stream of its own; within one, paths are the points of a sequence.
+        let sampler =
+            |stream: u32| Sampler::new(self.seed ^ stream, (path >> 32) as u32, path as u32);
+        let walk = match wanted {
+            Wanted::Global => LightWalk::begin(self.scene, sampler(0x676c_6f62)),
+            Wanted::Caustic(targets) => {
+                LightWalk::begin_toward(self.scene, sampler(0x6361_7573), targets)
+            }
+        };
+        let Some(mut walk) = walk else { return };
+        let start = walk.emission().p;
+        while let Some(vertex) = walk.next_vertex() {
+            if self.max_segments.is_some_and(|most| vertex.depth >= most) {
+                return;
+            }
+            visit(start, &vertex);
+            // Roulette from the first scattering on keeps powers nearly equal [Jensen01, 5.1].
+            let goes_on = walk.scatter(&vertex, Roulette::ByAlbedo { from: 1 });
+            if !goes_on || (matches!(wanted, Wanted::Caustic(_)) && walk.rough() > 0) {
+                return;
+            }
+        }
+    }
+}
+
+/// What the path to a vertex has met.
+pub(crate) fn kind(vertex: &LightVertex) -> Kind {
+    match (vertex.rough, vertex.depth) {
+        (0, 0) => Kind::Direct,
+        (0, _) => Kind::Caustic,
+        _ => Kind::Indirect,
+    }
+}
+
+/// The hit that a vertex is; `None` along the surface, where it brings nothing.
+fn hit(vertex: &LightVertex) -> Option<Hit> {
+    let (surface, wo) = (&vertex.surface, vertex.wo);
+    let (cos_s, cos_g) = (wo.dot(surface.ns()).abs(), wo.dot(surface.ng));
+    let n = if cos_g < 0.0 { -surface.ng } else { surface.ng };
+    // Photons measure light by the geometric normal's cosine, paths scatter it by that of the shading normal.
+    let power = vertex.power * (cos_s / cos_g.abs());
+    let depth = (vertex.depth + 1).min(255) as u8;
+    let hit = Hit { p: surface.p, n, wo, power, kind: kind(vertex), depth };
+    (power.is_finite() && !power.is_black()).then_some(hit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_scenes::{glass_over_floor, lit_sphere};
+    use gi_stats::{Running, welch_t_test};
+
+    fn source(scene: &Scene, seed: u32) -> Source<'_> {
+        Source { scene, seed, max_segments: None }
+    }
+
+    #[test]
+    fn first_hits_in_a_closed_scene_carry_the_emitted_power_and_all_hits_its_geometric_sum() {
+        // A point light of intensity 1 in a sphere of albedo 1/2: first hits carry 4 pi, all hits 4 pi / (1 - 1/2).
+        let scene = lit_sphere();
+        let shot = source(&scene, 1).shoot(Wanted::Global, 100_000);
+        let sum = |first: bool| -> f64 {
+            let counts = |s: &&Stored| !first || s.photon.payload.kind() == Kind::Direct;
+            let power = |s: &Stored| f64::from(s.photon.payload.power.to_rgb().g);
+            shot.photons.iter().filter(counts).map(power).sum()
+        };
+        let emitted = 4.0 * std::f64::consts::PI;
+        // All photons have one power: eight bits, dithered, leave 1e-5 on average.
+        assert!((sum(true) / emitted - 1.0).abs() < 1e-4, "{}", sum(true) / emitted);
+        // Path lengths are geometric with mean and variance 2: over n paths 2 +- sqrt(2 / n).
+        let error = (2.0 / shot.emitted as f64).sqrt();
+        assert!((sum(false) / emitted - 2.0).abs() < 4.0 * error, "{}", sum(false) / emitted);
+    }
+
+    #[test]
+    fn the_path_that_reaches_the_number_is_the_last() {
+        let scene = lit_sphere();
+        for count in [1, 1000, 70_000] {
+            let shot = source(&scene, 2).shoot(Wanted::Global, count);
+            let n = shot.photons.len();
+            // Photons of the last path begin at its first segment.
+            let last = shot.photons.iter().rposition(|s| s.depth == 1).expect("a first hit");
+            assert!(
+                n >= count && last < count,
+                "{n} photons for {count}, the last path from {last}"
+            );
+            let first_hits = shot.photons.iter().filter(|s| s.depth == 1).count();
+            assert_eq!(first_hits as u64, shot.emitted);
+        }
+    }
+
+    #[test]
+    fn aimed_paths_bring_the_power_that_blind_ones_bring_and_more_photons() {
+        let scene = glass_over_floor();
+        let targets = scene.focusing();
+        assert!(!targets.is_empty());
+        let (mut aimed, mut blind) = ([Running::default(); 2], [Running::default(); 2]);
+        let mut paths = [0, 0];
+        for seed in 0..48 {
+            for (k, wanted) in [Wanted::Caustic(&targets), Wanted::Global].into_iter().enumerate() {
+                let shot = source(&scene, seed).shoot(wanted, [4000, 40_000][k]);
+                let caustic = |s: &&Stored| s.photon.payload.kind() == Kind::Caustic;
+                let sums = |weight: fn(Vec3) -> f32| -> f64 {
+                    let power =
+                        |s: &Stored| s.photon.payload.power.to_rgb().g * weight(s.photon.p());
+                    shot.photons.iter().filter(caustic).map(|s| f64::from(power(s))).sum()
+                };
+                // The whole power, and where it falls.
+                let out = if k == 0 { &mut aimed } else { &mut blind };
+                out[0].push(sums(|_| 1.0));
+                out[1].push(sums(|p| p.x * p.x + p.z * p.z));
+                let n = shot.photons.iter().filter(caustic).count();
+                paths[k] += shot.emitted / n.max(1) as u64;
+            }
+        }
+        for (a, b) in aimed.iter().zip(&blind) {
+            let p = welch_t_test(a, b);
+            assert!(p > 1e-3, "{} is not {}: p = {p:.1e}", a.mean(), b.mean());
+        }
+        assert!(paths[0] * 10 < paths[1], "paths a photon: aimed {}, blind {}", paths[0], paths[1]);
+    }
+}

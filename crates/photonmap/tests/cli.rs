@@ -1,0 +1,121 @@
+//! The program run as a user runs it: messages, exit status, files.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use gi_core::image_io::read_exr;
+use photonmap::Params;
+
+/// Run the program on a scene of the repository, small and quick.
+fn run(scene: &str, arguments: &[&str]) -> Output {
+    let scene = format!("{}/../../scenes/{scene}.xml", env!("CARGO_MANIFEST_DIR"));
+    Command::new(env!("CARGO_BIN_EXE_photonmap"))
+        .args([&scene, "--spp=1", "--size=32x24", "--photons=5000", "--caustic-photons=2000"])
+        .args(arguments)
+        .output()
+        .expect("it runs")
+}
+
+fn text(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn assert_refused(output: &Output, says: &str) {
+    let text = text(output);
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    assert!(text.contains(says) && !text.contains("panicked"), "\"{says}\" is not in:\n{text}");
+}
+
+#[test]
+fn pictures_maps_and_exports_are_written_and_a_saved_map_gives_the_same_picture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let (a, map) = (at("a.exr"), at("photons.map"));
+    let output = run(
+        "cornell-spheres",
+        &[
+            "-o",
+            &a,
+            "--map-out",
+            &map,
+            "--photons-out",
+            &at("photons.csv"),
+            "--show=paths,photons,cells",
+            "--probe=16,12",
+            "--probe-out",
+            &at("probe.csv"),
+        ],
+    );
+    assert!(output.status.success(), "{}", text(&output));
+    for name in ["a.png", "a.paths.png", "a.photons.png", "a.caustic-photons.png", "a.cells.png"] {
+        assert!(Path::new(&at(name)).exists(), "no {name}");
+    }
+    let csv = std::fs::read_to_string(at("photons.csv")).expect("a table");
+    let of = |map: &str| csv.lines().filter(|l| l.starts_with(map)).count();
+    assert!((5000..5040).contains(&of("global,")) && (2000..2010).contains(&of("caustic,")));
+    assert_eq!(std::fs::read_to_string(at("probe.csv")).expect("a table").lines().count(), 14);
+
+    for layout in ["fast", "jensen"] {
+        let (b, c, saved) = (at("b.exr"), at("c.exr"), at("saved.map"));
+        let layout = format!("--photon-layout={layout}");
+        let fresh = run("cornell-spheres", &["-o", &b, &layout, "--map-out", &saved]);
+        assert!(fresh.status.success(), "{}", text(&fresh));
+        let again = run("cornell-spheres", &["-o", &c, &layout, "--map-in", &saved]);
+        assert!(again.status.success(), "{}", text(&again));
+        let pixels = |path: &str| read_exr(Path::new(path)).expect("an EXR").channels;
+        assert!(pixels(&b) == pixels(&c), "{layout}: another picture");
+    }
+}
+
+#[test]
+fn what_cannot_be_used_is_refused_with_the_cause() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let (out, map) = (at("a.exr"), at("photons.map"));
+    assert!(run("cornell-box", &["-o", &out, "--map-out", &map]).status.success());
+    let with = |scene: &str, more: &[&str]| {
+        let mut arguments = vec!["-o", out.as_str()];
+        arguments.extend(more);
+        run(scene, &arguments)
+    };
+    assert_refused(&with("cornell-spheres", &["--map-in", &map]), "another scene");
+    assert_refused(&with("cornell-box", &["--map-in", &map, "--max-depth=4"]), "--max-depth");
+    let bytes = std::fs::read(&map).expect("the map");
+    std::fs::write(at("cut.map"), &bytes[..bytes.len() / 2]).expect("written");
+    assert_refused(&with("cornell-box", &["--map-in", &at("cut.map")]), "ends too early");
+    assert_refused(&with("cornell-box", &["--map-in", &at("none.map")]), "cannot read");
+    for (flag, says) in [
+        ("--photons=0", "at least 1"),
+        ("--lookup=0", "at least 1"),
+        ("--max-radius=-1", "0 or more"),
+        ("--max-radius=nan", "0 or more"),
+        ("--guided=1", "below 1"),
+        ("--gather-rays=0", "gather-rays"),
+        ("--kernel=sphere", "epanechnikov"),
+        ("--photons-out=photons.txt", ".csv"),
+    ] {
+        assert_refused(&with("cornell-box", &[flag]), says);
+    }
+}
+
+#[test]
+fn help_says_the_defaults_of_the_code() {
+    let help = Command::new(env!("CARGO_BIN_EXE_photonmap")).arg("--help").output().expect("help");
+    let help = String::from_utf8_lossy(&help.stdout).into_owned();
+    let defaults = Params::default();
+    for (flag, default) in [
+        ("--photons <N>", defaults.photons.to_string()),
+        ("--caustic-photons <N>", defaults.caustic_photons.to_string()),
+        ("--lookup <K>", defaults.lookup.to_string()),
+        ("--max-radius <R>", defaults.max_radius.to_string()),
+        ("--gather-rays <N>", defaults.gather_rays.to_string()),
+        ("--guided <SHARE>", defaults.guided.to_string()),
+        ("--kernel <KERNEL>", format!("{:?}", defaults.kernel).to_lowercase()),
+        ("--gather <GATHER>", format!("{:?}", defaults.gather).to_lowercase()),
+    ] {
+        let after = help.split_once(flag).unwrap_or_else(|| panic!("no {flag}")).1;
+        let said = after.split_once("[default: ").expect("a default").1;
+        let said = said.split_once(']').expect("an end").0;
+        assert_eq!(said, default, "{flag}");
+    }
+}

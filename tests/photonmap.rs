@@ -1,0 +1,153 @@
+//! Photon mapping against the path tracer, and by its own knobs.
+
+use gi_core::eye::PathLimits;
+use gi_core::film::{Film, Show};
+use gi_core::image_io::Layers;
+use gi_tests::{World, furnace, mean_and_variance};
+use pathtrace::{Mode, PathTracer};
+use photonmap::{Gather, Params, PhotonMapping};
+
+fn reference(world: &World, passes: u32, max_depth: Option<u32>, show: Show) -> Film {
+    let limits = PathLimits { max_depth, ..PathLimits::default() };
+    let params = pathtrace::Params { limits, ..Default::default() };
+    world.render::<PathTracer>(&params, passes, 11, show)
+}
+
+fn photons(world: &World, params: &Params, passes: u32, show: Show) -> Film {
+    world.render::<PhotonMapping>(params, passes, 3, show)
+}
+
+/// Check that the means of two pictures differ by less than `bound` of the second's, and that their noise could not
+/// hide it.
+fn assert_ratio(name: &str, ours: &Film, truth: &Film, bound: f64) {
+    let ((a, va), (b, vb)) = (mean_and_variance(ours), mean_and_variance(truth));
+    let noise = (va / (a * a) + vb / (b * b)).sqrt();
+    assert!(noise < 0.4 * bound, "{name}: the noise of the ratio is {noise:.2e}");
+    assert!((a / b - 1.0).abs() < bound, "{name}: {a:.5} is not {b:.5} (noise {noise:.1e})");
+}
+
+#[test]
+fn final_gather_agrees_with_the_path_tracer_within_one_percent() {
+    for (scene, show, passes) in
+        [("cornell-box.xml", Show::Indirect, 512), ("cornell-spheres.xml", Show::Indirect, 2048)]
+    {
+        let world = World::load(scene, [48, 48], &[]);
+        let truth = reference(&world, passes, None, show);
+        let ours = photons(&world, &Params::default(), 32, show);
+        assert_ratio(&format!("{scene}, {show:?}"), &ours, &truth, 0.01);
+    }
+}
+
+#[test]
+fn the_caustic_map_agrees_with_paths_from_the_lights_within_one_percent() {
+    let world = World::load("cornell-spheres.xml", [48, 48], &[]);
+    let params = pathtrace::Params { mode: Mode::Light, ..Default::default() };
+    let truth = world.render::<PathTracer>(&params, 1536, 12, Show::Caustic);
+    let ours = photons(&world, &Params::default(), 16, Show::Caustic);
+    // Paths from the lights find nothing behind mirror and glass: leave out what is as white as these.
+    let (a, b) = (ours.layers(), truth.layers());
+    let albedo = a.channel("Albedo.G").expect("a layer");
+    let sum = |layers: &Layers, name: &str| -> f64 {
+        let values = layers.channel(name).expect("a layer").iter().zip(albedo);
+        values.filter(|(_, albedo)| **albedo < 0.72).map(|(v, _)| f64::from(*v)).sum()
+    };
+    for c in ["R", "G", "B"] {
+        let (x, y) = (sum(&a, &format!("Caustic.{c}")), sum(&b, &format!("Caustic.{c}")));
+        let noise = sum(&b, &format!("Variance.{c}")).sqrt() / y;
+        assert!(noise < 0.004, "{c}: the noise of the truth is {noise:.1e}");
+        assert!((x / y - 1.0).abs() < 0.01, "{c}: {x} is not {y} (noise {noise:.1e})");
+    }
+}
+
+#[test]
+fn paths_of_bounded_length_agree_too() {
+    let world = World::load("cornell-spheres.xml", [40, 40], &[]);
+    for depth in [3, 4] {
+        let max_depth = Some(depth);
+        let truth = reference(&world, 512, max_depth, Show::Indirect);
+        let params = Params { max_depth, ..Params::default() };
+        let ours = photons(&world, &params, 32, Show::Indirect);
+        assert_ratio(&format!("{depth} segments"), &ours, &truth, 0.015);
+    }
+}
+
+#[test]
+fn guided_gather_rays_change_the_noise_only() {
+    let world = World::load("cornell-box.xml", [24, 24], &[]);
+    let render =
+        |guided| photons(&world, &Params { guided, ..Params::default() }, 32, Show::Indirect);
+    let ((a, va), (b, vb)) = (mean_and_variance(&render(0.0)), mean_and_variance(&render(0.8)));
+    let p = gi_stats::z_test(a, va, b, vb);
+    assert!(p > 1e-3 && (va + vb).sqrt() < 0.006 * a, "{a} is not {b}: p = {p:.1e}");
+}
+
+/// Mean over pixels and channels of the squared error over the squared truth plus 0.01.
+fn rel_mse(film: &Film, truth: &Film) -> f64 {
+    let (a, b) = (film.radiance(), truth.radiance());
+    let error = |x: f32, y: f32| f64::from((x - y) * (x - y) / (y * y + 0.01));
+    let pixels = a.iter().zip(&b);
+    let sum: f64 = pixels
+        .flat_map(|(a, b)| {
+            (0..3).map(|k| error(a.to_array()[k], b.to_array()[k])).collect::<Vec<_>>()
+        })
+        .sum();
+    sum / (3 * a.len()) as f64
+}
+
+#[test]
+fn more_photons_and_more_of_them_an_estimate_lower_the_error() {
+    let world = World::load("cornell-box.xml", [32, 32], &[]);
+    let truth = reference(&world, 1024, None, Show::Indirect);
+    let errors: Vec<f64> = [(1_000, 10), (10_000, 30), (100_000, 90), (1_000_000, 270)]
+        .into_iter()
+        .map(|(n, lookup)| {
+            let params = Params { photons: n, lookup, gather: Gather::Direct, ..Params::default() };
+            rel_mse(&photons(&world, &params, 16, Show::Indirect), &truth)
+        })
+        .collect();
+    // Variance goes with 1 / k, the squared blur with (k / N)^2: both fall threefold and more at each step.
+    for pair in errors.windows(2) {
+        assert!(pair[1] < 0.6 * pair[0], "{errors:?}");
+    }
+}
+
+#[test]
+fn a_furnace_reads_one_over_one_minus_a_through_the_map() {
+    let (parts, camera) = furnace(0.6);
+    let world = World::new(parts, &camera);
+    let (mean, variance) = mean_and_variance(&photons(&world, &Params::default(), 16, Show::All));
+    // 100,000 photons of one power: their number on the walls is off by a share of 1 / sqrt(100000) = 0.3 %.
+    let bound = 2.5 * (4.0 * variance.sqrt() + 3.0 * 0.0032 * 0.6);
+    assert!((mean - 2.5).abs() < bound, "{mean} is not 2.5 +- {bound}");
+}
+
+#[test]
+fn a_scene_ten_times_as_large_gives_the_same_picture() {
+    let read = |scale: f32| World::load_scaled("cornell-spheres.xml", [24, 24], scale);
+    let params = Params { photons: 20_000, caustic_photons: 20_000, ..Params::default() };
+    let render = |scale| photons(&read(scale), &params, 8, Show::All);
+    let (one, other) = (render(1.0), render(10.0));
+    // The same photons and paths: what differs is rounding, of powers to eight bits above all.
+    let error = rel_mse(&one, &other);
+    assert!(error < 2e-4, "{error}");
+}
+
+#[test]
+fn every_layer_has_the_same_bits_at_1_2_and_4_threads() {
+    let params = Params { photons: 20_000, caustic_photons: 20_000, ..Params::default() };
+    let bits = |threads: usize, params: &Params, seed: u32| -> Vec<(String, Vec<u32>)> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| {
+            let world = World::load("cornell-spheres.xml", [40, 30], &[]);
+            let film = world.render::<PhotonMapping>(params, 2, seed, Show::All);
+            let channels = film.layers().channels.into_iter();
+            channels.map(|(name, v)| (name, v.iter().map(|x| x.to_bits()).collect())).collect()
+        })
+    };
+    for gather in [Gather::Final, Gather::None] {
+        let params = Params { gather, ..params.clone() };
+        let one = bits(1, &params, 7);
+        assert!(bits(2, &params, 7) == one && bits(4, &params, 7) == one, "{gather:?}");
+        assert!(bits(2, &params, 8) != one, "{gather:?}: the seed does nothing");
+    }
+}
