@@ -63,7 +63,7 @@ fn connections(setting: &Setting, vpls: &Vpls, film: &Film, pixel: Option<[usize
     let Some((surface, _)) = setting.scene.intersect(&ray) else { return canvas.into_pixels() };
     let wo = -ray.d;
     let bsdf = setting.scene.bsdf(&surface, wo, Transport::Radiance);
-    let at = Receiver { surface: &surface, wo, bsdf: &bsdf };
+    let at = Receiver::new(&surface, wo, &bsdf);
     let from = Vec2::new(x, y);
     let margin = size[0] as f32;
     for v in &vpls.lights {

@@ -21,12 +21,14 @@ pub mod energy;
 pub mod figures;
 pub mod sphere;
 
+use std::ops::Range;
+
 use gi_core::eye::{Answered, EyePath, EyeVertex, PathLimits, Supplied};
 use gi_core::film::Film;
 use gi_core::math::Rgb;
 use gi_core::sampler::Sampler;
 use gi_core::technique::{Picture, Setting, Technique};
-use vpl::{Pilot, Receiver, Shooting, Termination, Vpl, Vpls, shoot};
+use vpl::{Pilot, Prepared, Receiver, Shooting, Termination, Vpls, shoot};
 
 use energy::Energy;
 use figures::Figure;
@@ -116,8 +118,10 @@ impl<'a> Technique<'a> for InstantRadiosity<'a> {
         let Setting { scene, camera, seed, show, .. } = self.setting;
         let path = EyePath { scene, limits: self.params.limits, show };
         let (this, most) = (&*self, self.bound(index));
+        let prepared = Prepared::new(&self.vpls, scene);
         film.add_pass(|pixel| {
-            path.sample_pixel(camera, seed, pixel, index, &mut |v, s| this.gather(v, most, s))
+            let mut supply = |v: &EyeVertex, s: &mut Sampler| this.gather(v, &prepared, most, s);
+            path.sample_pixel(camera, seed, pixel, index, &mut supply)
         });
     }
 
@@ -174,43 +178,44 @@ impl InstantRadiosity<'_> {
     }
 
     /// Light a vertex by all lights [slide 50].
-    fn gather(&self, v: &EyeVertex, most: f32, sampler: &mut Sampler) -> Option<Supplied> {
-        let at = Receiver { surface: v.surface, wo: v.wo, bsdf: v.bsdf };
+    fn gather(
+        &self,
+        v: &EyeVertex,
+        lights: &Prepared,
+        most: f32,
+        sampler: &mut Sampler,
+    ) -> Option<Supplied> {
+        let at = Receiver::new(v.surface, v.wo, v.bsdf);
         // A light after j scatterings has come j + 1 segments, and the connection is one more.
         let deepest = match self.params.limits.max_depth {
             None => u32::MAX,
             Some(most) => most.checked_sub(v.segments + 1)?,
         };
-        let lights = self.vpls.up_to(deepest);
-        let points = lights.partition_point(|l| l.depth == 0);
+        let points = self.vpls.up_to(0).len();
+        let surfaces = points..self.vpls.up_to(deepest).len();
         // The points of lights are direct light, and nothing bounds them [slides 47, 48].
-        let direct = || self.add_up(&at, &lights[..points], f32::INFINITY);
+        let direct = || self.add_up(&at, lights, 0..points, f32::INFINITY);
         let direct = self.params.direct_by_vpls.then(direct);
         let indirect = if self.params.vsl {
-            self.spheres.gather(self, &at, (points, &lights[points..]), sampler)
+            self.spheres.gather(self, &at, surfaces, sampler)
         } else {
-            self.add_up(&at, &lights[points..], most)
+            self.add_up(&at, lights, surfaces, most)
         };
         let most = if self.params.compensation && !self.params.vsl { most } else { f32::INFINITY };
         Some(Supplied { answered: Answered::Straight { most }, direct, indirect, caustic: None })
     }
 
-    /// The sum over lights, every geometric term bounded by `most`.
-    fn add_up(&self, at: &Receiver, lights: &[Vpl], most: f32) -> Rgb {
+    /// The sum over a range of lights, every geometric term bounded by `most`.
+    fn add_up(&self, at: &Receiver, lights: &Prepared, range: Range<usize>, most: f32) -> Rgb {
         let scene = self.setting.scene;
         let (mut sum, mut cut, mut connections) = (Rgb::BLACK, 0.0, 0);
-        for vpl in lights {
-            let Some(c) = self.vpls.connect(scene, vpl, at) else { continue };
+        lights.for_each_connection(range, at, |c| {
             connections += 1;
             let arrived = c.radiance * scene.transmittance(c.shadow);
-            if c.geometry > most {
-                let kept = arrived * (most / c.geometry);
-                cut += (arrived - kept).luminance();
-                sum += kept;
-            } else {
-                sum += arrived;
-            }
-        }
+            let share = if c.geometry > most { most / c.geometry } else { 1.0 };
+            cut += (arrived * (1.0 - share)).luminance();
+            sum += arrived * share;
+        });
         self.energy.note(sum.luminance(), cut, connections);
         sum
     }

@@ -2,6 +2,7 @@
 //! receives is an integral over the cone in which it sees the sphere, which has no peak however near the two are.
 
 use std::f32::consts::PI;
+use std::ops::Range;
 
 use gi_core::bsdf::Transport;
 use gi_core::math::{Frame, Rgb, safe_sqrt};
@@ -47,17 +48,18 @@ impl Spheres {
         &self,
         technique: &InstantRadiosity,
         at: &Receiver,
-        (first_light, lights): (usize, &[Vpl]),
+        lights: Range<usize>,
         sampler: &mut Sampler,
     ) -> Rgb {
         let scene = technique.setting.scene;
         let (mut sum, mut connections) = (Rgb::BLACK, 0);
         // One pair of numbers for all lights, turned for each: lights are many, their noise averages out.
         let first = sampler.next_2d();
-        for (k, vpl) in lights.iter().enumerate() {
+        for k in lights {
+            let vpl = &technique.vpls().lights[k];
             let shift = (k as f32 * 0.618_034).fract();
             let u = [first[0], (first[1] + shift).fract()];
-            let light = self.light(technique, at, vpl, self.radii[first_light + k], u);
+            let light = self.light(technique, at, vpl, self.radii[k], u);
             if light.is_black() {
                 continue;
             }
@@ -94,7 +96,7 @@ impl Spheres {
             let v = (u[0] + (s as f32 + 0.5) / samples as f32).fract();
             let phi = (u[1] + s as f32 * 0.618_034).fract();
             let wi = axis.to_world(warp::cone([v, phi], one_minus_cos));
-            let f_cos = at.bsdf.f_cos(at.wo, wi);
+            let f_cos = at.f_cos(wi);
             if !f_cos.is_black() {
                 sum += f_cos * self.emitted(technique, vpl, -wi);
             }

@@ -1,8 +1,8 @@
 //! A point lit by one virtual point light [slide 50].
 
-use gi_core::bsdf::{Bsdf, Transport};
+use gi_core::bsdf::{Bsdf, DiffusePart, Transport};
 use gi_core::geometry::Surface;
-use gi_core::math::Rgb;
+use gi_core::math::{INV_PI, Rgb};
 use gi_core::ray::Ray;
 use gi_core::scene::Scene;
 use gi_core::walk::adjoint_correction;
@@ -19,6 +19,31 @@ pub struct Receiver<'r, 'a> {
     pub wo: Vec3,
     /// How it scatters.
     pub bsdf: &'r Bsdf<'a>,
+    /// All of that where it is Lambertian and nothing else: asked once, not once a light.
+    diffuse: Option<DiffusePart>,
+}
+
+impl<'r, 'a> Receiver<'r, 'a> {
+    /// A point of a surface seen along `wo`.
+    #[inline]
+    pub fn new(surface: &'r Surface, wo: Vec3, bsdf: &'r Bsdf<'a>) -> Self {
+        Receiver { surface, wo, bsdf, diffuse: bsdf.diffuse_only(wo) }
+    }
+
+    /// The normal that a light must lie above to count; `None` where light from below may count too.
+    #[inline]
+    pub(crate) fn facing_normal(&self) -> Option<Vec3> {
+        self.diffuse.map(|part| part.normal)
+    }
+
+    /// f times the cosine of `wi`.
+    #[inline]
+    pub fn f_cos(&self, wi: Vec3) -> Rgb {
+        match &self.diffuse {
+            Some(part) => part.albedo * (INV_PI * part.normal.dot(wi).max(0.0)),
+            None => self.bsdf.f_cos(self.wo, wi),
+        }
+    }
 }
 
 /// What a light would send the eye by way of a point, if nothing stood in between.
@@ -39,53 +64,61 @@ impl Vpls {
     /// Connect a point with a light. `None` where the light turns away or the point scatters nothing of it.
     #[inline]
     pub fn connect(&self, scene: &Scene, vpl: &Vpl, at: &Receiver) -> Option<Connection> {
-        let x = at.surface;
-        if vpl.kind == Kind::Directional {
-            let wi = -vpl.n;
-            let radiance = at.bsdf.f_cos(at.wo, wi) * vpl.power;
-            return (!radiance.is_black()).then(|| Connection {
-                radiance,
-                geometry: 0.0,
-                wi,
-                shadow: scene.spawn(x, wi),
-            });
-        }
-        let to = vpl.p - x.p;
-        let distance_sq = to.length_squared();
-        if distance_sq == 0.0 {
-            return None;
-        }
-        let wi = to / distance_sq.sqrt();
-        let cos_light = -wi.dot(vpl.n);
-        let (intensity, cos_light) = match vpl.kind {
-            Kind::Oriented => (vpl.power * cos_light.max(0.0), cos_light),
-            Kind::Omni => (vpl.power, 0.0),
-            Kind::Spot(light) => {
-                (vpl.power * scene.lights().all()[light as usize].spot_fade(-wi), 0.0)
-            }
-            Kind::Glossy(k) => (self.scattered(scene, k, -wi) * vpl.power, cos_light.abs()),
-            Kind::Directional => unreachable!("parallel light has no position"),
-        };
-        if intensity.is_black() {
-            return None;
-        }
-        let radiance = at.bsdf.f_cos(at.wo, wi) * intensity * (1.0 / distance_sq);
-        if radiance.is_black() {
-            return None;
-        }
-        let geometry = x.ng.dot(wi).abs() * cos_light.max(0.0) / distance_sq;
-        Some(Connection {
-            radiance,
-            geometry,
-            wi,
-            shadow: scene.tree().shadow_ray(x.p, x.ng, vpl.p),
-        })
+        connect(scene, vpl, at, |k, d| self.scattered(scene, k, d))
     }
 
     /// Share per solid angle of the power at a glossy light that goes along `d`.
-    fn scattered(&self, scene: &Scene, k: u32, d: Vec3) -> Rgb {
+    pub(crate) fn scattered(&self, scene: &Scene, k: u32, d: Vec3) -> Rgb {
         let lit = &self.surfaces[k as usize];
         let bsdf = scene.bsdf(&lit.surface, lit.wo, Transport::Power);
         bsdf.f_cos(lit.wo, d) * adjoint_correction(&lit.surface, lit.wo, d)
     }
+}
+
+/// Connect a point with a light; `scattered` says which share per solid angle of its power a glossy light sends along a
+/// direction.
+#[inline]
+pub(crate) fn connect(
+    scene: &Scene,
+    vpl: &Vpl,
+    at: &Receiver,
+    scattered: impl FnOnce(u32, Vec3) -> Rgb,
+) -> Option<Connection> {
+    let x = at.surface;
+    if vpl.kind == Kind::Directional {
+        let wi = -vpl.n;
+        let radiance = at.f_cos(wi) * vpl.power;
+        return (!radiance.is_black()).then(|| Connection {
+            radiance,
+            geometry: 0.0,
+            wi,
+            shadow: scene.spawn(x, wi),
+        });
+    }
+    let to = vpl.p - x.p;
+    // What turns away from the other is most of what there is: no division before that.
+    let facing = match vpl.kind {
+        Kind::Oriented => to.dot(vpl.n) < 0.0 && to.dot(vpl.ns) < 0.0,
+        _ => to != Vec3::ZERO,
+    };
+    if !facing || at.diffuse.is_some_and(|part| part.normal.dot(to) <= 0.0) {
+        return None;
+    }
+    let inverse_sq = 1.0 / to.length_squared();
+    let wi = to * inverse_sq.sqrt();
+    let cos_light = -wi.dot(vpl.n);
+    let (intensity, cos_light) = match vpl.kind {
+        Kind::Oriented => (vpl.power * cos_light, cos_light),
+        Kind::Omni => (vpl.power, 0.0),
+        Kind::Spot(light) => (vpl.power * scene.lights().all()[light as usize].spot_fade(-wi), 0.0),
+        Kind::Glossy(k) => (scattered(k, -wi) * vpl.power, cos_light.abs()),
+        Kind::Directional => unreachable!("parallel light has no position"),
+    };
+    let radiance = at.f_cos(wi) * intensity * inverse_sq;
+    if radiance.is_black() {
+        return None;
+    }
+    let geometry = x.ng.dot(wi).abs() * cos_light * inverse_sq;
+    let shadow = scene.tree().shadow_ray(x.p, x.ng, vpl.p);
+    Some(Connection { radiance, geometry, wi, shadow })
 }

@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 mod illuminate;
+mod prepared;
 mod shoot;
 
 use gi_core::geometry::Surface;
@@ -14,6 +15,7 @@ use gi_core::math::Rgb;
 use glam::Vec3;
 
 pub use illuminate::{Connection, Receiver};
+pub use prepared::Prepared;
 pub use shoot::{Pilot, Shooting, Termination, shoot};
 
 /// A virtual point light.
@@ -21,8 +23,10 @@ pub use shoot::{Pilot, Shooting, Termination, shoot};
 pub struct Vpl {
     /// Position, world; without meaning for parallel light.
     pub p: Vec3,
-    /// Unit normal of the surface, on the side that it lights; the way that parallel light travels.
+    /// Unit geometric normal of the surface, on the side that it lights; the way that parallel light travels.
     pub n: Vec3,
+    /// Unit shading normal on that side: nothing leaves against it. The same as `n` where there is none.
+    pub ns: Vec3,
     /// What it shines with; by kind: intensity on the normal (oriented: it falls off as the cosine), intensity (omni,
     /// spot), irradiance across it (directional), power that arrives (glossy). Divided by the number of paths.
     pub power: Rgb,
@@ -35,7 +39,7 @@ pub struct Vpl {
 /// How a virtual point light shines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// As the cosine: a point of a Lambertian surface, or of an area light.
+    /// As the cosine with the geometric normal: a point of a Lambertian surface, or of an area light.
     Oriented,
     /// Alike in all directions.
     Omni,
@@ -93,7 +97,7 @@ impl Vpl {
             PointSource::Directional(power) => (Kind::Directional, power),
         };
         let n = if kind == Kind::Oriented { emission.ng } else { emission.d };
-        Vpl { p: emission.p, n, power: power / paths, kind, depth: 0 }
+        Vpl { p: emission.p, n, ns: n, power: power / paths, kind, depth: 0 }
     }
 }
 

@@ -4,6 +4,7 @@ use gi_core::math::{INV_PI, Rgb};
 use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
 use gi_core::walk::{LightVertex, LightWalk, Roulette};
+use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::{Kind, LitSurface, Vpl, Vpls};
@@ -172,18 +173,22 @@ impl Chunk {
     fn leave(&mut self, vertex: &LightVertex, paths: f32) {
         let (surface, power) = (&vertex.surface, vertex.power / paths);
         let depth = vertex.depth + 1;
-        let n = surface.ng * 1f32.copysign(surface.ng.dot(vertex.wo));
-        // A Lambertian surface whose normal is not bent shines as the cosine; all others are asked.
-        let lambertian = vertex.bsdf.lambertian(vertex.wo).filter(|_| surface.ns() == surface.ng);
-        let (kind, power) = match lambertian {
-            Some(albedo) => (Kind::Oriented, power * albedo * INV_PI),
+        let toward = |n: Vec3| n * 1f32.copysign(n.dot(vertex.wo));
+        let n = toward(surface.ng);
+        // A Lambertian surface shines as the cosine, of its geometric normal even where another one shades it: that is
+        // what the correction by both normals comes to. All other surfaces are asked.
+        let (kind, ns, power) = match vertex.bsdf.diffuse_only(vertex.wo) {
+            Some(part) => {
+                let bent = part.normal.dot(vertex.wo) / n.dot(vertex.wo).max(f32::MIN_POSITIVE);
+                (Kind::Oriented, part.normal, power * part.albedo * (INV_PI * bent))
+            }
             None => {
                 self.surfaces.push(LitSurface { surface: *surface, wo: vertex.wo });
-                (Kind::Glossy(self.surfaces.len() as u32 - 1), power)
+                (Kind::Glossy(self.surfaces.len() as u32 - 1), toward(surface.ns()), power)
             }
         };
         if !power.is_black() {
-            self.lights.push(Vpl { p: surface.p, n, power, kind, depth });
+            self.lights.push(Vpl { p: surface.p, n, ns, power, kind, depth });
         }
     }
 }
@@ -200,7 +205,6 @@ mod tests {
     use gi_core::ray::Ray;
     use gi_core::scene::SceneParts;
     use gi_core::texture::Texture;
-    use glam::Vec3;
     use std::f32::consts::PI;
 
     /// The inside of a unit sphere of this albedo, a point light of intensity 1 somewhere in it.
@@ -268,14 +272,14 @@ mod tests {
         let scene = sphere(0.5);
         let p = Vec3::new(0.0, 0.0, 1.0);
         let power = Rgb::new(1.0, 2.0, 3.0);
-        let vpl = Vpl { p, n: -Vec3::Z, power, kind: Kind::Oriented, depth: 1 };
+        let vpl = Vpl { p, n: -Vec3::Z, ns: -Vec3::Z, power, kind: Kind::Oriented, depth: 1 };
         let set = Vpls::default();
         // The sphere's lowest point, seen from its middle: cosines 1, distance 2, f = 0.5 / pi.
         let ray = Ray::new(Vec3::ZERO, -Vec3::Z);
         let (surface, _) = scene.intersect(&ray).expect("the sphere");
         let wo = Vec3::Z;
         let bsdf = scene.bsdf(&surface, wo, Transport::Radiance);
-        let at = Receiver { surface: &surface, wo, bsdf: &bsdf };
+        let at = Receiver::new(&surface, wo, &bsdf);
         let c = set.connect(&scene, &vpl, &at).expect("they face each other");
         assert!(
             (c.radiance.g - 2.0 * 0.5 / PI / 4.0).abs() < 1e-6 && (c.geometry - 0.25).abs() < 1e-6
@@ -285,11 +289,11 @@ mod tests {
         let ray = Ray::new(Vec3::ZERO, Vec3::X);
         let (surface, _) = scene.intersect(&ray).expect("the sphere");
         let bsdf = scene.bsdf(&surface, -Vec3::X, Transport::Radiance);
-        let at = Receiver { surface: &surface, wo: -Vec3::X, bsdf: &bsdf };
+        let at = Receiver::new(&surface, -Vec3::X, &bsdf);
         let c = set.connect(&scene, &vpl, &at).expect("they see each other");
         assert!((c.geometry - 0.25).abs() < 1e-6);
         // One that shines away lights nothing; parallel light does not fall off.
-        assert!(set.connect(&scene, &Vpl { n: Vec3::Z, ..vpl }, &at).is_none());
+        assert!(set.connect(&scene, &Vpl { n: Vec3::Z, ns: Vec3::Z, ..vpl }, &at).is_none());
         let sun = Vpl { n: Vec3::X, kind: Kind::Directional, ..vpl };
         let c = set.connect(&scene, &sun, &at).expect("it shines on it");
         assert!((c.radiance.b - 3.0 * 0.5 / PI).abs() < 1e-6);

@@ -264,15 +264,23 @@ impl<'a> Bsdf<'a> {
         self.f_cos(wo, wi).zip(diffuse, share_left)
     }
 
-    /// The albedo of a surface that is Lambertian and nothing else; black from behind.
+    /// [`Bsdf::diffuse_part`] of a surface that is Lambertian and nothing else.
     #[inline]
-    pub fn lambertian(&self, wo: Vec3) -> Option<Rgb> {
+    pub fn diffuse_only(&self, wo: Vec3) -> Option<DiffusePart> {
         match &self.parts {
             Parts::One(Component { lobe: Lobe::Diffuse { albedo }, weight, frame }) => {
-                Some(if wo.dot(frame.n) > 0.0 { *albedo * *weight } else { Rgb::BLACK })
+                let lit = wo.dot(frame.n) > 0.0;
+                let albedo = if lit { *albedo * *weight } else { Rgb::BLACK };
+                Some(DiffusePart { albedo, normal: frame.n })
             }
             _ => None,
         }
+    }
+
+    /// The albedo of a surface that is Lambertian and nothing else; black from behind.
+    #[inline]
+    pub fn lambertian(&self, wo: Vec3) -> Option<Rgb> {
+        self.diffuse_only(wo).map(|part| part.albedo)
     }
 
     /// A fast estimate of the reflected share of light from `wo`, for the albedo layer: exact for Lambert,
