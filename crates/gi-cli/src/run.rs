@@ -135,7 +135,7 @@ fn passes<'a>(
     let budget = common.budget();
     let progress = Progress::new(budget, film.size(), common.quiet);
     let mut done = 0;
-    while budget.goes_on(done, start.elapsed()) {
+    while budget.goes_on(done, start.elapsed()) && !technique.is_done() {
         technique.pass(done, film);
         done += 1;
         progress.update(done, start.elapsed());

@@ -36,6 +36,11 @@ pub trait Technique<'a>: Sized {
     /// Make pass number `index` and add it to the film.
     fn pass(&mut self, index: u32, film: &mut Film);
 
+    /// Whether further passes are not worth their time, by what the technique's parameters say.
+    fn is_done(&self) -> bool {
+        false
+    }
+
     /// What is worth knowing about the run so far, as names and numbers.
     fn statistics(&self) -> Vec<(String, f64)> {
         Vec::new()

@@ -1,0 +1,178 @@
+//! Gathering: what the photons round a point make of it, for the eye.
+
+use std::f64::consts::PI;
+
+use gi_core::bsdf::Bsdf;
+use gi_core::eye::Answered;
+use gi_core::geometry::Surface;
+use gi_core::math::Rgb;
+use glam::Vec3;
+
+use crate::error::laplacian_kernel;
+use crate::grid::Grid;
+use crate::photons::{Arrival, Kind};
+use crate::statistics::Pass;
+
+/// Where and how light is gathered.
+pub(crate) struct Point<'p, 'a> {
+    pub(crate) surface: &'p Surface,
+    /// Unit direction toward the eye.
+    pub(crate) wo: Vec3,
+    pub(crate) bsdf: &'p Bsdf<'a>,
+    /// The scattering that photons answer for.
+    pub(crate) answered: Answered,
+    /// Most segments that a photon may have come over.
+    pub(crate) max_segments: Option<u32>,
+    /// What the radiance here counts with in the picture.
+    pub(crate) throughput: Rgb,
+}
+
+/// How far is gathered, world units.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Discs {
+    pub(crate) radius: f32,
+    /// Of the kernel that finds second derivatives, where they are asked for.
+    pub(crate) derivative: Option<f32>,
+}
+
+/// What was found.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Gathered {
+    /// Photons that contribute: lit this surface, and are scattered to the eye.
+    pub(crate) photons: u64,
+    /// Sums of f times power, by the kind of path.
+    pub(crate) indirect: Rgb,
+    pub(crate) caustic: Rgb,
+    /// From the derivative's disc, luminance as the picture sees it: the Laplacian of the radiance over the surface,
+    /// and the density of squared contributions.
+    pub(crate) laplacian: f64,
+    pub(crate) squares: f64,
+}
+
+impl Gathered {
+    /// Put what was found elsewhere beside it, weighted as the picture sees it.
+    pub(crate) fn add(&mut self, other: &Gathered, throughput: Rgb) {
+        self.photons += other.photons;
+        self.indirect += throughput * other.indirect;
+        self.caustic += throughput * other.caustic;
+        self.laplacian += other.laplacian;
+        self.squares += other.squares;
+    }
+
+    /// As the statistics take it.
+    pub(crate) fn pass(&self) -> Pass {
+        let flux = (self.indirect + self.caustic).to_array().map(f64::from);
+        Pass { photons: self.photons, flux }
+    }
+}
+
+/// What photons answer for where roughness `min_roughness` is enough: all scattering but that of delta lobes, or, where
+/// a lobe is too sharp for them, the Lambertian part. `None` where there is none: rays go on then.
+pub(crate) fn answered(bsdf: &Bsdf, wo: Vec3, min_roughness: f32) -> Option<Answered> {
+    if bsdf.roughness() >= min_roughness {
+        Some(Answered::Rough)
+    } else {
+        bsdf.diffuse_part(wo).map(Answered::Diffuse)
+    }
+}
+
+/// Gather at a point.
+pub(crate) fn gather(grid: &Grid, point: &Point, discs: Discs) -> Gathered {
+    let Point { bsdf, wo, surface, .. } = *point;
+    let diffuse = match point.answered {
+        Answered::Diffuse(part) => Some(part),
+        Answered::Rough if bsdf.is_diffuse() => bsdf.diffuse_part(wo),
+        Answered::Rough => None,
+    };
+    match diffuse {
+        Some(part) => {
+            let f = part.albedo * gi_core::math::INV_PI;
+            let normal = part.normal;
+            // A bent normal: light counts with its cosine instead of the surface's.
+            let bent = normal.dot(surface.ns()).abs() < 1.0 - 1e-6;
+            sum(grid, point, discs, |a| match a.wi.dot(normal) {
+                cos if cos <= 0.0 => Rgb::BLACK,
+                cos if bent => f * (cos / a.wi.dot(surface.ns()).abs().max(f32::MIN_POSITIVE)),
+                _ => f,
+            })
+        }
+        // A black surface.
+        None if bsdf.is_diffuse() => Gathered::default(),
+        None => sum(grid, point, discs, |a| {
+            let cos = a.wi.dot(surface.ns()).abs();
+            if cos > 0.0 { bsdf.f_cos(wo, a.wi) / cos } else { Rgb::BLACK }
+        }),
+    }
+}
+
+/// Sum over the photons within reach, `f` being the BSDF.
+#[inline]
+fn sum(grid: &Grid, point: &Point, discs: Discs, f: impl Fn(&Arrival) -> Rgb) -> Gathered {
+    let mut out = Gathered::default();
+    let ng = point.surface.ng;
+    let radius_sq = discs.radius * discs.radius;
+    let derivative_sq = discs.derivative.map(|h| h * h);
+    let reach = discs.derivative.map_or(discs.radius, |h| h.max(discs.radius));
+    grid.within(point.surface.p, reach, |_, arrival, distance_sq| {
+        let too_long = point.max_segments.is_some_and(|most| arrival.segments > most);
+        if too_long || !arrival.lights(ng) {
+            return;
+        }
+        let f = f(arrival);
+        if f.is_black() {
+            return;
+        }
+        let flux = f * arrival.power;
+        if distance_sq < radius_sq {
+            out.photons += 1;
+            match arrival.kind {
+                Kind::Caustic => out.caustic += flux,
+                Kind::Indirect => out.indirect += flux,
+            }
+        }
+        if let Some(h_sq) = derivative_sq.filter(|h_sq| distance_sq < *h_sq) {
+            let seen = f64::from((flux * point.throughput).luminance());
+            out.laplacian += seen * f64::from(laplacian_kernel(distance_sq / h_sq));
+            out.squares += seen * seen;
+        }
+    });
+    if let Some(h_sq) = derivative_sq {
+        out.laplacian /= f64::from(h_sq * h_sq);
+        out.squares /= PI * f64::from(h_sq);
+    }
+    out
+}
+
+/// The radius of the disc round a point that holds `count` contributing photons, between `least` and `most`; `None`
+/// where not one lies within `most`.
+pub(crate) fn radius_of(
+    grid: &Grid,
+    point: &Point,
+    count: usize,
+    [least, most]: [f32; 2],
+) -> Option<f32> {
+    let mut reach = least;
+    loop {
+        let mut near: Vec<f32> = Vec::new();
+        let discs = Discs { radius: reach, derivative: None };
+        let found = gather(grid, point, discs).photons;
+        if found as usize >= count || reach >= most {
+            // Those that contribute are a subset of those that are near: take the distance at which it has its share.
+            grid.within(point.surface.p, reach, |_, a, d| {
+                if a.lights(point.surface.ng) {
+                    near.push(d);
+                }
+            });
+            let rank = (count * near.len()).div_ceil((found as usize).max(1));
+            if found == 0 {
+                return None;
+            }
+            if rank > near.len() {
+                return Some(most);
+            }
+            let (_, kth, _) = near.select_nth_unstable_by(rank - 1, f32::total_cmp);
+            return Some(kth.sqrt().clamp(least, most));
+        }
+        reach = (1.6 * reach).min(most);
+    }
+}
