@@ -143,36 +143,37 @@ fn sum(grid: &Grid, point: &Point, discs: Discs, f: impl Fn(&Arrival) -> Rgb) ->
     out
 }
 
-/// The radius of the disc round a point that holds `count` contributing photons, between `least` and `most`; `None`
-/// where not one lies within `most`.
+/// The radius of the disc round a point that holds `count` contributing photons, between `least` and `most`, looked for
+/// from `guess` on; `None` where not one lies within `most`.
 pub(crate) fn radius_of(
     grid: &Grid,
     point: &Point,
     count: usize,
+    guess: f32,
     [least, most]: [f32; 2],
 ) -> Option<f32> {
-    let mut reach = least;
-    loop {
-        let mut near: Vec<f32> = Vec::new();
-        let discs = Discs { radius: reach, derivative: None };
-        let found = gather(grid, point, discs).photons;
-        if found as usize >= count || reach >= most {
-            // Those that contribute are a subset of those that are near: take the distance at which it has its share.
-            grid.within(point.surface.p, reach, |_, a, d| {
-                if a.lights(point.surface.ng) {
-                    near.push(d);
-                }
-            });
-            let rank = (count * near.len()).div_ceil((found as usize).max(1));
-            if found == 0 {
-                return None;
-            }
-            if rank > near.len() {
-                return Some(most);
-            }
-            let (_, kth, _) = near.select_nth_unstable_by(rank - 1, f32::total_cmp);
-            return Some(kth.sqrt().clamp(least, most));
+    let mut reach = guess.clamp(least, most);
+    let found = loop {
+        let found = gather(grid, point, Discs { radius: reach, derivative: None }).photons as usize;
+        if found >= count || reach >= most {
+            break found;
         }
         reach = (1.6 * reach).min(most);
+    };
+    if found == 0 {
+        return None;
     }
+    // Those that contribute are a share of those that lit this surface: as large a share of the nearest.
+    let mut near = Vec::new();
+    grid.within(point.surface.p, reach, |_, arrival, distance_sq| {
+        if arrival.lights(point.surface.ng) {
+            near.push(distance_sq);
+        }
+    });
+    let rank = (count * near.len()).div_ceil(found);
+    if rank > near.len() {
+        return Some(most);
+    }
+    let (_, kth, _) = near.select_nth_unstable_by(rank - 1, f32::total_cmp);
+    Some(kth.sqrt().clamp(least, most))
 }

@@ -37,9 +37,12 @@ pub(crate) fn regions(look: &Look, photons: &[Vec<Photon>]) -> (PerPixel<Region>
         let radius = f64::from(params.initial_radius * scene.radius());
         PerPixel::new(size, |_| radius)
     } else {
-        let guess = scene.radius() * (1.0 / params.initial_photons as f32).sqrt().min(1.0) * 0.03;
+        // Were they spread evenly over the scene's sphere: pi r^2 / (4 pi R^2) = k / n.
+        let stored = photons.iter().map(Vec::len).sum::<usize>().max(1);
+        let share = params.initial_photons as f32 / stored as f32;
+        let guess = scene.radius() * (2.0 * share.sqrt()).min(MOST);
         let grid = Grid::build(photons, guess);
-        let found = PerPixel::new(size, |at| nearest(look, at, &grid));
+        let found = PerPixel::new(size, |at| nearest(look, at, &grid, guess));
         for n in found.rows().flatten() {
             bounds.least += u64::from(n.radius <= n.least);
             bounds.most += u64::from(n.radius >= MOST * scene.radius());
@@ -71,7 +74,7 @@ struct Nearest {
 }
 
 /// Look through a pixel, and round the first point where photons are gathered.
-fn nearest(look: &Look, at: [usize; 2], grid: &Grid) -> Option<Nearest> {
+fn nearest(look: &Look, at: [usize; 2], grid: &Grid, guess: f32) -> Option<Nearest> {
     let setting = look.setting;
     let pixel = pixel_width(setting.camera);
     let most = MOST * setting.scene.radius();
@@ -89,7 +92,7 @@ fn nearest(look: &Look, at: [usize; 2], grid: &Grid) -> Option<Nearest> {
                 throughput: Rgb::WHITE,
             };
             let count = look.params.initial_photons as usize;
-            nearest = radius_of(grid, &point, count, [least, most])
+            nearest = radius_of(grid, &point, count, guess, [least, most])
                 .map(|radius| Nearest { radius, least });
         }
         Some(Supplied { answered, indirect: Rgb::BLACK, caustic: Some(Rgb::BLACK) })
