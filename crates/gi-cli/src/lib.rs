@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 mod budget;
+mod checkpoint;
 mod common;
 mod presets;
 mod progress;

@@ -1,16 +1,19 @@
 //! A run from command line to picture.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use gi_core::camera::Camera;
 use gi_core::film::Film;
+use gi_core::filter::Filter;
 use gi_core::image_io::Layers;
 use gi_core::scene::Scene;
 use gi_core::technique::{Picture, Setting, Technique};
 use gi_scene::{ExportError, Loaded};
 use serde_json::{Map, Value, json};
 
+use crate::checkpoint::{Checkpoint, Identity, Keeper, no_state};
 use crate::presets::with_presets;
 use crate::progress::Progress;
 use crate::save::{Output, save_bytes};
@@ -53,7 +56,8 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<(), Failure> {
     let common = args.common();
     common.check()?;
     let output = Output::new(common.output(program))?;
-    let others: Vec<PathBuf> = common.stats.iter().cloned().chain(args.outputs()).collect();
+    let kept = common.stats.iter().chain(&common.checkpoint).cloned();
+    let others: Vec<PathBuf> = kept.chain(args.outputs()).collect();
     output.check_apart(&others)?;
     say_warnings(common, &loaded.warnings);
 
@@ -74,7 +78,13 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<(), Failure> {
     let mut technique = P::Technique::prepare(setting, &params)
         .map_err(|e| Failure::Input(format!("error: {e}")))?;
     let prepare_time = clock.elapsed();
-    passes(&mut technique, common, &mut film, clock);
+    let identity = identity::<P>(common, world, &camera, filter);
+    if common.merge.is_empty() {
+        passes(&mut technique, common, &mut film, &identity, clock)?;
+    } else {
+        let spare = Film::new(camera.size(), filter, common.show());
+        merge(&mut technique, common, [&mut film, &mut { spare }], &identity)?;
+    }
     let render_time = clock.elapsed() - prepare_time;
 
     let record = Record {
@@ -125,22 +135,86 @@ fn check_film([w, h]: [usize; 2]) -> Result<(), Failure> {
     Err(Failure::Input(format!("error: a film of {w} x {h} pixels is too large: {advice}")))
 }
 
-/// Passes until the budget is spent.
+/// What a checkpoint must have in common with a run.
+fn identity<P: Program>(common: &Common, world: u64, camera: &Camera, filter: Filter) -> Identity {
+    vec![
+        ("program", P::command().get_name().to_string()),
+        ("scene", format!("{world:016x}")),
+        ("camera", format!("{camera:?}")),
+        ("filter", format!("{filter:?}")),
+        ("seed", common.seed.to_string()),
+        ("component", format!("{:?}", common.component)),
+    ]
+}
+
+/// Passes until the budget is spent, or the technique says that it is enough.
 fn passes<'a>(
     technique: &mut impl Technique<'a>,
     common: &Common,
     film: &mut Film,
+    identity: &Identity,
     start: Instant,
-) {
+) -> Result<(), Failure> {
     let budget = common.budget();
+    let first = common.first_pass;
+    if first > 0 && !technique.passes_are_independent() {
+        return Err(Failure::Input(
+            "error: --first-pass: the passes of this method build on each other".into(),
+        ));
+    }
+    // Before the work, not after it.
+    if common.checkpoint.is_some() {
+        technique.save_state().ok_or_else(no_state)?;
+    }
+    let mut made = first..first;
+    let mut keeper = common.checkpoint.as_deref().map(|path| Keeper::new(path, identity));
+    if let (true, Some(path)) = (common.resume, &common.checkpoint) {
+        made = Checkpoint::read(path)?.resume(identity, technique, film)?;
+        if made.start != first {
+            let text = format!("error: {} begins with pass {}", path.display(), made.start);
+            return Err(Failure::Input(text));
+        }
+    }
     let progress = Progress::new(budget, film.size(), common.quiet);
-    let mut done = 0;
-    while budget.goes_on(done, start.elapsed()) && !technique.is_done() {
-        technique.pass(done, film);
-        done += 1;
-        progress.update(done, start.elapsed());
+    while budget.goes_on(made.len() as u32, start.elapsed())
+        && made.end < u32::MAX - 1
+        && !technique.is_done()
+    {
+        technique.pass(made.end, film);
+        made.end += 1;
+        progress.update(made.len() as u32, start.elapsed());
+        if let Some(keeper) = &mut keeper {
+            keeper.keep(technique, film, &made, false)?;
+        }
     }
     progress.finish();
+    match &mut keeper {
+        Some(keeper) => keeper.keep(technique, film, &made, true),
+        None => Ok(()),
+    }
+}
+
+/// Add up the passes of checkpoints.
+fn merge<'a>(
+    technique: &mut impl Technique<'a>,
+    common: &Common,
+    [film, spare]: [&mut Film; 2],
+    identity: &Identity,
+) -> Result<(), Failure> {
+    let mut all: Vec<Range<u32>> = Vec::new();
+    for path in &common.merge {
+        let passes =
+            Checkpoint::read(path)?.merge(identity, technique, [&mut *film, &mut *spare])?;
+        if let Some(twice) = all.iter().find(|r| r.start < passes.end && passes.start < r.end) {
+            let text = format!(
+                "error: {}: its passes {passes:?} overlap with {twice:?} of another",
+                path.display()
+            );
+            return Err(Failure::Input(text));
+        }
+        all.push(passes);
+    }
+    Ok(())
 }
 
 fn say_warnings(common: &Common, warnings: &[String]) {

@@ -4,6 +4,8 @@
 //! A disc of radius R blurs: it reads L + R^2 / 8 lap L + ... on a flat surface. The Laplacian is estimated from the
 //! photons themselves, by a kernel's second derivatives in place of the disc.
 
+use gi_core::bytes::{Reader, Writer};
+
 use crate::gather::Gathered;
 
 /// (1 - s)^3 over the unit disc, s the squared distance: its Laplacian, such that the weighted sum over photons reads
@@ -82,6 +84,22 @@ impl Moments {
         if self.passes > 1 { deviation / (n * (n - 1.0)) } else { f64::INFINITY }
     }
 
+    /// Every field, bit for bit.
+    pub(crate) fn write(&self, w: &mut Writer) {
+        let Moments { passes, mean, deviation, laplacian, .. } = *self;
+        w.u32(passes);
+        w.f64s(&[mean, deviation, laplacian]);
+        w.f64s(&[self.laplacian_deviation, self.radius_sq, self.squares]);
+    }
+
+    /// What [`Moments::write`] wrote.
+    pub(crate) fn read(r: &mut Reader) -> Result<Self, String> {
+        let passes = r.u32()?;
+        let [mean, deviation, laplacian] = r.f64s()?;
+        let [laplacian_deviation, radius_sq, squares] = r.f64s()?;
+        Ok(Moments { passes, mean, deviation, laplacian, laplacian_deviation, radius_sq, squares })
+    }
+
     #[cfg(test)]
     pub(crate) fn known(squares: f64, laplacian: f64) -> Self {
         Moments { passes: 2, squares, laplacian, ..Moments::default() }
@@ -119,7 +137,7 @@ mod tests {
     fn noise_and_bias_of_a_known_density_are_found() {
         // Photons of equal flux over the plane with density 1 + 8 (x^2 + y^2) (Laplacian 32), gathered at the origin.
         let (emitted, radius, wide) = (4000u32, 0.25f64, 0.4f64);
-        let total = f64::from(4.0 * (1.0 + 8.0 * 2.0 / 3.0)); // over the square from -1 to 1
+        let total = 4.0 * (1.0 + 8.0 * 2.0 / 3.0); // over the square from -1 to 1
         let mut moments = Moments::default();
         let mut rng = Pcg::new(8, 1);
         let passes = 600;

@@ -439,7 +439,7 @@ mod tests {
         let chunks = photons(5000);
         let one: Vec<Photon> = chunks.iter().flatten().copied().collect();
         for cell in [0.08, 0.01] {
-            let expected = Grid::build(&[one.clone()], cell);
+            let expected = Grid::build(std::slice::from_ref(&one), cell);
             for threads in [1, 2, 4] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
                 let grid = pool.expect("threads").install(|| Grid::build(&chunks, cell));

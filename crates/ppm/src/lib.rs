@@ -18,6 +18,7 @@
 //! like any other technique's.
 #![forbid(unsafe_code)]
 
+mod checkpoint;
 mod error;
 mod gather;
 pub mod grid;
@@ -107,7 +108,7 @@ pub(crate) struct Counts {
     pub(crate) stored: u64,
     /// Photons that contributed, over all pixels and passes.
     pub(crate) contributed: u64,
-    /// Pixels whose radius is the largest that [`Method::Adaptive`] allows, over all passes.
+    /// The last estimate of the picture's error; infinite where there is none.
     pub(crate) error: f64,
 }
 
@@ -161,6 +162,19 @@ impl<'a> Technique<'a> for Ppm<'a> {
 
     fn is_done(&self) -> bool {
         self.counts.error < self.params.stop_at_error
+    }
+
+    /// Only the probabilistic radius knows nothing of earlier passes.
+    fn passes_are_independent(&self) -> bool {
+        self.params.method == Method::Ppa
+    }
+
+    fn save_state(&self) -> Option<Vec<u8>> {
+        Some(self.write_state())
+    }
+
+    fn restore(&mut self, state: &[u8]) -> Result<(), String> {
+        self.read_state(state)
     }
 
     fn statistics(&self) -> Vec<(String, f64)> {
@@ -240,7 +254,11 @@ impl Ppm<'_> {
 
     /// The root of the estimated relMSE of the picture's luminance: noise and bias squared over the radiance squared
     /// plus [`RELATIVE_FLOOR`].
+    /// Infinite while too few passes know their scatter.
     pub fn error_estimate(&self) -> f64 {
+        if self.counts.passes < FEWEST_PASSES {
+            return f64::INFINITY;
+        }
         let pixels = self.setting.camera.size().iter().product::<usize>() as f64;
         let relative = |m: &Moments| {
             let scale = m.mean() * m.mean() + RELATIVE_FLOOR;
@@ -249,6 +267,9 @@ impl Ppm<'_> {
         (self.pixels.sum(|r| relative(&r.moments)) / pixels).max(0.0).sqrt()
     }
 }
+
+/// Passes before which their scatter is not trusted.
+const FEWEST_PASSES: u32 = 4;
 
 /// Keeps relative errors of dark pixels finite.
 const RELATIVE_FLOOR: f64 = 1e-2;

@@ -8,6 +8,7 @@
 mod kept;
 mod pixel;
 mod sample;
+mod state;
 mod tiles;
 
 use rayon::prelude::*;
