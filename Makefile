@@ -32,7 +32,9 @@ scenes:
 
 # Rays a second against obvhs, and against Embree where EMBREE_LIB names its library; photons found a second against
 # the lecture's layout and kiddo.
+# Photons and pixels a second; rays a second against obvhs, and against Embree where EMBREE_LIB names its library.
 bench:
+	$(CARGO) bench -p ppm --bench passes
 	$(CARGO) bench -p gi-core --bench rays $(if $(EMBREE_LIB),--features embree) -- $(BENCH_ARGS)
 	$(CARGO) bench -p photonmap --bench search --features rivals
 

@@ -17,7 +17,7 @@ use crate::statistics::Statistics;
 /// Number of the pass whose photons the radii are found from; none that is added to the picture.
 pub(crate) const PILOT: u32 = u32::MAX;
 /// Largest radius that is chosen automatically, in scene radii.
-const MOST: f32 = 0.1;
+const MOST: f32 = 0.03;
 /// Least, in widths of a pixel where the eye's path ends.
 const LEAST_PIXELS: f32 = 1.0;
 

@@ -77,7 +77,7 @@ impl Default for Params {
             alpha: 0.7,
             photons: 0,
             initial_radius: 0.0,
-            initial_photons: 20,
+            initial_photons: 10,
             min_roughness: 0.1,
             hit_points: 1,
             limits: PathLimits::default(),
