@@ -255,6 +255,6 @@ fn light_through_glass_onto_what_is_seen_through_glass_is_found() {
         .collect();
     let p = z_test(truth, variance, means.mean(), means.variance_of_mean());
     assert!(p > ALPHA, "{truth} against {}: p = {p:.1e}", means.mean());
-    // And it is known better than one part in ten.
-    assert!(variance + means.variance_of_mean() < (0.03 * truth).powi(2));
+    // And it is known well enough: the square of the index, or a kind counted twice, would be far outside.
+    assert!(variance + means.variance_of_mean() < (0.05 * truth).powi(2));
 }
