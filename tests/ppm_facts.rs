@@ -5,9 +5,11 @@ use gi_core::eye::PathLimits;
 use gi_core::film::{Film, Show};
 use gi_core::geometry::{Geometry, Shape};
 use gi_core::light::LightSource;
+use gi_core::material::{Distribution, Material, Roughness};
 use gi_core::math::Rgb;
 use gi_core::scene::SceneParts;
 use gi_core::technique::Technique;
+use gi_core::texture::Texture;
 use gi_stats::{Running, z_test};
 use gi_tests::{World, grey, mean_and_variance, sphere};
 use glam::{Affine3A, Vec3};
@@ -240,6 +242,36 @@ fn a_caustic_comes_out_as_light_tracing_has_it_and_passes_bring_it_nearer() {
         // The disc reaches over the ring's foot and into its wall: some light is counted that is not there.
         assert!(last.0 < 0.5 * first.0 && last.0 < 0.1, "{method:?}: {first:?}, {last:?}");
         assert!((last.1 - 1.0).abs() < 0.06, "{method:?}: {last:?}");
+    }
+}
+
+#[test]
+fn coats_too_sharp_for_photons_are_followed_and_nothing_is_lost_or_counted_twice() {
+    let roughness = |alpha| Roughness {
+        distribution: Distribution::Ggx,
+        alpha_u: Texture::grey(alpha),
+        alpha_v: Texture::grey(alpha),
+    };
+    for alpha in [None, Some(0.05), Some(0.3)] {
+        let world = World::load_with("cornell-spheres.xml", [20, 20], &[], |parts, _| {
+            for material in &mut parts.materials {
+                if let Material::Diffuse { reflectance } = material.clone() {
+                    *material = Material::Plastic {
+                        eta: 1.5,
+                        diffuse: reflectance,
+                        specular: Texture::grey(1.0),
+                        nonlinear: false,
+                        roughness: alpha.map(roughness),
+                    };
+                }
+            }
+        });
+        let mean = |film: &Film| channel(film, "R").iter().sum::<f64>();
+        let reference = world.render::<PathTracer>(&Default::default(), 1024, 5, Show::Indirect);
+        let film = render(&world, &with(Method::Sppm, 16384), 64, 2, Show::Indirect);
+        // Two parts in a hundred are lost at edges and corners by any material.
+        let ratio = mean(&film) / mean(&reference);
+        assert!((ratio - 0.98).abs() < 0.02, "{alpha:?}: {ratio}");
     }
 }
 

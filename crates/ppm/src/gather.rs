@@ -79,28 +79,28 @@ pub(crate) fn answered(bsdf: &Bsdf, wo: Vec3, min_roughness: f32) -> Option<Answ
 /// Gather at a point.
 pub(crate) fn gather(grid: &Grid, point: &Point, discs: Discs) -> Gathered {
     let Point { bsdf, wo, surface, .. } = *point;
-    let diffuse = match point.answered {
-        Answered::Diffuse(part) => Some(part),
-        Answered::Rough if bsdf.is_diffuse() => bsdf.diffuse_part(wo),
-        Answered::Rough => None,
+    // f of the shading cosine: photons lie by the surface's, and a bent lobe counts light with its own.
+    let whole = |wi: Vec3| {
+        let cos = wi.dot(surface.ns()).abs();
+        if cos > 0.0 { bsdf.f_cos(wo, wi) / cos } else { Rgb::BLACK }
     };
-    match diffuse {
-        Some(part) => {
-            let f = part.albedo * gi_core::math::INV_PI;
-            let normal = part.normal;
-            // A bent normal: light counts with its cosine instead of the surface's.
-            let bent = normal.dot(surface.ns()).abs() < 1.0 - 1e-6;
-            sum(grid, point, discs, |a| match a.wi.dot(normal) {
-                cos if cos <= 0.0 => Rgb::BLACK,
-                cos if bent => f * (cos / a.wi.dot(surface.ns()).abs().max(f32::MIN_POSITIVE)),
-                _ => f,
-            })
-        }
-        // A black surface.
-        None if bsdf.is_diffuse() => Gathered::default(),
-        None => sum(grid, point, discs, |a| {
-            let cos = a.wi.dot(surface.ns()).abs();
-            if cos > 0.0 { bsdf.f_cos(wo, a.wi) / cos } else { Rgb::BLACK }
+    match point.answered {
+        // The one case that is common enough to be told apart.
+        Answered::Rough if bsdf.is_diffuse() => match bsdf.diffuse_part(wo) {
+            Some(part) if part.normal.dot(surface.ns()).abs() > 1.0 - 1e-6 => {
+                let f = part.albedo * gi_core::math::INV_PI;
+                let above = |a: &Arrival| a.wi.dot(part.normal) > 0.0;
+                sum(grid, point, discs, |a| if above(a) { f } else { Rgb::BLACK })
+            }
+            Some(_) => sum(grid, point, discs, |a| whole(a.wi)),
+            // A black surface, or its back.
+            None => Gathered::default(),
+        },
+        Answered::Rough => sum(grid, point, discs, |a| whole(a.wi)),
+        // Exactly what the path that goes on leaves out.
+        Answered::Diffuse(part) => sum(grid, point, discs, |a| {
+            let left = bsdf.beside_diffuse(&part, wo, a.wi);
+            whole(a.wi) * (Rgb::WHITE - left)
         }),
     }
 }

@@ -253,7 +253,7 @@ impl Ppm<'_> {
     }
 
     /// The root of the estimated relMSE of the picture's luminance: noise and bias squared over the radiance squared
-    /// plus [`RELATIVE_FLOOR`].
+    /// plus 0.01.
     /// Infinite while too few passes know their scatter.
     pub fn error_estimate(&self) -> f64 {
         if self.counts.passes < FEWEST_PASSES {
