@@ -7,6 +7,7 @@
 mod budget;
 mod checkpoint;
 mod common;
+mod passes;
 mod presets;
 mod progress;
 mod run;
