@@ -13,10 +13,10 @@ use crate::{Counts, Params, Ppm};
 /// not.
 fn same(params: &Params) -> String {
     let Params { method, alpha, initial_radius, initial_photons, min_roughness, .. } = params;
-    let Params { photons, hit_points, limits, photon_rr_depth, .. } = params;
+    let Params { photons, hit_points, limits, photon_rr_depth, direct_by_photons, .. } = params;
     format!(
         "{method:?}, alpha {alpha}, {photons} photons, initial radius {initial_radius}, {initial_photons} initial \
-         photons, roughness {min_roughness}, {hit_points} hit points, {limits:?}, photons' roulette {photon_rr_depth}"
+         photons, roughness {min_roughness}, {hit_points} hit points, {limits:?}, photons' roulette {photon_rr_depth}, direct by photons {direct_by_photons}"
     )
 }
 

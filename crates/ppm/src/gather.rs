@@ -41,6 +41,7 @@ pub(crate) struct Gathered {
     /// Photons that contribute: lit this surface, and are scattered to the eye.
     pub(crate) photons: u64,
     /// Sums of f times power, by the kind of path.
+    pub(crate) direct: Rgb,
     pub(crate) indirect: Rgb,
     pub(crate) caustic: Rgb,
     /// From the derivative's disc, luminance as the picture sees it: the Laplacian of the radiance over the surface,
@@ -53,6 +54,7 @@ impl Gathered {
     /// Put what was found elsewhere beside it, weighted as the picture sees it.
     pub(crate) fn add(&mut self, other: &Gathered, throughput: Rgb) {
         self.photons += other.photons;
+        self.direct += throughput * other.direct;
         self.indirect += throughput * other.indirect;
         self.caustic += throughput * other.caustic;
         self.laplacian += other.laplacian;
@@ -61,7 +63,7 @@ impl Gathered {
 
     /// As the statistics take it.
     pub(crate) fn pass(&self) -> Pass {
-        let flux = (self.indirect + self.caustic).to_array().map(f64::from);
+        let flux = (self.direct + self.indirect + self.caustic).to_array().map(f64::from);
         Pass { photons: self.photons, flux }
     }
 }
@@ -86,17 +88,19 @@ pub(crate) fn gather(grid: &Grid, point: &Point, discs: Discs) -> Gathered {
     };
     match point.answered {
         // The one case that is common enough to be told apart.
-        Answered::Rough if bsdf.is_diffuse() => match bsdf.diffuse_part(wo) {
-            Some(part) if part.normal.dot(surface.ns()).abs() > 1.0 - 1e-6 => {
-                let f = part.albedo * gi_core::math::INV_PI;
-                let above = |a: &Arrival| a.wi.dot(part.normal) > 0.0;
-                sum(grid, point, discs, |a| if above(a) { f } else { Rgb::BLACK })
+        Answered::Rough | Answered::Straight { .. } if bsdf.is_diffuse() => {
+            match bsdf.diffuse_part(wo) {
+                Some(part) if part.normal.dot(surface.ns()).abs() > 1.0 - 1e-6 => {
+                    let f = part.albedo * gi_core::math::INV_PI;
+                    let above = |a: &Arrival| a.wi.dot(part.normal) > 0.0;
+                    sum(grid, point, discs, |a| if above(a) { f } else { Rgb::BLACK })
+                }
+                Some(_) => sum(grid, point, discs, |a| whole(a.wi)),
+                // A black surface, or its back.
+                None => Gathered::default(),
             }
-            Some(_) => sum(grid, point, discs, |a| whole(a.wi)),
-            // A black surface, or its back.
-            None => Gathered::default(),
-        },
-        Answered::Rough => sum(grid, point, discs, |a| whole(a.wi)),
+        }
+        Answered::Rough | Answered::Straight { .. } => sum(grid, point, discs, |a| whole(a.wi)),
         // Exactly what the path that goes on leaves out.
         Answered::Diffuse(part) => sum(grid, point, discs, |a| {
             let left = bsdf.beside_diffuse(&part, wo, a.wi);
@@ -115,7 +119,10 @@ fn sum(grid: &Grid, point: &Point, discs: Discs, f: impl Fn(&Arrival) -> Rgb) ->
     let reach = discs.derivative.map_or(discs.radius, |h| h.max(discs.radius));
     grid.within(point.surface.p, reach, |_, arrival, distance_sq| {
         let too_long = point.max_segments.is_some_and(|most| arrival.segments > most);
-        if too_long || !arrival.lights(ng) {
+        // Where photons answer for a part of the scattering only, light straight from lights is sampled.
+        let sampled =
+            arrival.kind == Kind::Direct && matches!(point.answered, Answered::Diffuse(_));
+        if too_long || sampled || !arrival.lights(ng) {
             return;
         }
         let f = f(arrival);
@@ -126,6 +133,7 @@ fn sum(grid: &Grid, point: &Point, discs: Discs, f: impl Fn(&Arrival) -> Rgb) ->
         if distance_sq < radius_sq {
             out.photons += 1;
             match arrival.kind {
+                Kind::Direct => out.direct += flux,
                 Kind::Caustic => out.caustic += flux,
                 Kind::Indirect => out.indirect += flux,
             }

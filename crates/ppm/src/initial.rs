@@ -1,7 +1,7 @@
 //! The radii to begin with.
 
 use gi_core::camera::Camera;
-use gi_core::eye::{EyeVertex, Supplied};
+use gi_core::eye::EyeVertex;
 use gi_core::film::PerPixel;
 use gi_core::math::Rgb;
 use gi_core::sampler::Sampler;
@@ -95,7 +95,7 @@ fn nearest(look: &Look, at: [usize; 2], grid: &Grid, guess: f32) -> Option<Neare
             nearest = radius_of(grid, &point, count, guess, [least, most])
                 .map(|radius| Nearest { radius, least });
         }
-        Some(Supplied { answered, indirect: Rgb::BLACK, caustic: Some(Rgb::BLACK) })
+        Some(look.silence(answered))
     };
     let _ = look.path().sample_pixel(setting.camera, setting.seed, at, PILOT, &mut supply);
     nearest

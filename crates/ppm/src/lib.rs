@@ -58,6 +58,8 @@ pub struct Params {
     pub min_roughness: f32,
     /// Paths of a pixel whose ends are the hit points of [`Method::Ppm`].
     pub hit_points: u32,
+    /// Whether photons answer for light straight from lights too, as the original has it; else it is sampled.
+    pub direct_by_photons: bool,
     /// How long paths may be, light's and eye's together.
     pub limits: PathLimits,
     /// First scattering at which a light path may end by Russian roulette.
@@ -80,6 +82,7 @@ impl Default for Params {
             initial_photons: 10,
             min_roughness: 0.1,
             hit_points: 1,
+            direct_by_photons: false,
             limits: PathLimits::default(),
             photon_rr_depth: 1,
             stop_at_error: 0.0,
@@ -125,6 +128,7 @@ impl<'a> Technique<'a> for Ppm<'a> {
             paths,
             rr_from: params.photon_rr_depth,
             max_segments: params.limits.max_depth.map(|most| most.saturating_sub(1)),
+            direct: params.direct_by_photons,
         };
         let photons = trace(&setting, params, &emission, PILOT);
         let look = Look { setting: &setting, params, index: PILOT, moments: false };
@@ -230,7 +234,7 @@ fn check(params: &Params, [w, h]: [usize; 2]) -> Result<(), String> {
 
 /// The photons of a pass.
 fn trace(setting: &Setting, params: &Params, emission: &Emission, pass: u32) -> Vec<Vec<Photon>> {
-    if setting.show == Show::Direct {
+    if setting.show == Show::Direct && !params.direct_by_photons {
         return Vec::new();
     }
     emission.trace(setting.scene, pass, |vertex| {

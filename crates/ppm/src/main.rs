@@ -39,6 +39,9 @@ struct Args {
     /// Eye paths of a pixel whose ends are its hit points, with --method ppm
     #[arg(long, value_name = "N", default_value_t = Params::default().hit_points, value_parser = clap::value_parser!(u32).range(1..))]
     hit_points: u32,
+    /// Gather light that comes straight from lights too, instead of sampling it: as the original, and blurred
+    #[arg(long)]
+    direct_by_photons: bool,
     /// Segments after which Russian roulette may end an eye path
     #[arg(long, value_name = "N", default_value_t = PathLimits::default().rr_depth)]
     rr_depth: u32,
@@ -114,6 +117,7 @@ impl Program for Args {
             initial_photons: self.initial_photons,
             min_roughness: self.min_roughness,
             hit_points: self.hit_points,
+            direct_by_photons: self.direct_by_photons,
             limits: PathLimits { max_depth: self.common.max_depth(), rr_depth: self.rr_depth },
             photon_rr_depth: self.photon_rr_depth,
             stop_at_error: self.stop_at_error,

@@ -38,10 +38,11 @@ pub struct Arrival {
     pub segments: u32,
 }
 
-/// Paths from a light to a photon, in the notation of light paths (L light, S delta lobe, D any other). L alone leaves
-/// none.
+/// Paths from a light to a photon, in the notation of light paths (L light, S delta lobe, D any other).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Kind {
+    /// L: straight from a light.
+    Direct,
     /// L S+: focused by mirrors and glass.
     Caustic,
     /// L .* D .*: scattered by another lobe on the way.
@@ -63,7 +64,11 @@ impl Arrival {
             power: vertex.power * share,
             wi,
             normal: (ng * 127f32.copysign(cos)).to_array().map(|v| v.round() as i8),
-            kind: if vertex.rough == 0 { Kind::Caustic } else { Kind::Indirect },
+            kind: match (vertex.depth, vertex.rough) {
+                (0, _) => Kind::Direct,
+                (_, 0) => Kind::Caustic,
+                _ => Kind::Indirect,
+            },
             segments: vertex.depth + 1,
         }
     }
@@ -98,6 +103,8 @@ pub(crate) struct Emission {
     pub(crate) rr_from: u32,
     /// Most segments from a light to a photon; `None` is unbounded.
     pub(crate) max_segments: Option<u32>,
+    /// Whether light straight from lights leaves photons too.
+    pub(crate) direct: bool,
 }
 
 impl Emission {
@@ -141,8 +148,7 @@ impl Emission {
             if self.max_segments.is_some_and(|most| segments > most) {
                 return;
             }
-            // Light straight from a light is sampled from the eye.
-            if vertex.depth > 0 && gathers(&vertex) {
+            if (self.direct || vertex.depth > 0) && gathers(&vertex) {
                 let arrival = Arrival::at(&vertex, self.paths);
                 photons.push(Photon { p: vertex.surface.p, arrival });
             }

@@ -72,6 +72,17 @@ impl<'a> Look<'_, 'a> {
         self.params.limits.max_depth.map(|most| most - segments.min(most))
     }
 
+    /// Whether photons answer for light straight from lights too.
+    fn direct(&self, answered: Answered) -> bool {
+        self.params.direct_by_photons && matches!(answered, Answered::Rough)
+    }
+
+    /// What photons answer for is said elsewhere.
+    pub(crate) fn silence(&self, answered: Answered) -> Supplied {
+        let direct = self.direct(answered).then_some(Rgb::BLACK);
+        Supplied { answered, direct, indirect: Rgb::BLACK, caustic: Some(Rgb::BLACK) }
+    }
+
     /// Look for what the eye sees through a pixel, and gather there.
     pub(crate) fn pixel(&self, at: [usize; 2], region: &mut Region, grid: &Grid) -> Sample {
         self.choose_radius(region);
@@ -142,8 +153,9 @@ impl<'a> Look<'_, 'a> {
             };
             let found = gather(grid, &point, discs);
             total.add(&found, v.throughput);
-            let (indirect, caustic) = (found.indirect * density, found.caustic * density);
-            Some(Supplied { answered, indirect, caustic: Some(caustic) })
+            let (indirect, caustic) = (found.indirect * density, Some(found.caustic * density));
+            let direct = self.direct(answered).then(|| found.direct * density);
+            Some(Supplied { answered, direct, indirect, caustic })
         };
         let sample = self.path().sample_pixel(camera, seed, at, self.index, &mut supply);
         (sample, total)
@@ -159,7 +171,7 @@ impl<'a> Look<'_, 'a> {
         let Setting { scene, camera, seed, .. } = *self.setting;
         let mut answer = |v: &EyeVertex<'_, 'a>, _: &mut Sampler| {
             let answered = answered(v.bsdf, v.wo, self.params.min_roughness)?;
-            Some(Supplied { answered, indirect: Rgb::BLACK, caustic: Some(Rgb::BLACK) })
+            Some(self.silence(answered))
         };
         let mut sample = self.path().sample_pixel(camera, seed, at, self.index, &mut answer);
         let mut total = Gathered::default();
@@ -178,6 +190,7 @@ impl<'a> Look<'_, 'a> {
             let found = gather(grid, &point, self.discs(radius, initial));
             total.add(&found, hit.throughput);
             let factor = hit.throughput * per_area(radius);
+            *sample.radiance.of_path(hit.rough + 1, false) += factor * found.direct;
             *sample.radiance.of_path(hit.rough + 2, false) += factor * found.indirect;
             *sample.radiance.of_path(hit.rough + 1, true) += factor * found.caustic;
             let mut seen = Gathered::default();
@@ -203,7 +216,7 @@ impl<'a> Look<'_, 'a> {
                     rough: v.rough,
                     statistics: Statistics::new(radius),
                 });
-                Some(Supplied { answered, indirect: Rgb::BLACK, caustic: Some(Rgb::BLACK) })
+                Some(self.silence(answered))
             };
             self.path().sample_pixel(camera, seed, at, index, &mut note);
         }
