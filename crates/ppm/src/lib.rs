@@ -182,7 +182,7 @@ impl<'a> Technique<'a> for Ppm<'a> {
     }
 
     fn statistics(&self) -> Vec<(String, f64)> {
-        let Counts { paths, stored, contributed, error, .. } = self.counts;
+        let Counts { passes, paths, stored, contributed, error } = self.counts;
         let pixels = self.setting.camera.size().iter().product::<usize>() as f64;
         let mean = self.pixels.sum(|r| r.statistics.radius) / pixels;
         let initial = self.pixels.sum(|r| r.initial) / pixels;
@@ -196,6 +196,12 @@ impl<'a> Technique<'a> for Ppm<'a> {
             ("initial_radius_at_least".into(), self.at_bounds.least as f64),
             ("initial_radius_at_most".into(), self.at_bounds.most as f64),
         ];
+        if self.params.method == Method::Adaptive {
+            let last = methods::derivative_radius(passes.saturating_sub(1));
+            let at_most = |r: &Region| r.statistics.radius >= r.initial * last * (1.0 - 1e-9);
+            let count = self.pixels.sum(|r| f64::from(u8::from(at_most(r))));
+            all.push(("radius_at_most".into(), count));
+        }
         if error.is_finite() {
             all.push(("error_estimate".into(), error));
         }
