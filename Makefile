@@ -30,9 +30,8 @@ ci: test lint
 scenes:
 	$(CARGO) run --release -p make-scenes -- scenes
 
-# Rays a second against obvhs, and against Embree where EMBREE_LIB names its library; photons found a second against
-# the lecture's layout and kiddo.
-# Photons and pixels a second; rays a second against obvhs, and against Embree where EMBREE_LIB names its library.
+# Photons and pixels a second; rays a second against obvhs, and against Embree where EMBREE_LIB names its library; photons
+# found a second against the lecture's layout and kiddo.
 bench:
 	$(CARGO) bench -p ppm --bench passes
 	$(CARGO) bench -p gi-core --bench rays $(if $(EMBREE_LIB),--features embree) -- $(BENCH_ARGS)
