@@ -12,3 +12,5 @@ mod instant_radiosity_facts;
 mod irrcache_facts;
 /// Photon mapping.
 mod photonmap;
+/// What progressive photon mapping is held to.
+mod ppm_facts;

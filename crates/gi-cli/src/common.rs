@@ -59,6 +59,18 @@ pub struct Common {
     /// Write statistics of the run
     #[arg(long, value_name = "FILE.json")]
     pub stats: Option<PathBuf>,
+    /// Keep what is needed to go on in this file, every minute and at the end
+    #[arg(long, value_name = "FILE")]
+    pub checkpoint: Option<PathBuf>,
+    /// Go on from --checkpoint, to the same bits as a run that was never stopped
+    #[arg(long, requires = "checkpoint")]
+    pub resume: bool,
+    /// Number of the first pass: ranges of passes can be made apart, kept as checkpoints, and merged
+    #[arg(long, value_name = "K", default_value_t = 0)]
+    pub first_pass: u32,
+    /// Make no passes: add up those of checkpoints of other ranges
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["checkpoint", "first_pass", "spp", "time"])]
+    pub merge: Vec<PathBuf>,
     /// Print errors only
     #[arg(short, long)]
     pub quiet: bool,

@@ -5,7 +5,9 @@
 #![forbid(unsafe_code)]
 
 mod budget;
+mod checkpoint;
 mod common;
+mod passes;
 mod presets;
 mod progress;
 mod run;

@@ -5,7 +5,7 @@ use gi_scene::Loaded;
 use crate::{Failure, Program};
 
 /// Flags that a scene cannot set: they are needed before it is read, or say where files go.
-const NOT_PRESETS: [&str; 13] = [
+const NOT_PRESETS: [&str; 17] = [
     "size",
     "threads",
     "define",
@@ -19,6 +19,10 @@ const NOT_PRESETS: [&str; 13] = [
     "time",
     "export-mitsuba",
     "help",
+    "checkpoint",
+    "resume",
+    "first-pass",
+    "merge",
 ];
 
 /// Whether a flag is one that a scene cannot set: files of techniques are named `--x-out` and `--x-in`.

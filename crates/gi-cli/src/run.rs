@@ -11,8 +11,8 @@ use gi_core::technique::{Picture, Setting, Technique};
 use gi_scene::{ExportError, Loaded};
 use serde_json::{Map, Value, json};
 
+use crate::passes::{identity, merge, passes};
 use crate::presets::with_presets;
-use crate::progress::Progress;
 use crate::save::{Output, save_bytes};
 use crate::{Common, Failure, Program, parse};
 
@@ -53,7 +53,8 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<(), Failure> {
     let common = args.common();
     common.check()?;
     let output = Output::new(common.output(program))?;
-    let others: Vec<PathBuf> = common.stats.iter().cloned().chain(args.outputs()).collect();
+    let kept = common.stats.iter().chain(&common.checkpoint).cloned();
+    let others: Vec<PathBuf> = kept.chain(args.outputs()).collect();
     output.check_apart(&others)?;
     say_warnings(common, &loaded.warnings);
 
@@ -74,7 +75,13 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<(), Failure> {
     let mut technique = P::Technique::prepare(setting, &params)
         .map_err(|e| Failure::Input(format!("error: {e}")))?;
     let prepare_time = clock.elapsed();
-    passes(&mut technique, common, &mut film, clock);
+    let identity = identity::<P>(common, world, &camera, filter);
+    if common.merge.is_empty() {
+        passes(&mut technique, common, &mut film, &identity, clock)?;
+    } else {
+        let spare = Film::new(camera.size(), filter, common.show());
+        merge(&mut technique, common, [&mut film, &mut { spare }], &identity)?;
+    }
     let render_time = clock.elapsed() - prepare_time;
 
     let record = Record {
@@ -123,24 +130,6 @@ fn check_film([w, h]: [usize; 2]) -> Result<(), Failure> {
     }
     let advice = format!("{MAX_PIXELS} pixels are the most; give a smaller --size");
     Err(Failure::Input(format!("error: a film of {w} x {h} pixels is too large: {advice}")))
-}
-
-/// Passes until the budget is spent.
-fn passes<'a>(
-    technique: &mut impl Technique<'a>,
-    common: &Common,
-    film: &mut Film,
-    start: Instant,
-) {
-    let budget = common.budget();
-    let progress = Progress::new(budget, film.size(), common.quiet);
-    let mut done = 0;
-    while budget.goes_on(done, start.elapsed()) {
-        technique.pass(done, film);
-        done += 1;
-        progress.update(done, start.elapsed());
-    }
-    progress.finish();
 }
 
 fn say_warnings(common: &Common, warnings: &[String]) {

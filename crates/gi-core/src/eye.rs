@@ -67,6 +67,8 @@ pub struct EyeVertex<'v, 'a> {
     pub rough: u32,
     /// Length of the path from the eye to here, world units.
     pub length: f32,
+    /// What one unit of the radiance that is supplied here adds to the sample.
+    pub throughput: Rgb,
 }
 
 /// Light that a technique supplies at a vertex, and what it thereby answers for.
@@ -237,8 +239,16 @@ impl<'a> EyePath<'a> {
             let mut supplied = None;
             if rough && !ends && !here.is_black() {
                 let Prefix { segments, rough, length, .. } = prefix;
-                let vertex =
-                    EyeVertex { surface: &surface, wo, bsdf: &bsdf, segments, rough, length };
+                let throughput = prefix.throughput * prefix.unanswered;
+                let vertex = EyeVertex {
+                    surface: &surface,
+                    wo,
+                    bsdf: &bsdf,
+                    segments,
+                    rough,
+                    length,
+                    throughput,
+                };
                 supplied = supply(&vertex, sampler);
                 add_supplied(supplied.as_ref(), &prefix, here, &mut out.radiance);
             }

@@ -15,6 +15,7 @@
 
 pub mod bsdf;
 pub mod bvh;
+pub mod bytes;
 pub mod camera;
 pub mod canvas;
 pub mod eye;

@@ -36,6 +36,30 @@ pub trait Technique<'a>: Sized {
     /// Make pass number `index` and add it to the film.
     fn pass(&mut self, index: u32, film: &mut Film);
 
+    /// Whether further passes are not worth their time, by what the technique's parameters say.
+    fn is_done(&self) -> bool {
+        false
+    }
+
+    /// Whether a pass is the same whatever passes were made before: ranges of passes can then be made apart, and merged.
+    fn passes_are_independent(&self) -> bool {
+        true
+    }
+
+    /// What passes have left in `self`, so that another run can go on from there; the film is saved by itself. `None` where
+    /// that cannot be done.
+    fn save_state(&self) -> Option<Vec<u8>> {
+        None
+    }
+
+    /// Go on from what [`Technique::save_state`] gave.
+    ///
+    /// # Errors
+    /// One line: the state is of other parameters, or damaged.
+    fn restore(&mut self, _state: &[u8]) -> Result<(), String> {
+        Err("this program cannot go on from a checkpoint".into())
+    }
+
     /// What is worth knowing about the run so far, as names and numbers.
     fn statistics(&self) -> Vec<(String, f64)> {
         Vec::new()

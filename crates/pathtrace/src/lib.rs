@@ -12,6 +12,7 @@
 
 mod light;
 
+use gi_core::bytes::{Reader, Writer};
 use gi_core::eye::{EyePath, PathLimits, nothing};
 use gi_core::film::Film;
 use gi_core::technique::{Setting, Technique};
@@ -60,6 +61,23 @@ impl<'a> Technique<'a> for PathTracer<'a> {
             }
             Mode::Light => self.light_pass(index, film),
         }
+    }
+
+    fn save_state(&self) -> Option<Vec<u8>> {
+        let mut w = Writer::default();
+        w.text(&format!("{:?}", self.params));
+        w.u64(self.light_paths);
+        Some(w.into_bytes())
+    }
+
+    fn restore(&mut self, state: &[u8]) -> Result<(), String> {
+        let mut r = Reader::new(state);
+        let params = r.text()?;
+        if params != format!("{:?}", self.params) {
+            return Err(format!("it was made with other parameters: {params}"));
+        }
+        self.light_paths = r.u64()?;
+        r.end()
     }
 
     fn statistics(&self) -> Vec<(String, f64)> {

@@ -194,3 +194,24 @@ fn an_exported_scene_is_read_again_and_gives_the_same_picture() {
     assert_eq!(first.channel("R"), second.channel("R"));
     assert!(!Path::new(&at("clean.exr")).exists(), "an export renders nothing");
 }
+
+#[test]
+fn a_resumed_run_has_the_bits_of_one_that_was_never_stopped() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let (scene, kept) = (scene("cornell-spheres"), at("kept"));
+    for mode in ["path", "light"] {
+        let render = |name: &str, flags: &[&str]| {
+            let out = at(name);
+            let common = [scene.as_str(), "-o", &out, "--size", "20x12", "-q", "--mode", mode];
+            let output = run(&[&common, flags].concat());
+            assert!(output.status.success(), "{}", text(&output));
+            read_exr(Path::new(&out)).expect("an EXR").channels
+        };
+        let whole = render("whole.exr", &["--spp", "9"]);
+        let keep = ["--checkpoint", kept.as_str(), "--spp"];
+        render("half.exr", &[&keep[..], &["4"]].concat());
+        let resumed = render("resumed.exr", &[&keep[..], &["9", "--resume"]].concat());
+        assert!(whole == resumed, "{mode}");
+    }
+}

@@ -4,6 +4,7 @@
 //! number of lights. The same program writes the same bytes.
 
 mod cornell;
+mod glass;
 mod mesh;
 mod outdoors;
 mod rooms;
@@ -49,6 +50,8 @@ fn main() -> anyhow::Result<()> {
         cornell::cornell_glossy(),
         rooms::bulb(),
         rooms::ring(),
+        glass::torus_in_glass(),
+        glass::pool(),
         rooms::gallery(),
         outdoors::patio(),
         table::cognac(),

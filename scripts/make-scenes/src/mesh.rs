@@ -2,7 +2,7 @@
 
 use std::f32::consts::TAU;
 
-use glam::{Vec2, Vec3};
+use glam::{Quat, Vec2, Vec3};
 
 /// Triangles with optional normals.
 #[derive(Clone, Default)]
@@ -71,6 +71,63 @@ impl Mesh {
                 t.swap(1, 2);
             }
         }
+        self
+    }
+
+    /// A corner of a room: floor and two walls of side 2 `size`.
+    pub(crate) fn corner(size: f32) -> Self {
+        let (s, h) = (size, 2.0 * size);
+        let v = |x, y, z| Vec3::new(x, y, z);
+        let floor = Mesh::quad([v(-s, 0.0, -s), v(-s, 0.0, s), v(s, 0.0, s), v(s, 0.0, -s)]);
+        let back = Mesh::quad([v(-s, 0.0, -s), v(s, 0.0, -s), v(s, h, -s), v(-s, h, -s)]);
+        let left = Mesh::quad([v(-s, 0.0, s), v(-s, 0.0, -s), v(-s, h, -s), v(-s, h, s)]);
+        floor.with(&back).with(&left)
+    }
+
+    /// A ring round the y axis: `major` from its axis to the middle of its tube, `minor` the tube's radius.
+    pub(crate) fn torus(major: f32, minor: f32, [around, across]: [u32; 2]) -> Self {
+        let vertex = |i: u32, j: u32| {
+            let (sin_u, cos_u) = (TAU * i as f32 / around as f32).sin_cos();
+            let (sin_v, cos_v) = (TAU * j as f32 / across as f32).sin_cos();
+            let n = Vec3::new(cos_v * cos_u, sin_v, cos_v * sin_u);
+            (Vec3::new(cos_u, 0.0, sin_u) * major + n * minor, n)
+        };
+        let mut mesh = Mesh::default();
+        for (i, j) in (0..around).flat_map(|i| (0..across).map(move |j| (i, j))) {
+            let (p, n) = vertex(i, j);
+            mesh.positions.push(p);
+            mesh.normals.push(n);
+            let at = |i: u32, j: u32| (i % around) * across + j % across;
+            let [a, b, c, d] = [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)];
+            mesh.triangles.extend([[a, b, c], [a, c, d]]);
+        }
+        mesh
+    }
+
+    /// Heights over the square of half side `half` round the y axis, `n` cells a side, normals upward.
+    pub(crate) fn height_field(half: f32, n: u32, height: impl Fn(f32, f32) -> f32) -> Self {
+        let mut mesh = Mesh::default();
+        let step = 2.0 * half / n as f32;
+        for (i, j) in (0..=n).flat_map(|i| (0..=n).map(move |j| (i, j))) {
+            let (x, z) = (i as f32 * step - half, j as f32 * step - half);
+            let slope = |dx: f32, dz: f32| {
+                (height(x + dx, z + dz) - height(x - dx, z - dz)) / (2.0 * (dx + dz))
+            };
+            let (d, y) = (1e-2 * step, height(x, z));
+            mesh.positions.push(Vec3::new(x, y, z));
+            mesh.normals.push(Vec3::new(-slope(d, 0.0), 1.0, -slope(0.0, d)).normalize());
+            if i < n && j < n {
+                let at = |i: u32, j: u32| i * (n + 1) + j;
+                let [a, b, c, d] = [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)];
+                mesh.triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+        mesh
+    }
+
+    /// The mesh turned about the origin.
+    pub(crate) fn turned(mut self, by: Quat) -> Self {
+        self.positions.iter_mut().chain(&mut self.normals).for_each(|v| *v = by * *v);
         self
     }
 

@@ -9,30 +9,6 @@ use crate::xml::{
     sphere, two_sided,
 };
 
-/// A corner of a room: floor and two walls.
-fn corner(size: f32) -> Mesh {
-    let (s, h) = (size, 2.0 * size);
-    let floor = Mesh::quad([
-        Vec3::new(-s, 0.0, -s),
-        Vec3::new(-s, 0.0, s),
-        Vec3::new(s, 0.0, s),
-        Vec3::new(s, 0.0, -s),
-    ]);
-    let back = Mesh::quad([
-        Vec3::new(-s, 0.0, -s),
-        Vec3::new(s, 0.0, -s),
-        Vec3::new(s, h, -s),
-        Vec3::new(-s, h, -s),
-    ]);
-    let left = Mesh::quad([
-        Vec3::new(-s, 0.0, s),
-        Vec3::new(-s, 0.0, -s),
-        Vec3::new(-s, h, -s),
-        Vec3::new(-s, h, s),
-    ]);
-    floor.with(&back).with(&left)
-}
-
 /// A glowing ball in a glass shell: all light reaches the room through glass [slides 35, 38].
 pub(crate) fn bulb() -> SceneFile {
     let center = Vec3::new(0.0, 1.0, 0.0);
@@ -63,8 +39,10 @@ pub(crate) fn bulb() -> SceneFile {
     };
     let xml =
         xml::scene("A glowing ball in a glass shell in the corner of a room.", &camera, &body);
-    let meshes =
-        vec![("bulb-room".into(), corner(2.0)), ("bulb-socket".into(), Mesh::lathe(&socket, 64))];
+    let meshes = vec![
+        ("bulb-room".into(), Mesh::corner(2.0)),
+        ("bulb-socket".into(), Mesh::lathe(&socket, 64)),
+    ];
     SceneFile { name: "bulb", xml, meshes }
 }
 

@@ -67,6 +67,11 @@ impl Coat {
         self.rough.is_none()
     }
 
+    /// Width of its reflection's facets; 1 if there is none but a mirror's.
+    pub(crate) fn roughness(&self) -> f32 {
+        self.rough.as_ref().map_or(1.0, |rough| rough.facets.width())
+    }
+
     /// f without the cosine, both directions above.
     pub(crate) fn f(&self, wo: Vec3, wi: Vec3, diffuse: Rgb, specular: Rgb) -> Rgb {
         let f = self.base_f(wo, wi, diffuse);

@@ -158,6 +158,21 @@ impl Lobe<'_> {
         }
     }
 
+    /// Width of the lobe as that of microfacets; 1 for what is spread over the hemisphere, and for delta lobes.
+    pub(crate) fn roughness(&self) -> f32 {
+        match *self {
+            Lobe::RoughConductor { facets, .. } | Lobe::RoughDielectric { facets, .. } => {
+                facets.width()
+            }
+            Lobe::Plastic { coat, .. } => coat.roughness(),
+            // The width of the Beckmann lobe that falls off alike [Walter07].
+            Lobe::Phong { specular, exponent, .. } if !specular.is_black() => {
+                (2.0 / (exponent + 2.0)).sqrt()
+            }
+            _ => 1.0,
+        }
+    }
+
     /// pi times the part of f that is the same for all directions above, or nearly so: black from below.
     pub(crate) fn diffuse_albedo(&self, wo: Vec3) -> Rgb {
         match *self {

@@ -23,6 +23,11 @@ impl Microfacets {
         Microfacets { distribution, alpha: alpha.max(Vec2::splat(MIN_ALPHA)) }
     }
 
+    /// Alpha along the narrower axis.
+    pub(crate) fn width(&self) -> f32 {
+        self.alpha.min_element()
+    }
+
     /// Density D(m) of facet area per surface area and solid angle; zero for m below.
     #[inline]
     pub(crate) fn d(&self, m: Vec3) -> f32 {

@@ -232,6 +232,16 @@ impl<'a> Bsdf<'a> {
         self.components().iter().all(|c| c.lobe.is_delta())
     }
 
+    /// Whether the Lambertian part is all that there is.
+    pub fn is_diffuse(&self) -> bool {
+        matches!(self.parts, Parts::One(Component { lobe: Lobe::Diffuse { .. }, .. }))
+    }
+
+    /// Width of the narrowest lobe that is no delta lobe: alpha of its facets, 1 for diffuse ones.
+    pub fn roughness(&self) -> f32 {
+        self.components().iter().map(|c| c.lobe.roughness()).fold(1.0, f32::min)
+    }
+
     /// The diffuse part, `None` where there is none: all of a diffuse surface, the base of a plastic with the mean of
     /// what its coat lets in, what is constant in other lobes. Of a blend whose normals differ, those alike the first.
     pub fn diffuse_part(&self, wo: Vec3) -> Option<DiffusePart> {

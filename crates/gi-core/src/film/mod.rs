@@ -8,6 +8,8 @@
 mod kept;
 mod pixel;
 mod sample;
+mod state;
+mod tiles;
 
 use rayon::prelude::*;
 
@@ -17,19 +19,14 @@ use crate::math::Rgb;
 use kept::{Kept, RADIANCE, keep};
 use pixel::Pixel;
 pub use sample::{Components, Sample, Show};
-
-/// Side of a tile in pixels.
-const TILE: usize = 16;
+pub use tiles::PerPixel;
+use tiles::{AREA, TILE, Tiles};
 
 /// The picture while it is made.
 pub struct Film {
-    size: [usize; 2],
+    tiles: Tiles,
     filter: FilterTable,
     show: Show,
-    /// Corners of the tiles, in Morton order.
-    tiles: Vec<[usize; 2]>,
-    /// Which tile, in that order, covers a place of the grid of tiles.
-    tile_at: Vec<u32>,
     pixels: Vec<Pixel>,
     /// This pass's samples, in the order of the pixels.
     kept: Kept,
@@ -39,23 +36,15 @@ pub struct Film {
 impl Film {
     /// An empty film of `size` pixels across and down.
     pub fn new(size: [usize; 2], filter: Filter, show: Show) -> Self {
-        let grid = size.map(|n| n.div_ceil(TILE));
-        let mut tiles: Vec<[usize; 2]> =
-            (0..grid[0] * grid[1]).map(|i| [i % grid[0], i / grid[0]]).collect();
-        tiles.sort_by_key(|&[x, y]| morton(x as u32, y as u32));
-        let mut tile_at = vec![0; tiles.len()];
-        for (k, [x, y]) in tiles.iter().enumerate() {
-            tile_at[y * grid[0] + x] = k as u32;
-        }
-        let pixels = vec![Pixel::default(); tiles.len() * TILE * TILE];
-        let tiles = tiles.into_iter().map(|t| t.map(|c| c * TILE)).collect();
+        let tiles = Tiles::new(size);
+        let pixels = vec![Pixel::default(); tiles.pixels()];
         let filter = FilterTable::new(filter);
         let mut kept = Kept { width: 2 * filter.reach() + 1, floats: Vec::new() };
         // The box needs none of it.
         if filter.reach() > 0 {
             kept.floats = vec![0.0; pixels.len() * kept.stride()];
         }
-        Film { size, filter, show, tiles, tile_at, pixels, kept, passes: 0 }
+        Film { tiles, filter, show, pixels, kept, passes: 0 }
     }
 
     /// How samples make a pixel.
@@ -65,7 +54,7 @@ impl Film {
 
     /// Pixels across and down.
     pub fn size(&self) -> [usize; 2] {
-        self.size
+        self.tiles.size
     }
 
     /// Number of passes added so far.
@@ -75,15 +64,40 @@ impl Film {
 
     /// Take one sample in every pixel, tiles in parallel, and filter. `sample` must be a pure function of the pixel.
     pub fn add_pass(&mut self, sample: impl Fn([usize; 2]) -> Sample + Sync) {
+        let mut nothing = vec![(); self.pixels.len()]; // takes no memory
+        self.sample_all(&mut nothing, |at, ()| sample(at));
+    }
+
+    /// The same, with what a technique keeps for every pixel.
+    pub fn add_pass_with<T: Send>(
+        &mut self,
+        kept: &mut PerPixel<T>,
+        sample: impl Fn([usize; 2], &mut T) -> Sample + Sync,
+    ) {
+        assert_eq!(kept.tiles.size, self.size(), "what is kept is of another picture");
+        self.sample_all(&mut kept.values, sample);
+    }
+
+    fn sample_all<T: Send>(
+        &mut self,
+        values: &mut [T],
+        sample: impl Fn([usize; 2], &mut T) -> Sample + Sync,
+    ) {
         if self.filter.reach() == 0 {
-            return self.add_unfiltered(sample);
+            self.for_each_pixel(values.par_chunks_mut(AREA), |film, at, pixel, i, values| {
+                let sample = sample(at, &mut values[i]);
+                pixel.add_surface(&sample);
+                pixel.add(1.0, &sample.radiance, film.show);
+            });
+            self.passes += 1;
+            return;
         }
         let floats = std::mem::take(&mut self.kept.floats);
         let mut kept = Kept { width: self.kept.width, floats };
         let stride = kept.stride();
-        let runs = kept.floats.par_chunks_mut(TILE * TILE * stride);
-        self.for_each_pixel(runs, |film, at, pixel, i, runs| {
-            let sample = sample(at);
+        let pieces = kept.floats.par_chunks_mut(AREA * stride).zip(values.par_chunks_mut(AREA));
+        self.for_each_pixel(pieces, |film, at, pixel, i, (runs, values)| {
+            let sample = sample(at, &mut values[i]);
             pixel.add_surface(&sample);
             keep(&mut runs[i * stride..(i + 1) * stride], &sample, film.filter);
         });
@@ -112,34 +126,26 @@ impl Film {
         extra: impl IndexedParallelIterator<Item = E>,
         work: impl Fn(&Frame, [usize; 2], &mut Pixel, usize, &mut E) + Sync,
     ) {
-        let frame = Frame {
-            size: self.size,
-            filter: &self.filter,
-            show: self.show,
-            tile_at: &self.tile_at,
-        };
-        let [w, h] = self.size;
-        let tiles = self.pixels.par_chunks_mut(TILE * TILE).zip(extra).zip(&self.tiles);
-        tiles.with_max_len(1).for_each(|((pixels, mut extra), &[x0, y0])| {
-            for (i, pixel) in pixels.iter_mut().enumerate() {
-                let [x, y] = [x0 + i % TILE, y0 + i / TILE];
-                if x < w && y < h {
-                    work(&frame, [x, y], pixel, i, &mut extra);
-                }
+        let frame = Frame { filter: &self.filter, show: self.show, tiles: &self.tiles };
+        let tiles = self.pixels.par_chunks_mut(AREA).zip(extra).zip(&self.tiles.corners);
+        tiles.with_max_len(1).for_each(|((pixels, mut extra), &corner)| {
+            for (i, at) in frame.tiles.inside(corner) {
+                work(&frame, at, &mut pixels[i], i, &mut extra);
             }
         });
     }
 
     /// No extra for any tile.
     fn nothing(&self) -> impl IndexedParallelIterator<Item = ()> + use<> {
-        rayon::iter::repeat_n((), self.tiles.len())
+        rayon::iter::repeat_n((), self.tiles.corners.len())
     }
 
     /// Everything as named channels: radiance as R G B, its variance (of the mean), direct, indirect and caustic
     /// light (of one component alone where only that is shown: the others may not have been looked for), albedo,
     /// normal, depth.
     pub fn layers(&self) -> Layers {
-        let pixels: Vec<&Pixel> = (0..self.size[0] * self.size[1]).map(|i| self.pixel(i)).collect();
+        let pixels: Vec<&Pixel> =
+            (0..self.size()[0] * self.size()[1]).map(|i| self.pixel(i)).collect();
         let mut channels = Vec::new();
         let mut push = |name: String, value: &dyn Fn(&Pixel) -> f64| {
             channels.push((name, pixels.iter().map(|p| value(p) as f32).collect()));
@@ -164,45 +170,42 @@ impl Film {
             push(format!("N.{axis}"), &|p| f64::from(p.normal[k]));
         }
         push("Z".to_string(), &|p| f64::from(p.depth));
-        Layers { width: self.size[0], height: self.size[1], channels, metadata: Vec::new() }
+        Layers { width: self.size()[0], height: self.size()[1], channels, metadata: Vec::new() }
     }
 
     /// The shown radiance, row by row from the top.
     pub fn radiance(&self) -> Vec<Rgb> {
         let shown = |p: &Pixel| Rgb::from([0, 1, 2].map(|k| p.shown(k, self.show) as f32));
-        (0..self.size[0] * self.size[1]).map(|i| shown(self.pixel(i))).collect()
+        (0..self.size()[0] * self.size()[1]).map(|i| shown(self.pixel(i))).collect()
     }
 
     /// Pixel `i` of the picture in row order.
     fn pixel(&self, i: usize) -> &Pixel {
-        &self.pixels[place(self.size, &self.tile_at, [i % self.size[0], i / self.size[0]])]
+        let w = self.size()[0];
+        &self.pixels[self.tiles.place([i % w, i / w])]
     }
 }
 
 /// What stays the same during a pass.
 struct Frame<'a> {
-    size: [usize; 2],
     filter: &'a FilterTable,
     show: Show,
-    tile_at: &'a [u32],
+    tiles: &'a Tiles,
 }
 
 impl Frame<'_> {
     /// The filter's weights of all samples round a pixel, and their weighted radiance, row by row.
     fn gather(&self, kept: &Kept, [x, y]: [usize; 2]) -> (f32, Components) {
         let reach = self.filter.reach();
-        let ([w, h], mut weight, mut sum) = (self.size, 0.0, [0.0; RADIANCE]);
+        let ([w, h], mut weight, mut sum) = (self.tiles.size, 0.0, [0.0; RADIANCE]);
         let columns = x.saturating_sub(reach)..(x + reach + 1).min(w);
         // Within one tile, neighbours in a row are neighbours in memory.
         let one_tile = columns.start / TILE == (columns.end - 1) / TILE;
         for j in y.saturating_sub(reach)..(y + reach + 1).min(h) {
-            let first = place(self.size, self.tile_at, [columns.start, j]);
+            let first = self.tiles.place([columns.start, j]);
             for i in columns.clone() {
-                let at = if one_tile {
-                    first + i - columns.start
-                } else {
-                    place(self.size, self.tile_at, [i, j])
-                };
+                let at =
+                    if one_tile { first + i - columns.start } else { self.tiles.place([i, j]) };
                 let (along_x, along_y, radiance) = kept.read(at);
                 let f = along_x[x + reach - i] * along_y[y + reach - j];
                 weight += f;
@@ -212,19 +215,6 @@ impl Frame<'_> {
         let part = |k: usize| Rgb::new(sum[k], sum[k + 1], sum[k + 2]);
         (weight, Components { direct: part(0), indirect: part(3), caustic: part(6) })
     }
-}
-
-/// Where the pixel at (x, y) lies in memory.
-#[inline]
-fn place(size: [usize; 2], tile_at: &[u32], [x, y]: [usize; 2]) -> usize {
-    let tile = tile_at[(y / TILE) * size[0].div_ceil(TILE) + x / TILE] as usize;
-    tile * TILE * TILE + (y % TILE) * TILE + x % TILE
-}
-
-/// Interleave the bits of two coordinates.
-fn morton(x: u32, y: u32) -> u64 {
-    let spread = |v: u32| (0..32).fold(0u64, |m, b| m | (u64::from(v >> b & 1) << (2 * b)));
-    spread(x) | spread(y) << 1
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::{Components, Sample, Show};
+use crate::bytes::{Reader, Writer};
 use crate::math::Rgb;
 
 /// What a pixel has added up: over passes, sums of weights W and of weighted radiance A; the pixel is their ratio.
@@ -47,6 +48,50 @@ impl Pixel {
         self.albedo = self.albedo.lerp(sample.albedo, share);
         self.normal = self.normal.lerp(sample.normal, share);
         self.depth += (sample.depth - self.depth) * share;
+    }
+
+    /// Take in what another pixel has added up in passes of its own.
+    pub(super) fn merge(&mut self, other: &Pixel) {
+        let passes = self.passes + other.passes;
+        let share = if passes > 0 { other.passes as f32 / passes as f32 } else { 0.0 };
+        self.passes = passes;
+        self.weight += other.weight;
+        self.weight_sq += other.weight_sq;
+        let add = |a: &mut [f64; 3], b: &[f64; 3]| a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+        self.sums.iter_mut().zip(&other.sums).for_each(|(a, b)| add(a, b));
+        add(&mut self.cross, &other.cross);
+        add(&mut self.shown_sq, &other.shown_sq);
+        self.albedo = self.albedo.lerp(other.albedo, share);
+        self.normal = self.normal.lerp(other.normal, share);
+        self.depth += (other.depth - self.depth) * share;
+    }
+
+    /// Every field, bit for bit.
+    pub(super) fn write(&self, w: &mut Writer) {
+        w.u32(self.passes);
+        w.f64(self.weight);
+        self.sums.iter().for_each(|s| w.f64s(s));
+        w.f64(self.weight_sq);
+        w.f64s(&self.cross);
+        w.f64s(&self.shown_sq);
+        w.rgb(self.albedo);
+        w.vec3(self.normal);
+        w.f32(self.depth);
+    }
+
+    /// What [`Pixel::write`] wrote.
+    pub(super) fn read(r: &mut Reader) -> Result<Self, String> {
+        Ok(Pixel {
+            passes: r.u32()?,
+            weight: r.f64()?,
+            sums: [r.f64s()?, r.f64s()?, r.f64s()?],
+            weight_sq: r.f64()?,
+            cross: r.f64s()?,
+            shown_sq: r.f64s()?,
+            albedo: r.rgb()?,
+            normal: r.vec3()?,
+            depth: r.f32()?,
+        })
     }
 
     /// Radiance of channel `k` of a component.

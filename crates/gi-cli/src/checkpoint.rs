@@ -1,0 +1,141 @@
+//! Checkpoints: a run's state in a file, so that another run goes on from there or adds its passes up with others.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use gi_core::bytes::{Reader, Writer};
+use gi_core::film::Film;
+use gi_core::technique::Technique;
+
+use crate::Failure;
+use crate::save::save_bytes;
+
+/// First line of a checkpoint; the number is the format's.
+const MAGIC: &str = "gilab checkpoint 1";
+/// Time between two checkpoints of a run.
+const EVERY: Duration = Duration::from_secs(60);
+
+/// What must be the same for a checkpoint to be of use, by name: program, scene, camera and so on.
+pub(crate) type Identity = Vec<(&'static str, String)>;
+
+/// Writes a run's checkpoints.
+pub(crate) struct Keeper<'a> {
+    path: &'a Path,
+    identity: &'a Identity,
+    last: Instant,
+}
+
+impl<'a> Keeper<'a> {
+    pub(crate) fn new(path: &'a Path, identity: &'a Identity) -> Self {
+        Keeper { path, identity, last: Instant::now() }
+    }
+
+    /// Write a checkpoint if the last is old, or if `now`.
+    pub(crate) fn keep<'t>(
+        &mut self,
+        technique: &impl Technique<'t>,
+        film: &Film,
+        passes: &Range<u32>,
+        now: bool,
+    ) -> Result<(), Failure> {
+        if !now && self.last.elapsed() < EVERY {
+            return Ok(());
+        }
+        self.last = Instant::now();
+        let state = technique.save_state().ok_or_else(no_state)?;
+        let mut w = Writer::default();
+        w.text(MAGIC);
+        w.u32(self.identity.len() as u32);
+        for (name, value) in self.identity {
+            w.text(name);
+            w.text(value);
+        }
+        w.u32(passes.start);
+        w.u32(passes.end);
+        w.bytes(&state);
+        w.bytes(&film.save_state());
+        save_bytes(self.path, &w.into_bytes())
+    }
+}
+
+/// What is said where a technique has no state to save.
+pub(crate) fn no_state() -> Failure {
+    Failure::Input("error: --checkpoint: this program cannot go on from one".into())
+}
+
+/// A checkpoint of this scene, camera, and so on.
+pub(crate) struct Checkpoint {
+    path: PathBuf,
+    bytes: Vec<u8>,
+}
+
+/// What a checkpoint holds.
+struct Parts<'b> {
+    passes: Range<u32>,
+    state: &'b [u8],
+    film: &'b [u8],
+}
+
+impl Checkpoint {
+    /// Read a checkpoint.
+    pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
+        let bytes = crate::read_input(path).map_err(|e| Failure::Input(format!("error: {e}")))?;
+        Ok(Checkpoint { path: path.to_path_buf(), bytes })
+    }
+
+    /// Take a run's state from it; returns the passes that were made.
+    pub(crate) fn resume<'t>(
+        &self,
+        identity: &Identity,
+        technique: &mut impl Technique<'t>,
+        film: &mut Film,
+    ) -> Result<Range<u32>, Failure> {
+        let mut resume = || {
+            let parts = self.parts(identity)?;
+            technique.restore(parts.state)?;
+            film.restore(parts.film)?;
+            Ok(parts.passes)
+        };
+        resume().map_err(|e| self.refuse(e))
+    }
+
+    /// Add its passes to `film`; `technique` checks the state. Returns the passes.
+    pub(crate) fn merge<'t>(
+        &self,
+        identity: &Identity,
+        technique: &mut impl Technique<'t>,
+        [film, spare]: [&mut Film; 2],
+    ) -> Result<Range<u32>, Failure> {
+        let passes = self.resume(identity, technique, spare)?;
+        if !technique.passes_are_independent() {
+            return Err(self.refuse("its passes build on each other, and cannot be merged".into()));
+        }
+        film.merge(spare);
+        Ok(passes)
+    }
+
+    fn parts(&self, identity: &Identity) -> Result<Parts<'_>, String> {
+        let mut r = Reader::new(&self.bytes);
+        if r.text().ok() != Some(MAGIC) {
+            return Err("it is no checkpoint, or one of another version".into());
+        }
+        if r.u32()? as usize != identity.len() {
+            return Err("it is of another version".into());
+        }
+        for (name, value) in identity {
+            let (its_name, its_value) = (r.text()?, r.text()?);
+            if (its_name, its_value) != (*name, value) {
+                return Err(format!("it is of another {name}: {its_value}, not {value}"));
+            }
+        }
+        let passes = r.u32()?..r.u32()?;
+        let (state, film) = (r.bytes()?, r.bytes()?);
+        r.end()?;
+        Ok(Parts { passes, state, film })
+    }
+
+    fn refuse(&self, cause: String) -> Failure {
+        Failure::Input(format!("error: cannot use {}: {cause}", self.path.display()))
+    }
+}

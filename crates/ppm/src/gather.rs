@@ -1,0 +1,306 @@
+//! Gathering: what the photons round a point make of it, for the eye.
+
+use std::f64::consts::PI;
+
+use gi_core::bsdf::Bsdf;
+use gi_core::eye::Answered;
+use gi_core::geometry::Surface;
+use gi_core::math::Rgb;
+use glam::Vec3;
+
+use crate::error::laplacian_kernel;
+use crate::grid::Grid;
+use crate::photons::{Arrival, Kind};
+use crate::statistics::Pass;
+
+/// Where and how light is gathered.
+pub(crate) struct Point<'p, 'a> {
+    pub(crate) surface: &'p Surface,
+    /// Unit direction toward the eye.
+    pub(crate) wo: Vec3,
+    pub(crate) bsdf: &'p Bsdf<'a>,
+    /// The scattering that photons answer for.
+    pub(crate) answered: Answered,
+    /// Most segments that a photon may have come over.
+    pub(crate) max_segments: Option<u32>,
+    /// What the radiance here counts with in the picture.
+    pub(crate) throughput: Rgb,
+}
+
+/// How far is gathered, world units.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Discs {
+    pub(crate) radius: f32,
+    /// Of the kernel that finds second derivatives, where they are asked for.
+    pub(crate) derivative: Option<f32>,
+}
+
+/// What was found.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Gathered {
+    /// Photons that contribute: lit this surface, and are scattered to the eye.
+    pub(crate) photons: u64,
+    /// Sums of f times power, by the kind of path.
+    pub(crate) direct: Rgb,
+    pub(crate) indirect: Rgb,
+    pub(crate) caustic: Rgb,
+    /// From the derivative's disc, luminance as the picture sees it: the Laplacian of the radiance over the surface,
+    /// and the density of squared contributions.
+    pub(crate) laplacian: f64,
+    pub(crate) squares: f64,
+}
+
+impl Gathered {
+    /// Put what was found elsewhere beside it, weighted as the picture sees it.
+    pub(crate) fn add(&mut self, other: &Gathered, throughput: Rgb) {
+        self.photons += other.photons;
+        self.direct += throughput * other.direct;
+        self.indirect += throughput * other.indirect;
+        self.caustic += throughput * other.caustic;
+        self.laplacian += other.laplacian;
+        self.squares += other.squares;
+    }
+
+    /// As the statistics take it.
+    pub(crate) fn pass(&self) -> Pass {
+        let flux = (self.direct + self.indirect + self.caustic).to_array().map(f64::from);
+        Pass { photons: self.photons, flux }
+    }
+}
+
+/// What photons answer for where roughness `min_roughness` is enough: all scattering but that of delta lobes, or, where
+/// a lobe is too sharp for them, the Lambertian part. `None` where there is none: rays go on then.
+pub(crate) fn answered(bsdf: &Bsdf, wo: Vec3, min_roughness: f32) -> Option<Answered> {
+    if bsdf.roughness() >= min_roughness {
+        Some(Answered::Rough)
+    } else {
+        bsdf.diffuse_part(wo).map(Answered::Diffuse)
+    }
+}
+
+/// Gather at a point.
+pub(crate) fn gather(grid: &Grid, point: &Point, discs: Discs) -> Gathered {
+    let Point { bsdf, wo, surface, .. } = *point;
+    // f of the shading cosine: photons lie by the surface's, and a bent lobe counts light with its own.
+    let whole = |wi: Vec3| {
+        let cos = wi.dot(surface.ns()).abs();
+        if cos > 0.0 { bsdf.f_cos(wo, wi) / cos } else { Rgb::BLACK }
+    };
+    match point.answered {
+        // The one case that is common enough to be told apart.
+        Answered::Rough | Answered::Straight { .. } if bsdf.is_diffuse() => {
+            match bsdf.diffuse_part(wo) {
+                Some(part) if part.normal.dot(surface.ns()).abs() > 1.0 - 1e-6 => {
+                    let f = part.albedo * gi_core::math::INV_PI;
+                    let above = |a: &Arrival| a.wi.dot(part.normal) > 0.0;
+                    sum(grid, point, discs, |a| if above(a) { f } else { Rgb::BLACK })
+                }
+                Some(_) => sum(grid, point, discs, |a| whole(a.wi)),
+                // A black surface, or its back.
+                None => Gathered::default(),
+            }
+        }
+        Answered::Rough | Answered::Straight { .. } => sum(grid, point, discs, |a| whole(a.wi)),
+        // Exactly what the path that goes on leaves out.
+        Answered::Diffuse(part) => sum(grid, point, discs, |a| {
+            let left = bsdf.beside_diffuse(&part, wo, a.wi);
+            whole(a.wi) * (Rgb::WHITE - left)
+        }),
+    }
+}
+
+/// Sum over the photons within reach, `f` being the BSDF.
+#[inline]
+fn sum(grid: &Grid, point: &Point, discs: Discs, f: impl Fn(&Arrival) -> Rgb) -> Gathered {
+    let mut out = Gathered::default();
+    let ng = point.surface.ng;
+    let radius_sq = discs.radius * discs.radius;
+    let derivative_sq = discs.derivative.map(|h| h * h);
+    let reach = discs.derivative.map_or(discs.radius, |h| h.max(discs.radius));
+    grid.within(point.surface.p, reach, |_, arrival, distance_sq| {
+        let too_long = point.max_segments.is_some_and(|most| arrival.segments > most);
+        // Where photons answer for a part of the scattering only, light straight from lights is sampled.
+        let sampled =
+            arrival.kind == Kind::Direct && matches!(point.answered, Answered::Diffuse(_));
+        if too_long || sampled || !arrival.lights(ng) {
+            return;
+        }
+        let f = f(arrival);
+        if f.is_black() {
+            return;
+        }
+        let flux = f * arrival.power;
+        if distance_sq < radius_sq {
+            out.photons += 1;
+            match arrival.kind {
+                Kind::Direct => out.direct += flux,
+                Kind::Caustic => out.caustic += flux,
+                Kind::Indirect => out.indirect += flux,
+            }
+        }
+        if let Some(h_sq) = derivative_sq.filter(|h_sq| distance_sq < *h_sq) {
+            let seen = f64::from((flux * point.throughput).luminance());
+            out.laplacian += seen * f64::from(laplacian_kernel(distance_sq / h_sq));
+            out.squares += seen * seen;
+        }
+    });
+    if let Some(h_sq) = derivative_sq {
+        out.laplacian /= f64::from(h_sq * h_sq);
+        out.squares /= PI * f64::from(h_sq);
+    }
+    out
+}
+
+/// The radius of the disc round a point that holds `count` contributing photons, between `least` and `most`, looked for
+/// from `guess` on; `None` where not one lies within `most`.
+pub(crate) fn radius_of(
+    grid: &Grid,
+    point: &Point,
+    count: usize,
+    guess: f32,
+    [least, most]: [f32; 2],
+) -> Option<f32> {
+    let mut reach = guess.clamp(least, most);
+    let found = loop {
+        let found = gather(grid, point, Discs { radius: reach, derivative: None }).photons as usize;
+        if found >= count || reach >= most {
+            break found;
+        }
+        reach = (1.6 * reach).min(most);
+    };
+    if found == 0 {
+        return None;
+    }
+    // Those that contribute are a share of those that lit this surface: as large a share of the nearest.
+    let mut near = Vec::new();
+    grid.within(point.surface.p, reach, |_, arrival, distance_sq| {
+        if arrival.lights(point.surface.ng) {
+            near.push(distance_sq);
+        }
+    });
+    let rank = (count * near.len()).div_ceil(found);
+    if rank > near.len() {
+        return Some(most);
+    }
+    let (_, kth, _) = near.select_nth_unstable_by(rank - 1, f32::total_cmp);
+    Some(kth.sqrt().clamp(least, most))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::photons::Photon;
+    use gi_core::bsdf::Transport;
+    use gi_core::geometry::{Geometry, Mesh, Shape};
+    use gi_core::material::Material;
+    use gi_core::ray::Ray;
+    use gi_core::scene::{Scene, SceneParts};
+    use gi_core::texture::Texture;
+
+    /// The square from -1 to 1 in the plane y = 0, normal upward.
+    fn floor(material: Material) -> Scene {
+        let at = |x, z| Vec3::new(x, 0.0, z);
+        let positions = vec![at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)];
+        let triangles = vec![[0, 1, 2], [0, 2, 3]];
+        let mesh = Geometry::Mesh(Mesh { positions, triangles, ..Mesh::default() });
+        let materials = vec![material, Material::TwoSided { front: 0, back: 0 }];
+        let shapes = vec![Shape::new("floor", mesh, 1)];
+        Scene::new(SceneParts { shapes, materials, ..SceneParts::default() }).expect("a scene")
+    }
+
+    fn grey(albedo: f32) -> Material {
+        Material::Diffuse { reflectance: Texture::grey(albedo) }
+    }
+
+    /// What the eye above the origin gathers of `photons`.
+    fn seen(scene: &Scene, photons: Vec<Photon>, max_segments: Option<u32>) -> Gathered {
+        let ray = Ray::new(Vec3::new(0.1, 1.0, 0.0), Vec3::new(-0.1, -1.0, 0.0).normalize());
+        let (surface, _) = scene.intersect(&ray).expect("the floor");
+        let wo = -ray.d;
+        let bsdf = scene.bsdf(&surface, wo, Transport::Radiance);
+        let answered = answered(&bsdf, wo, 0.1).expect("rough enough");
+        let point = Point {
+            surface: &surface,
+            wo,
+            bsdf: &bsdf,
+            answered,
+            max_segments,
+            throughput: Rgb::WHITE,
+        };
+        let discs = Discs { radius: 0.5, derivative: Some(0.6) };
+        gather(&Grid::build(&[photons], 0.5), &point, discs)
+    }
+
+    /// A photon of power 2 that came from `wi` and lies on a surface of normal `ng`.
+    fn photon(p: Vec3, wi: Vec3, ng: Vec3, kind: Kind) -> Photon {
+        let wi = wi.normalize();
+        let normal = (ng * 127f32.copysign(wi.dot(ng))).to_array().map(|v| v.round() as i8);
+        let arrival = Arrival { power: Rgb::grey(2.0), wi, normal, kind, segments: 2 };
+        Photon { p, arrival }
+    }
+
+    #[test]
+    fn photons_count_by_their_kind_with_the_brdf() {
+        let near = |kind| photon(Vec3::X * 0.4, Vec3::new(0.3, 1.0, 0.2), Vec3::Y, kind);
+        let found = seen(
+            &floor(grey(0.5)),
+            vec![near(Kind::Caustic), near(Kind::Indirect), near(Kind::Indirect)],
+            None,
+        );
+        assert_eq!(found.photons, 3);
+        let one = 2.0 * 0.5 * gi_core::math::INV_PI;
+        assert!(
+            (found.caustic.g - one).abs() < 1e-6 && (found.indirect.g - 2.0 * one).abs() < 1e-6
+        );
+    }
+
+    #[test]
+    fn photons_from_behind_change_neither_number_nor_flux() {
+        let below =
+            |x: f32, y: f32| photon(Vec3::new(x, y, 0.0), -Vec3::Y, Vec3::Y, Kind::Indirect);
+        // On the other side of a sheet without thickness, and on the far side of a thin slab.
+        let behind = vec![below(0.1, 0.0), below(-0.2, 0.0), below(0.0, -0.01)];
+        for material in [grey(0.5), plastic()] {
+            let found = seen(&floor(material), behind.clone(), None);
+            assert_eq!((found.photons, found.indirect), (0, Rgb::BLACK));
+            assert_eq!((found.laplacian, found.squares), (0.0, 0.0));
+        }
+    }
+
+    #[test]
+    fn photons_that_the_surface_swallows_or_of_another_one_do_not_count() {
+        let up = |p, ng| photon(p, Vec3::new(0.4, 1.0, 0.0), ng, Kind::Indirect);
+        assert_eq!(seen(&floor(grey(0.0)), vec![up(Vec3::X * 0.2, Vec3::Y)], None).photons, 0);
+        // Of a wall that stands on the floor; out of reach; of too long a path.
+        let wall = up(Vec3::new(0.1, 0.1, 0.0), Vec3::X);
+        assert_eq!(seen(&floor(grey(0.5)), vec![wall], None).photons, 0);
+        let far = up(Vec3::X * 0.51, Vec3::Y);
+        assert_eq!(seen(&floor(grey(0.5)), vec![far], None).photons, 0);
+        for (most, count) in [(1, 0), (2, 1)] {
+            let found = seen(&floor(grey(0.5)), vec![up(Vec3::X * 0.2, Vec3::Y)], Some(most));
+            assert_eq!(found.photons, count);
+        }
+    }
+
+    fn plastic() -> Material {
+        Material::Plastic {
+            eta: 1.5,
+            diffuse: Texture::grey(0.5),
+            specular: Texture::grey(1.0),
+            nonlinear: false,
+            roughness: None,
+        }
+    }
+
+    #[test]
+    fn no_number_of_photons_is_too_many() {
+        let mut rng = gi_core::rng::Pcg::new(1, 1);
+        let photons: Vec<Photon> = (0..100_000)
+            .map(|_| {
+                let [x, z] = rng.next_2d().map(|u| 0.3 * (u - 0.5));
+                photon(Vec3::new(x, 0.0, z), Vec3::Y, Vec3::Y, Kind::Caustic)
+            })
+            .collect();
+        assert_eq!(seen(&floor(grey(0.5)), photons, None).photons, 100_000);
+    }
+}

@@ -1,0 +1,116 @@
+//! The radii to begin with.
+
+use gi_core::camera::Camera;
+use gi_core::eye::EyeVertex;
+use gi_core::film::PerPixel;
+use gi_core::math::Rgb;
+use gi_core::sampler::Sampler;
+use glam::Vec3;
+
+use crate::gather::{Point, answered, radius_of};
+use crate::grid::Grid;
+use crate::methods::Method;
+use crate::photons::Photon;
+use crate::region::{Look, Region};
+use crate::statistics::Statistics;
+
+/// Number of the pass whose photons the radii are found from; none that is added to the picture.
+pub(crate) const PILOT: u32 = u32::MAX;
+/// Largest radius that is chosen automatically, in scene radii.
+const MOST: f32 = 0.03;
+/// Least, in widths of a pixel where the eye's path ends.
+const LEAST_PIXELS: f32 = 1.0;
+
+/// How many pixels did not get the number of photons that was asked for.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct AtBounds {
+    pub(crate) least: u64,
+    pub(crate) most: u64,
+}
+
+/// The regions at the beginning, by what a pilot pass of photons says.
+pub(crate) fn regions(look: &Look, photons: &[Vec<Photon>]) -> (PerPixel<Region>, AtBounds) {
+    let (scene, camera, params) = (look.setting.scene, look.setting.camera, look.params);
+    let mut bounds = AtBounds::default();
+    let size = camera.size();
+    let radii = if params.initial_radius > 0.0 {
+        let radius = f64::from(params.initial_radius * scene.radius());
+        PerPixel::new(size, |_| radius)
+    } else {
+        // Were they spread evenly over the scene's sphere: pi r^2 / (4 pi R^2) = k / n.
+        let stored = photons.iter().map(Vec::len).sum::<usize>().max(1);
+        let share = params.initial_photons as f32 / stored as f32;
+        let guess = scene.radius() * (2.0 * share.sqrt()).min(MOST);
+        let grid = Grid::build(photons, guess);
+        let found = PerPixel::new(size, |at| nearest(look, at, &grid, guess));
+        for n in found.rows().flatten() {
+            bounds.least += u64::from(n.radius <= n.least);
+            bounds.most += u64::from(n.radius >= MOST * scene.radius());
+        }
+        let median =
+            median(found.rows().flatten().map(|n| n.radius)).unwrap_or(0.01 * scene.radius());
+        PerPixel::new(size, |at| match found.get(at) {
+            // One radius for the picture is what makes passes independent of it.
+            Some(n) if params.method != Method::Ppa => f64::from(n.radius),
+            _ => f64::from(median),
+        })
+    };
+    let regions = PerPixel::new(size, |at| {
+        let initial = *radii.get(at);
+        let hits = match params.method {
+            Method::Ppm => look.hit_points(at, params.hit_points, initial),
+            _ => Vec::new(),
+        };
+        Region { statistics: Statistics::new(initial), initial, hits, ..Region::default() }
+    });
+    (regions, bounds)
+}
+
+/// The radius that holds so many photons, and the least one allowed.
+#[derive(Clone, Copy)]
+struct Nearest {
+    radius: f32,
+    least: f32,
+}
+
+/// Look through a pixel, and round the first point where photons are gathered.
+fn nearest(look: &Look, at: [usize; 2], grid: &Grid, guess: f32) -> Option<Nearest> {
+    let setting = look.setting;
+    let pixel = pixel_width(setting.camera);
+    let most = MOST * setting.scene.radius();
+    let mut nearest = None;
+    let mut supply = |v: &EyeVertex, _: &mut Sampler| {
+        let answered = answered(v.bsdf, v.wo, look.params.min_roughness)?;
+        if nearest.is_none() {
+            let least = (LEAST_PIXELS * pixel(v.length)).clamp(f32::MIN_POSITIVE, most);
+            let point = Point {
+                surface: v.surface,
+                wo: v.wo,
+                bsdf: v.bsdf,
+                answered,
+                max_segments: None,
+                throughput: Rgb::WHITE,
+            };
+            let count = look.params.initial_photons as usize;
+            nearest = radius_of(grid, &point, count, guess, [least, most])
+                .map(|radius| Nearest { radius, least });
+        }
+        Some(look.silence(answered))
+    };
+    let _ = look.path().sample_pixel(setting.camera, setting.seed, at, PILOT, &mut supply);
+    nearest
+}
+
+/// The width of the middle pixel at a distance from the eye.
+fn pixel_width(camera: &Camera) -> impl Fn(f32) -> f32 {
+    let [x, y] = camera.size().map(|n| 0.5 * n as f32);
+    let (a, b) = (camera.ray([x - 0.5, y], [0.5; 2]), camera.ray([x + 0.5, y], [0.5; 2]));
+    let apart: [Vec3; 2] = [a.o - b.o, a.d - b.d];
+    move |distance| (apart[0] + apart[1] * distance).length()
+}
+
+fn median(values: impl Iterator<Item = f32>) -> Option<f32> {
+    let mut values: Vec<f32> = values.collect();
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f32::total_cmp).1)
+}

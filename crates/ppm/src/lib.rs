@@ -1,0 +1,285 @@
+//! Progressive photon mapping: photons in passes, none kept, a radius that shrinks [slides 35 to 46].
+//!
+//! | | |
+//! |---|---|
+//! | estimated | light that came over other surfaces, mirrors or glass; what comes straight from lights is sampled |
+//! | formula | L = tau / (pi R^2 n), n passes; R' = R sqrt((N + alpha M) / (N + M)), N' = N + alpha M, tau' = (tau + tau_M) R'^2 / R^2 [slides 41, 42] |
+//! | `--method` | `ppm`: hit points found once \[Hachisuka08\]; `sppm` (default): a pixel looks anew in every pass \[Hachisuka09\]; `ppa`: R by the number of the pass alone \[Knaus11\]; `adaptive`: R balances noise and bias \[Kaplanyan13\] |
+//! | `--alpha` | share of a pass's photons that stay (0.7): 1 keeps the radius, small values shrink it fast |
+//! | `--photons` | light paths a pass (0: as many as pixels) |
+//! | `--initial-radius` | in scene radii (0: as far as `--initial-photons` photons of a pilot pass reach) |
+//! | `--min-roughness` | alpha of the sharpest lobe at which photons are gathered (0.1); sharper ones are followed by rays |
+//! | bias | light is blurred over R: caustics begin soft, corners and contact shadows leak; falls with the passes |
+//! | how it fails | blotches of the initial radius where few photons come (`ppm`, `sppm` shrink there slowly); lights whose photons miss what is seen |
+//! | sources | \[Hachisuka08\], \[Hachisuka09\], \[Hachisuka10\], \[Knaus11\], \[Kaplanyan13\] |
+//!
+//! tau / R^2 gains exactly a pass's own flux / R^2 in every pass, whatever R becomes afterwards: the estimate is the
+//! mean of the passes' own estimates, each with the radius that it was gathered with. So a pass is a sample of the film
+//! like any other technique's.
+#![forbid(unsafe_code)]
+
+mod checkpoint;
+mod error;
+mod gather;
+pub mod grid;
+mod initial;
+pub mod methods;
+pub mod photons;
+mod region;
+mod shows;
+pub mod statistics;
+
+use gi_core::eye::PathLimits;
+use gi_core::film::{Film, PerPixel, Show};
+use gi_core::technique::{Picture, Setting, Technique};
+
+pub use crate::error::Moments;
+use crate::grid::Grid;
+use crate::initial::{AtBounds, PILOT};
+pub use crate::methods::Method;
+use crate::photons::{Emission, Photon};
+use crate::region::{Look, Region};
+pub use crate::shows::{Shown, Trace};
+
+/// The knobs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Params {
+    /// How the radius comes about.
+    pub method: Method,
+    /// Share of a pass's photons that stay, in (0, 1].
+    pub alpha: f64,
+    /// Light paths a pass; 0: as many as pixels.
+    pub photons: u32,
+    /// Radius to begin with, in scene radii; 0: by [`Params::initial_photons`].
+    pub initial_radius: f32,
+    /// Photons of a pilot pass that the disc to begin with holds.
+    pub initial_photons: u32,
+    /// Alpha of the sharpest lobe at which photons are gathered.
+    pub min_roughness: f32,
+    /// Paths of a pixel whose ends are the hit points of [`Method::Ppm`].
+    pub hit_points: u32,
+    /// Whether photons answer for light straight from lights too, as the original has it; else it is sampled.
+    pub direct_by_photons: bool,
+    /// How long paths may be, light's and eye's together.
+    pub limits: PathLimits,
+    /// First scattering at which a light path may end by Russian roulette.
+    pub photon_rr_depth: u32,
+    /// End when the estimated error is below this; 0: do not estimate it.
+    pub stop_at_error: f64,
+    /// Pictures to draw.
+    pub show: Vec<Shown>,
+    /// Pixels whose statistics are written down after every pass.
+    pub trace_pixels: Vec<[usize; 2]>,
+}
+
+impl Default for Params {
+    fn default() -> Self {
+        Params {
+            method: Method::Sppm,
+            alpha: 0.7,
+            photons: 0,
+            initial_radius: 0.0,
+            initial_photons: 10,
+            min_roughness: 0.1,
+            hit_points: 1,
+            direct_by_photons: false,
+            limits: PathLimits::default(),
+            photon_rr_depth: 1,
+            stop_at_error: 0.0,
+            show: Vec::new(),
+            trace_pixels: Vec::new(),
+        }
+    }
+}
+
+/// Progressive photon mapping.
+pub struct Ppm<'a> {
+    setting: Setting<'a>,
+    params: Params,
+    emission: Emission,
+    pixels: PerPixel<Region>,
+    at_bounds: AtBounds,
+    traces: Vec<Trace>,
+    counts: Counts,
+}
+
+/// What has been done so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Counts {
+    pub(crate) passes: u32,
+    pub(crate) paths: u64,
+    pub(crate) stored: u64,
+    /// Photons that contributed, over all pixels and passes.
+    pub(crate) contributed: u64,
+    /// The last estimate of the picture's error; infinite where there is none.
+    pub(crate) error: f64,
+}
+
+impl<'a> Technique<'a> for Ppm<'a> {
+    type Params = Params;
+
+    /// Find the radii to begin with, and the hit points of `ppm`.
+    fn prepare(setting: Setting<'a>, params: &Params) -> Result<Self, String> {
+        let [w, h] = setting.camera.size();
+        check(params, [w, h])?;
+        let paths = if params.photons > 0 { params.photons } else { (w * h) as u32 };
+        let emission = Emission {
+            seed: setting.seed,
+            paths,
+            rr_from: params.photon_rr_depth,
+            max_segments: params.limits.max_depth.map(|most| most.saturating_sub(1)),
+            direct: params.direct_by_photons,
+        };
+        let photons = trace(&setting, params, &emission, PILOT);
+        let look = Look { setting: &setting, params, index: PILOT, moments: false };
+        let (pixels, at_bounds) = initial::regions(&look, &photons);
+        let traces = params.trace_pixels.iter().map(|&at| Trace::new(at)).collect();
+        let counts = Counts { error: f64::INFINITY, ..Counts::default() };
+        let params = params.clone();
+        Ok(Ppm { setting, params, emission, pixels, at_bounds, traces, counts })
+    }
+
+    /// One pass: photons from the lights, organised once; then every pixel looks and gathers.
+    fn pass(&mut self, index: u32, film: &mut Film) {
+        let photons = trace(&self.setting, &self.params, &self.emission, index);
+        let grid = Grid::build(&photons, self.mean_radius());
+        drop(photons);
+        let look = Look {
+            setting: &self.setting,
+            params: &self.params,
+            index,
+            moments: self.needs_moments(),
+        };
+        film.add_pass_with(&mut self.pixels, |at, region| look.pixel(at, region, &grid));
+        self.counts.passes += 1;
+        self.counts.paths += u64::from(self.emission.paths);
+        self.counts.stored += grid.len() as u64;
+        self.counts.contributed += self.pixels.sum(|r| r.found as f64) as u64;
+        let unit = f64::from(self.setting.scene.radius());
+        for trace in &mut self.traces {
+            trace.push(index, self.counts.passes, self.pixels.get(trace.at), unit);
+        }
+        if self.needs_moments() {
+            self.counts.error = self.error_estimate();
+        }
+    }
+
+    fn is_done(&self) -> bool {
+        self.counts.error < self.params.stop_at_error
+    }
+
+    /// Only the probabilistic radius knows nothing of earlier passes.
+    fn passes_are_independent(&self) -> bool {
+        self.params.method == Method::Ppa
+    }
+
+    fn save_state(&self) -> Option<Vec<u8>> {
+        Some(self.write_state())
+    }
+
+    fn restore(&mut self, state: &[u8]) -> Result<(), String> {
+        self.read_state(state)
+    }
+
+    fn statistics(&self) -> Vec<(String, f64)> {
+        let Counts { passes, paths, stored, contributed, error } = self.counts;
+        let pixels = self.setting.camera.size().iter().product::<usize>() as f64;
+        let mean = self.pixels.sum(|r| r.statistics.radius) / pixels;
+        let initial = self.pixels.sum(|r| r.initial) / pixels;
+        let unit = f64::from(self.setting.scene.radius());
+        let mut all = vec![
+            ("photon_paths".into(), paths as f64),
+            ("photons_stored".into(), stored as f64),
+            ("photons_contributed".into(), contributed as f64),
+            ("initial_radius_mean".into(), initial / unit),
+            ("radius_mean".into(), mean / unit),
+            ("initial_radius_at_least".into(), self.at_bounds.least as f64),
+            ("initial_radius_at_most".into(), self.at_bounds.most as f64),
+        ];
+        if self.params.method == Method::Adaptive {
+            let last = methods::derivative_radius(passes.saturating_sub(1));
+            let at_most = |r: &Region| r.statistics.radius >= r.initial * last * (1.0 - 1e-9);
+            let count = self.pixels.sum(|r| f64::from(u8::from(at_most(r))));
+            all.push(("radius_at_most".into(), count));
+        }
+        if error.is_finite() {
+            all.push(("error_estimate".into(), error));
+        }
+        all
+    }
+
+    fn reach(&self) -> String {
+        format!(
+            "all paths; those that end in photons with a blur that vanishes with the passes. Photons are gathered where the \
+             sharpest lobe has alpha >= {}, of sharper surfaces at the Lambertian part; the rest is followed by rays",
+            self.params.min_roughness
+        )
+    }
+
+    fn pictures(&self, _: &Film) -> Vec<Picture> {
+        self.params.show.iter().map(|what| self.picture(*what)).collect()
+    }
+}
+
+/// Refuse what makes no sense.
+fn check(params: &Params, [w, h]: [usize; 2]) -> Result<(), String> {
+    if !(params.alpha > 0.0 && params.alpha <= 1.0) {
+        return Err(format!("--alpha {}: a share above 0, at most 1", params.alpha));
+    }
+    if !(params.initial_radius >= 0.0 && params.initial_radius <= 1.0) {
+        return Err(format!(
+            "--initial-radius {}: in scene radii, at most 1; 0 is automatic",
+            params.initial_radius
+        ));
+    }
+    if let Some([x, y]) = params.trace_pixels.iter().find(|[x, y]| *x >= w || *y >= h) {
+        return Err(format!("--trace-pixel {x},{y}: the picture has {w} x {h} pixels"));
+    }
+    Ok(())
+}
+
+/// The photons of a pass.
+fn trace(setting: &Setting, params: &Params, emission: &Emission, pass: u32) -> Vec<Vec<Photon>> {
+    if setting.show == Show::Direct && !params.direct_by_photons {
+        return Vec::new();
+    }
+    emission.trace(setting.scene, pass, |vertex| {
+        !vertex.bsdf.is_delta()
+            && gather::answered(&vertex.bsdf, vertex.wo, params.min_roughness).is_some()
+    })
+}
+
+impl Ppm<'_> {
+    /// Whether noise and bias are to be known.
+    fn needs_moments(&self) -> bool {
+        let p = &self.params;
+        p.method == Method::Adaptive || p.stop_at_error > 0.0 || p.show.contains(&Shown::Error)
+    }
+
+    /// Mean radius over the picture, world units.
+    fn mean_radius(&self) -> f32 {
+        let pixels = self.setting.camera.size().iter().product::<usize>() as f64;
+        (self.pixels.sum(|r| r.statistics.radius) / pixels) as f32
+    }
+
+    /// The root of the estimated relMSE of the picture's luminance: noise and bias squared over the radiance squared
+    /// plus 0.01.
+    /// Infinite while too few passes know their scatter.
+    pub fn error_estimate(&self) -> f64 {
+        if self.counts.passes < FEWEST_PASSES {
+            return f64::INFINITY;
+        }
+        let pixels = self.setting.camera.size().iter().product::<usize>() as f64;
+        let relative = |m: &Moments| {
+            let scale = m.mean() * m.mean() + RELATIVE_FLOOR;
+            (m.noise_sq() + m.bias_sq()) / scale
+        };
+        (self.pixels.sum(|r| relative(&r.moments)) / pixels).max(0.0).sqrt()
+    }
+}
+
+/// Passes before which their scatter is not trusted.
+const FEWEST_PASSES: u32 = 4;
+
+/// Keeps relative errors of dark pixels finite.
+const RELATIVE_FLOOR: f64 = 1e-2;

@@ -1,0 +1,114 @@
+//! How the radius comes about: the four methods.
+
+use std::f64::consts::PI;
+
+use crate::error::Moments;
+
+/// Which method.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Progressive photon mapping: hit points are found once, each with statistics of its own \[Hachisuka08\].
+    Ppm,
+    /// Stochastic: a pixel looks anew in every pass, all that it sees shares its statistics \[Hachisuka09\].
+    #[default]
+    Sppm,
+    /// Probabilistic: one radius for the picture, a function of the number of the pass alone \[Knaus11\].
+    Ppa,
+    /// A radius for every pixel that balances its noise against its bias \[Kaplanyan13\].
+    Adaptive,
+}
+
+/// R_k / R_0 of pass `k` (the first is 0) by the law that needs no statistics:
+/// R_(i+1)^2 / R_i^2 = (i + alpha) / (i + 1) for i = 1, 2, ... \[Knaus11, eq. 20\].
+pub fn probabilistic_radius(k: u32, alpha: f64) -> f64 {
+    // prod (i + alpha) / (i + 1), i from 1 to k, is Gamma(k + 1 + alpha) / (Gamma(1 + alpha) Gamma(k + 2)).
+    let k = f64::from(k);
+    let log = ln_gamma(k + 1.0 + alpha) - ln_gamma(1.0 + alpha) - ln_gamma(k + 2.0);
+    (0.5 * log).exp()
+}
+
+/// Radius of the derivative's kernel over the initial radius: it needs more photons than the estimate.
+const DERIVATIVE_WIDTH: f64 = 2.0;
+
+/// R_k / R_0 of the kernel that second derivatives are estimated with: the width that is best in the limit shrinks with
+/// the tenth root of the number of photons, for two dimensions and two derivatives \[Silverman86, 4.3; Wand95, 4.9\].
+pub fn derivative_radius(k: u32) -> f64 {
+    DERIVATIVE_WIDTH * f64::from(k + 1).powf(-0.1)
+}
+
+/// The radius that makes the error of the mean over passes least in the limit, from what passes 0 to k - 1 found, and
+/// whether it is the bound `most` instead \[Kaplanyan13\].
+///
+/// With r_i^2 = a i^(-1/3) in pass i, the bias of the mean after k passes is 3/2 a k^(-1/3) lap / 8, its variance
+/// 3/4 S / (pi a) k^(-2/3): a^3 = 64 S / (6 pi lap^2) makes the sum of bias^2 and variance least. S is the density of
+/// squared contributions, lap the Laplacian of the radiance over the surface.
+pub fn adaptive_radius(k: u32, moments: &Moments, most: f64) -> (f64, bool) {
+    let (squares, laplacian_sq) = (moments.squares(), moments.laplacian_sq());
+    if !(squares > 0.0 && laplacian_sq > 0.0) {
+        return (most, true);
+    }
+    let a = (64.0 * squares / (6.0 * PI * laplacian_sq)).cbrt();
+    let radius = (a * f64::from(k + 1).powf(-1.0 / 3.0)).sqrt();
+    if radius < most { (radius, false) } else { (most, true) }
+}
+
+/// Logarithm of the gamma function for x > 0: Stirling's series, the argument raised first
+/// [Abramowitz64, 6.1.41].
+fn ln_gamma(x: f64) -> f64 {
+    const RAISED: f64 = 12.0;
+    let (mut x, mut shift) = (x, 0.0);
+    while x < RAISED {
+        shift += x.ln();
+        x += 1.0;
+    }
+    let inv_sq = 1.0 / (x * x);
+    let series =
+        (1.0 / 12.0 - inv_sq * (1.0 / 360.0 - inv_sq * (1.0 / 1260.0 - inv_sq / 1680.0))) / x;
+    (x - 0.5) * x.ln() - x + 0.5 * (2.0 * PI).ln() + series - shift
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_probabilistic_radius_is_its_product_and_falls_like_a_power() {
+        for alpha in [0.5, 2.0 / 3.0, 0.9, 1.0] {
+            let mut product = 1.0f64;
+            for k in 0..3000u32 {
+                let error = probabilistic_radius(k, alpha) / product.sqrt() - 1.0;
+                assert!(error.abs() < 1e-11, "alpha {alpha}, pass {k}: {error:e}");
+                let i = f64::from(k + 1);
+                product *= (i + alpha) / (i + 1.0);
+            }
+            let squared = |k| probabilistic_radius(k, alpha).powi(2);
+            let slope = (squared(4_000_000) / squared(1_000_000)).ln() / 4f64.ln();
+            assert!((slope - (alpha - 1.0)).abs() < 1e-5, "alpha {alpha}: slope {slope}");
+        }
+    }
+
+    #[test]
+    fn the_adaptive_radius_makes_the_error_least() {
+        let (squares, laplacian) = (3.0, 40.0);
+        let moments = Moments::known(squares, laplacian);
+        // Bias and variance after k passes with r_i^2 = a i^(-1/3), summed as they stand.
+        let k = 20_000;
+        let error = |a: f64| {
+            let (mut areas, mut inverse) = (0.0, 0.0);
+            for i in 1..=k {
+                let r_sq = a * f64::from(i).powf(-1.0 / 3.0);
+                areas += r_sq;
+                inverse += 1.0 / r_sq;
+            }
+            let n = f64::from(k);
+            (areas / n / 8.0 * laplacian).powi(2) + squares / PI * inverse / (n * n)
+        };
+        let a = adaptive_radius(0, &moments, f64::MAX).0.powi(2);
+        assert!(error(a) < error(1.03 * a) && error(a) < error(a / 1.03));
+        let (first, later) =
+            (adaptive_radius(0, &moments, 9.0).0, adaptive_radius(63, &moments, 9.0).0);
+        assert!((first / later - 2.0).abs() < 1e-12, "r^2 falls with the cube root");
+        assert_eq!(adaptive_radius(0, &moments, 1e-3), (1e-3, true));
+        assert_eq!(adaptive_radius(5, &Moments::default(), 0.5), (0.5, true));
+    }
+}

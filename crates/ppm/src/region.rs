@@ -1,0 +1,225 @@
+//! A pixel: what it keeps from pass to pass, and what it does in one.
+
+use gi_core::bsdf::Transport;
+use gi_core::eye::{Answered, EyePath, EyeVertex, Supplied};
+use gi_core::film::Sample;
+use gi_core::geometry::Surface;
+use gi_core::math::Rgb;
+use gi_core::sampler::Sampler;
+use gi_core::technique::Setting;
+use glam::Vec3;
+
+use crate::Params;
+use crate::error::Moments;
+use crate::gather::{Discs, Gathered, Point, answered, gather};
+use crate::grid::Grid;
+use crate::methods::{Method, adaptive_radius, derivative_radius, probabilistic_radius};
+use crate::statistics::Statistics;
+
+/// What a pixel keeps from pass to pass.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Region {
+    /// R, N and tau of all that the pixel sees; of its first hit point with [`Method::Ppm`].
+    pub(crate) statistics: Statistics,
+    /// R at the beginning, world units.
+    pub(crate) initial: f64,
+    /// M of the last pass.
+    pub(crate) found: u64,
+    /// What passes say of the error, where it is asked for.
+    pub(crate) moments: Moments,
+    /// The hit points of [`Method::Ppm`].
+    pub(crate) hits: Vec<Hit>,
+}
+
+/// A point that the eye saw once and for all.
+#[derive(Clone, Debug)]
+pub(crate) struct Hit {
+    pub(crate) surface: Surface,
+    pub(crate) wo: Vec3,
+    pub(crate) answered: Answered,
+    /// What one unit of its radiance adds to the pixel.
+    pub(crate) throughput: Rgb,
+    pub(crate) segments: u32,
+    /// Scatterings by other than delta lobes before it.
+    pub(crate) rough: u32,
+    pub(crate) statistics: Statistics,
+}
+
+/// One over the area of a disc.
+fn per_area(radius: f64) -> f32 {
+    (1.0 / (std::f64::consts::PI * radius * radius)) as f32
+}
+
+/// What a pass works with.
+#[derive(Clone, Copy)]
+pub(crate) struct Look<'s, 'a> {
+    pub(crate) setting: &'s Setting<'a>,
+    pub(crate) params: &'s Params,
+    /// Number of the pass.
+    pub(crate) index: u32,
+    /// Whether the passes' moments are asked for.
+    pub(crate) moments: bool,
+}
+
+impl<'a> Look<'_, 'a> {
+    pub(crate) fn path(&self) -> EyePath<'a> {
+        let Setting { scene, show, .. } = *self.setting;
+        EyePath { scene, limits: self.params.limits, show }
+    }
+
+    /// Most segments that photons may have come over where the eye's path has `segments`.
+    fn photon_segments(&self, segments: u32) -> Option<u32> {
+        self.params.limits.max_depth.map(|most| most - segments.min(most))
+    }
+
+    /// Whether photons answer for light straight from lights too.
+    fn direct(&self, answered: Answered) -> bool {
+        self.params.direct_by_photons && matches!(answered, Answered::Rough)
+    }
+
+    /// What photons answer for is said elsewhere.
+    pub(crate) fn silence(&self, answered: Answered) -> Supplied {
+        let direct = self.direct(answered).then_some(Rgb::BLACK);
+        Supplied { answered, direct, indirect: Rgb::BLACK, caustic: Some(Rgb::BLACK) }
+    }
+
+    /// Look for what the eye sees through a pixel, and gather there.
+    pub(crate) fn pixel(&self, at: [usize; 2], region: &mut Region, grid: &Grid) -> Sample {
+        self.choose_radius(region);
+        let (sample, gathered) = match self.params.method {
+            Method::Ppm => self.at_hit_points(at, region, grid),
+            _ => self.anew(at, region, grid),
+        };
+        region.found = gathered.photons;
+        if self.moments {
+            let radiance = f64::from(sample.radiance.all().luminance());
+            region.moments.add(radiance, &gathered, region.statistics.radius);
+        }
+        if self.params.method == Method::Ppm {
+            if let Some(hit) = region.hits.first() {
+                region.statistics = hit.statistics;
+            }
+        } else {
+            self.progress(&mut region.statistics, &gathered);
+        }
+        sample
+    }
+
+    /// The radius of methods that do not take it from R, N and M.
+    fn choose_radius(&self, region: &mut Region) {
+        let radius = match self.params.method {
+            Method::Ppm | Method::Sppm => return,
+            Method::Ppa => region.initial * probabilistic_radius(self.index, self.params.alpha),
+            Method::Adaptive => {
+                let most = region.initial * derivative_radius(self.index);
+                adaptive_radius(self.index, &region.moments, most).0
+            }
+        };
+        let share = radius / region.statistics.radius;
+        region.statistics.scale(share * share);
+    }
+
+    /// Take what was found in, and shrink as the method says.
+    fn progress(&self, statistics: &mut Statistics, gathered: &Gathered) {
+        let pass = gathered.pass();
+        let share = match self.params.method {
+            Method::Ppm | Method::Sppm => statistics.shrinkage(pass.photons, self.params.alpha),
+            Method::Ppa | Method::Adaptive => 1.0,
+        };
+        statistics.add(&pass);
+        statistics.scale(share);
+    }
+
+    fn discs(&self, radius: f64, initial: f64) -> Discs {
+        let derivative = self.moments.then(|| (initial * derivative_radius(self.index)) as f32);
+        Discs { radius: radius as f32, derivative }
+    }
+
+    /// Look anew: every point that the path ends in is gathered at, all with the pixel's radius.
+    fn anew(&self, at: [usize; 2], region: &Region, grid: &Grid) -> (Sample, Gathered) {
+        let Setting { camera, seed, .. } = *self.setting;
+        let radius = region.statistics.radius;
+        let (discs, density) = (self.discs(radius, region.initial), per_area(radius));
+        let mut total = Gathered::default();
+        let mut supply = |v: &EyeVertex<'_, 'a>, _: &mut Sampler| {
+            let answered = answered(v.bsdf, v.wo, self.params.min_roughness)?;
+            let point = Point {
+                surface: v.surface,
+                wo: v.wo,
+                bsdf: v.bsdf,
+                answered,
+                max_segments: self.photon_segments(v.segments),
+                throughput: v.throughput,
+            };
+            let found = gather(grid, &point, discs);
+            total.add(&found, v.throughput);
+            let (indirect, caustic) = (found.indirect * density, Some(found.caustic * density));
+            let direct = self.direct(answered).then(|| found.direct * density);
+            Some(Supplied { answered, direct, indirect, caustic })
+        };
+        let sample = self.path().sample_pixel(camera, seed, at, self.index, &mut supply);
+        (sample, total)
+    }
+
+    /// Gather at the pixel's hit points; look anew only for the light that photons do not answer for.
+    fn at_hit_points(
+        &self,
+        at: [usize; 2],
+        region: &mut Region,
+        grid: &Grid,
+    ) -> (Sample, Gathered) {
+        let Setting { scene, camera, seed, .. } = *self.setting;
+        let mut answer = |v: &EyeVertex<'_, 'a>, _: &mut Sampler| {
+            let answered = answered(v.bsdf, v.wo, self.params.min_roughness)?;
+            Some(self.silence(answered))
+        };
+        let mut sample = self.path().sample_pixel(camera, seed, at, self.index, &mut answer);
+        let mut total = Gathered::default();
+        let initial = region.initial;
+        for hit in &mut region.hits {
+            let bsdf = scene.bsdf(&hit.surface, hit.wo, Transport::Radiance);
+            let point = Point {
+                surface: &hit.surface,
+                wo: hit.wo,
+                bsdf: &bsdf,
+                answered: hit.answered,
+                max_segments: self.photon_segments(hit.segments),
+                throughput: hit.throughput,
+            };
+            let radius = hit.statistics.radius;
+            let found = gather(grid, &point, self.discs(radius, initial));
+            total.add(&found, hit.throughput);
+            let factor = hit.throughput * per_area(radius);
+            *sample.radiance.of_path(hit.rough + 1, false) += factor * found.direct;
+            *sample.radiance.of_path(hit.rough + 2, false) += factor * found.indirect;
+            *sample.radiance.of_path(hit.rough + 1, true) += factor * found.caustic;
+            let mut seen = Gathered::default();
+            seen.add(&found, hit.throughput);
+            self.progress(&mut hit.statistics, &seen);
+        }
+        (sample, total)
+    }
+
+    /// The hit points of a pixel: where `count` paths, the picture's first, end in photons.
+    pub(crate) fn hit_points(&self, at: [usize; 2], count: u32, radius: f64) -> Vec<Hit> {
+        let Setting { camera, seed, .. } = *self.setting;
+        let mut hits = Vec::new();
+        for index in 0..count {
+            let mut note = |v: &EyeVertex<'_, 'a>, _: &mut Sampler| {
+                let answered = answered(v.bsdf, v.wo, self.params.min_roughness)?;
+                hits.push(Hit {
+                    surface: *v.surface,
+                    wo: v.wo,
+                    answered,
+                    throughput: v.throughput * (1.0 / count as f32),
+                    segments: v.segments,
+                    rough: v.rough,
+                    statistics: Statistics::new(radius),
+                });
+                Some(self.silence(answered))
+            };
+            self.path().sample_pixel(camera, seed, at, index, &mut note);
+        }
+        hits
+    }
+}

@@ -1,0 +1,109 @@
+//! What a run shows of itself: maps of its statistics, and their course at chosen pixels.
+
+use gi_core::canvas::viridis;
+use gi_core::technique::Picture;
+
+use crate::Ppm;
+use crate::region::Region;
+
+/// A map of the statistics, as layers and as a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shown {
+    /// R, in scene radii.
+    Radius,
+    /// N.
+    Photons,
+    /// Estimated noise and bias, luminance.
+    Error,
+}
+
+/// The statistics of a pixel after every pass [slides 40 to 42].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trace {
+    /// Which pixel.
+    pub at: [usize; 2],
+    pub(crate) rows: Vec<Row>,
+}
+
+/// A pixel after a pass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Row {
+    /// Number of the pass.
+    pub(crate) pass: u32,
+    /// R in scene radii.
+    pub(crate) radius: f64,
+    /// N.
+    pub(crate) photons: f64,
+    /// M.
+    pub(crate) found: u64,
+    /// tau / (pi R^2 n).
+    pub(crate) radiance: [f64; 3],
+}
+
+impl Trace {
+    pub(crate) fn new(at: [usize; 2]) -> Self {
+        Trace { at, rows: Vec::new() }
+    }
+
+    pub(crate) fn push(&mut self, pass: u32, passes: u32, region: &Region, unit: f64) {
+        let s = &region.statistics;
+        self.rows.push(Row {
+            pass,
+            radius: s.radius / unit,
+            photons: s.photons,
+            found: region.found,
+            radiance: s.radiance(passes),
+        });
+    }
+}
+
+impl Ppm<'_> {
+    /// The traced pixels as CSV: a line a pixel and pass.
+    pub fn traces_csv(&self) -> String {
+        let mut text = String::from("x,y,pass,radius,N,M,L_r,L_g,L_b\n");
+        for Trace { at: [x, y], rows } in &self.traces {
+            for row in rows {
+                let Row { pass, radius, photons, found, radiance: [r, g, b] } = row;
+                text += &format!("{x},{y},{pass},{radius:e},{photons},{found},{r:e},{g:e},{b:e}\n");
+            }
+        }
+        text
+    }
+
+    pub(crate) fn picture(&self, what: Shown) -> Picture {
+        let unit = f64::from(self.setting.scene.radius());
+        let column = |value: &dyn Fn(&Region) -> f64| -> Vec<f32> {
+            self.pixels.rows().map(|r| value(r) as f32).collect()
+        };
+        let (name, channels): (&str, Vec<(&str, Vec<f32>)>) = match what {
+            Shown::Radius => ("radius", vec![("R", column(&|r| r.statistics.radius / unit))]),
+            Shown::Photons => ("photons", vec![("N", column(&|r| r.statistics.photons))]),
+            Shown::Error => (
+                "error",
+                vec![
+                    ("Noise", column(&|r| r.moments.noise_sq().sqrt())),
+                    ("Bias", column(&|r| r.moments.bias())),
+                ],
+            ),
+        };
+        let magnitude = |i: usize| channels.iter().map(|(_, v)| v[i].abs()).fold(0.0, f32::max);
+        let values: Vec<f32> = (0..channels[0].1.len()).map(magnitude).collect();
+        let view = logarithmic(&values).into_iter().map(viridis).collect();
+        let channels = channels.into_iter().map(|(n, v)| (n.to_string(), v)).collect();
+        Picture { name: name.into(), channels, view }
+    }
+}
+
+/// Values on a logarithmic scale from 0 to 1, between the first and the last percentile of those above zero.
+fn logarithmic(values: &[f32]) -> Vec<f32> {
+    let mut logs: Vec<f32> =
+        values.iter().filter(|v| **v > 0.0 && v.is_finite()).map(|v| v.ln()).collect();
+    if logs.is_empty() {
+        return vec![0.0; values.len()];
+    }
+    logs.sort_by(f32::total_cmp);
+    let (low, high) = (logs[logs.len() / 100], logs[(logs.len() - 1) * 99 / 100]);
+    let span = (high - low).max(1e-6);
+    let place = |v: &f32| if *v > 0.0 { ((v.ln() - low) / span).clamp(0.0, 1.0) } else { 0.0 };
+    values.iter().map(place).collect()
+}

@@ -1,0 +1,168 @@
+//! The program run as a user runs it: checkpoints, traces, messages, exit status.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use gi_core::image_io::{Layers, read_exr};
+
+fn run(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_ppm")).args(arguments).output().expect("it runs")
+}
+
+fn text(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// A folder to work in.
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Folder(tempfile::tempdir().expect("a folder"))
+    }
+
+    fn at(&self, name: &str) -> String {
+        self.0.path().join(name).to_str().expect("UTF-8").to_string()
+    }
+
+    fn files(&self) -> usize {
+        std::fs::read_dir(self.0.path()).expect("the folder").count()
+    }
+
+    /// Run on a small picture of the balls.
+    fn run(&self, name: &str, flags: &[&str]) -> Output {
+        let scene = format!("{}/../../scenes/cornell-spheres.xml", env!("CARGO_MANIFEST_DIR"));
+        let out = self.at(name);
+        run(&[&[scene.as_str(), "-o", &out, "--size", "24x20", "-q"], flags].concat())
+    }
+
+    /// The layers that a run leaves.
+    fn render(&self, name: &str, flags: &[&str]) -> Layers {
+        let output = self.run(name, flags);
+        assert!(output.status.success(), "{flags:?}: {}", text(&output));
+        read_exr(Path::new(&self.at(name))).expect("an EXR")
+    }
+
+    /// A run must be refused as bad input, with these words, and leave nothing.
+    fn refuses(&self, flags: &[&str], says: &[&str]) {
+        let before = self.files();
+        let output = self.run("refused.exr", flags);
+        let text = text(&output);
+        assert_eq!(output.status.code(), Some(2), "{flags:?}: {text}");
+        assert!(!text.contains("panicked"), "{text}");
+        says.iter().for_each(|word| assert!(text.contains(word), "no \"{word}\" in:\n{text}"));
+        assert_eq!(self.files(), before, "{flags:?} left something");
+    }
+}
+
+fn bits(layers: &Layers) -> Vec<(String, Vec<u32>)> {
+    let channels = layers.channels.iter();
+    channels.map(|(n, v)| (n.clone(), v.iter().map(|x| x.to_bits()).collect())).collect()
+}
+
+#[test]
+fn a_resumed_run_has_the_bits_of_one_that_was_never_stopped() {
+    for method in ["ppm", "sppm", "ppa", "adaptive"] {
+        let folder = Folder::new();
+        let (kept, csv, whole_csv) =
+            (folder.at("kept"), folder.at("t.csv"), folder.at("whole.csv"));
+        let common = ["--method", method, "--photons", "700", "--trace-pixel", "9,12"];
+        let render = |name: &str, csv: &str, flags: &[&str]| {
+            let maps = ["--show", "radius", "--show", "photons", "--trace-out", csv];
+            folder.render(name, &[&common, &maps[..], flags].concat())
+        };
+        let whole = render("whole.exr", &whole_csv, &["-t", "1", "--passes", "7"]);
+        let keep = ["--checkpoint", kept.as_str(), "-t", "2", "--passes"];
+        render("half.exr", &csv, &[&keep[..], &["3"]].concat());
+        let resumed = render("resumed.exr", &csv, &[&keep[..], &["7", "--resume"]].concat());
+        assert!(bits(&whole) == bits(&resumed), "{method}");
+        let read = |path: &str| std::fs::read_to_string(path).expect("a trace");
+        assert_eq!(read(&csv), read(&whole_csv), "{method}");
+        assert_eq!(read(&csv).lines().count(), 1 + 7);
+        // Nothing is left to do: the same picture again.
+        let again = render("again.exr", &csv, &[&keep[..], &["7", "--resume"]].concat());
+        assert!(bits(&again) == bits(&whole), "{method}");
+    }
+}
+
+#[test]
+fn ranges_of_probabilistic_passes_merge_to_the_whole() {
+    let folder = Folder::new();
+    let ppa = ["--method", "ppa", "--photons", "700"];
+    let whole = folder.render("whole.exr", &[&ppa[..], &["--passes", "5"]].concat());
+    let [a, b] = ["a", "b"].map(|name| folder.at(name));
+    for (first, passes, file) in [("0", "2", &a), ("2", "3", &b)] {
+        let flags = ["--first-pass", first, "--passes", passes, "--checkpoint", file];
+        folder.render("part.exr", &[&ppa[..], &flags].concat());
+    }
+    let merged = folder.render("m.exr", &[&ppa[..], &["--merge", &a, "--merge", &b]].concat());
+    for ((name, m), (_, w)) in merged.channels.iter().zip(&whole.channels) {
+        // Sums in another order: the last bits of a double may differ, and so the last of a float.
+        let near = m.iter().zip(w).all(|(m, w)| (m - w).abs() <= 4e-6 * w.abs().max(1e-3));
+        assert!(near, "{name}");
+    }
+    folder.refuses(&[&ppa[..], &["--merge", &a, "--merge", &a]].concat(), &["overlap"]);
+    folder.refuses(&["--first-pass", "3"], &["build on each other"]);
+}
+
+#[test]
+fn checkpoints_of_another_run_are_refused_with_the_cause() {
+    let folder = Folder::new();
+    let kept = folder.at("kept");
+    let keep = ["--passes", "1", "--checkpoint", kept.as_str()];
+    let resume = [&keep[..], &["--resume"]].concat();
+    folder.refuses(&resume, &["cannot read", "kept"]);
+    folder.refuses(&["--resume"], &["--checkpoint"]);
+    folder.render("p.exr", &keep);
+    let refuses = |flags: &[&str], says: &[&str]| {
+        folder.refuses(&[&resume[..], flags].concat(), says);
+    };
+    refuses(&["--seed", "5"], &["seed", "5"]);
+    refuses(&["--alpha", "0.5"], &["other parameters", "alpha 0.7"]);
+    refuses(&["--method", "ppa"], &["other parameters", "Sppm"]);
+    refuses(&["--size", "25x20"], &["camera"]);
+    refuses(&["--component", "caustic"], &["component"]);
+    refuses(&["--stop-at-error", "0.1"], &["error"]);
+    let bytes = std::fs::read(&kept).expect("the checkpoint");
+    for n in [0, 10, 100, bytes.len() / 2, bytes.len() - 1] {
+        std::fs::write(&kept, &bytes[..n]).expect("written");
+        refuses(&[], &["cannot use", "kept"]);
+    }
+    // Whatever byte is wrong, even of a length, there is no panic and no hunger for memory.
+    for k in (0..2500).step_by(41) {
+        let mut damaged = bytes.clone();
+        damaged[k] ^= 0xff;
+        std::fs::write(&kept, damaged).expect("written");
+        let output = folder.run("damaged.exr", &resume);
+        assert!(matches!(output.status.code(), Some(0 | 2)), "byte {k}: {}", text(&output));
+        assert!(!text(&output).contains("panicked"), "byte {k}: {}", text(&output));
+    }
+}
+
+#[test]
+fn knobs_that_make_no_sense_are_refused() {
+    let folder = Folder::new();
+    folder.refuses(&["--alpha", "0"], &["--alpha"]);
+    folder.refuses(&["--alpha", "nan"], &["--alpha"]);
+    folder.refuses(&["--initial-radius=-0.1"], &["--initial-radius"]);
+    folder.refuses(&["--initial-photons", "0"], &["initial-photons"]);
+    folder.refuses(&["--method", "sspm"], &["sppm"]);
+    folder.refuses(&["--trace-pixel", "3,4"], &["--trace-out"]);
+    let csv = folder.at("t.csv");
+    folder.refuses(&["--trace-pixel", "24,0", "--trace-out", &csv], &["24 x 20"]);
+    folder.refuses(&["--trace-pixel", "x", "--trace-out", &csv], &["X,Y"]);
+}
+
+#[test]
+fn a_run_ends_when_its_estimated_error_is_small_enough() {
+    let folder = Folder::new();
+    let stats = folder.at("s.json");
+    let stop = ["--stop-at-error", "0.2", "--passes", "2000", "--show", "error"];
+    let layers = folder.render("p.exr", &[&stop[..], &["--stats", &stats]].concat());
+    assert!(layers.channel("Error.Noise").is_some() && layers.channel("Error.Bias").is_some());
+    let passes = layers.metadata.iter().find(|(n, _)| n == "gi.passes").expect("passes");
+    let passes: u32 = passes.1.parse().expect("a number");
+    assert!((3..2000).contains(&passes), "{passes} passes");
+    assert!(Path::new(&folder.at("p.error.png")).exists());
+    assert!(std::fs::read_to_string(stats).expect("statistics").contains("error_estimate"));
+}
