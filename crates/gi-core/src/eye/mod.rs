@@ -4,6 +4,8 @@
 //! cache, a photon map, virtual lights), it supplies that at a vertex, and the path goes on only for what
 //! is left: light that comes straight from a light or through mirrors and glass, and lobes that it did not answer for.
 
+mod prefix;
+
 use glam::Vec3;
 
 use crate::bsdf::{Bsdf, DiffusePart, Transport};
@@ -15,6 +17,7 @@ use crate::nee::{direct_light, emitter_weight};
 use crate::ray::Ray;
 use crate::sampler::Sampler;
 use crate::scene::Scene;
+use prefix::Prefix;
 
 /// Russian roulette lets at least one path in twenty end, so that no path is endless.
 const MAX_SURVIVAL: f32 = 0.95;
@@ -101,55 +104,6 @@ pub enum Answered {
     Diffuse(DiffusePart),
 }
 
-/// What has happened on a path since the eye.
-struct Prefix {
-    /// Scattered share of the radiance, already divided by all densities.
-    throughput: Rgb,
-    /// Share of the throughput that light counts with which is scattered once more by other than a delta lobe:
-    /// the rest of it was supplied at the last vertex.
-    unanswered: Rgb,
-    /// Whether light over delta lobes was supplied at the last vertex.
-    caustic_answered: bool,
-    /// Whether light straight from lights was.
-    direct_answered: bool,
-    /// Where light from the next surface, if it is met straight, was supplied: how much of it shows there.
-    straight: Option<Straight>,
-    /// Where the last scattering was, and its density per solid angle; `None` at the eye and after delta lobes.
-    last: Option<(Vec3, f32)>,
-    /// Scatterings by other than delta lobes.
-    rough: u32,
-    /// Whether the last scattering was by a delta lobe.
-    after_delta: bool,
-    /// Product of the squared indices that refraction divided the throughput by.
-    eta_sq: f32,
-    segments: u32,
-    length: f32,
-}
-
-impl Prefix {
-    const EYE: Prefix = Prefix {
-        throughput: Rgb::WHITE,
-        unanswered: Rgb::WHITE,
-        caustic_answered: false,
-        direct_answered: false,
-        straight: None,
-        last: None,
-        rough: 0,
-        after_delta: false,
-        eta_sq: 1.0,
-        segments: 1,
-        length: 0.0,
-    };
-}
-
-impl Prefix {
-    /// Whether the light of what is met now was supplied at the last vertex.
-    #[inline]
-    fn has_answered_lights(&self) -> bool {
-        if self.after_delta { self.caustic_answered } else { self.direct_answered }
-    }
-}
-
 /// A supplier for paths that nobody answers for.
 #[inline]
 pub fn nothing(_: &EyeVertex, _: &mut Sampler) -> Option<Supplied> {
@@ -228,27 +182,12 @@ impl<'a> EyePath<'a> {
             if ends && bsdf.straight_through(wo).is_black() {
                 return;
             }
+            // Ask the technique, for what nobody has answered for.
             let rough = !bsdf.is_delta();
-            // Share of what is scattered here that nobody has answered for.
-            let unanswered_here = match prefix.straight {
-                Some(straight) if rough => straight.unanswered(&surface, wo),
-                _ => prefix.unanswered,
-            };
-            let here = if rough { play_for(unanswered_here, sampler) } else { unanswered_here };
-            // Ask the technique.
+            let here = prefix.unanswered_at(&surface, wo, rough, sampler);
             let mut supplied = None;
             if rough && !ends && !here.is_black() {
-                let Prefix { segments, rough, length, .. } = prefix;
-                let throughput = prefix.throughput * prefix.unanswered;
-                let vertex = EyeVertex {
-                    surface: &surface,
-                    wo,
-                    bsdf: &bsdf,
-                    segments,
-                    rough,
-                    length,
-                    throughput,
-                };
+                let vertex = prefix.vertex(&surface, wo, &bsdf, here);
                 supplied = supply(&vertex, sampler);
                 add_supplied(supplied.as_ref(), &prefix, here, &mut out.radiance);
             }
@@ -263,40 +202,27 @@ impl<'a> EyePath<'a> {
             if ends && !scatter.null {
                 return;
             }
-            if scatter.delta {
-                prefix.throughput *= scatter.weight;
+            if !scatter.null {
+                prefix.scatter(&surface, &bsdf, wo, &scatter, supplied.as_ref(), here);
             } else {
-                prefix.throughput *= scatter.weight * here;
-                prefix.unanswered = unanswered(supplied.as_ref(), &bsdf, wo, scatter.wi);
-                prefix.caustic_answered = supplied.is_some_and(|s| s.caustic.is_some());
-                prefix.direct_answered = supplied.is_some_and(|s| s.direct.is_some());
+                prefix.throughput *= scatter.weight;
             }
-            if !scatter.null {
-                prefix.straight = supplied
-                    .filter(|_| !scatter.delta)
-                    .and_then(|s| Straight::new(&s.answered, &surface, scatter.wi));
-            }
-            if !scatter.null {
-                prefix.segments += 1;
-                prefix.last = (!scatter.delta).then_some((surface.p, scatter.pdf_w));
-                prefix.rough += u32::from(!scatter.delta);
-                prefix.after_delta = scatter.delta;
-                prefix.eta_sq *= scatter.eta * scatter.eta;
-            }
-            if self.is_done(&prefix) {
+            if self.is_done(&prefix) || !self.survives(&mut prefix, u_roulette) {
                 return;
             }
-            // Play Russian roulette with what is left, the squeezing by refraction undone.
-            let mut survival = 1.0;
-            if prefix.segments > self.limits.rr_depth {
-                survival = (prefix.throughput.max() * prefix.eta_sq).min(MAX_SURVIVAL);
-            }
-            if u_roulette >= survival {
-                return;
-            }
-            prefix.throughput = prefix.throughput / survival;
             ray = scene.spawn(&surface, scatter.wi);
         }
+    }
+
+    /// Play Russian roulette with what is left, the squeezing by refraction undone.
+    #[inline]
+    fn survives(&self, prefix: &mut Prefix, u: f32) -> bool {
+        let mut survival = 1.0;
+        if prefix.segments > self.limits.rr_depth {
+            survival = (prefix.throughput.max() * prefix.eta_sq).min(MAX_SURVIVAL);
+        }
+        prefix.throughput = prefix.throughput / survival;
+        u < survival
     }
 
     /// Whether nothing that the path can still find is asked for.
@@ -367,43 +293,6 @@ impl<'a> EyePath<'a> {
     }
 }
 
-/// Where a part of the next scattering was answered for, play Russian roulette for the rest: it is mostly small.
-#[inline]
-fn play_for(unanswered: Rgb, sampler: &mut Sampler) -> Rgb {
-    if unanswered.is_black() || unanswered == Rgb::WHITE {
-        return unanswered;
-    }
-    let survival = unanswered.max().min(1.0);
-    let survives = sampler.next_1d() < survival;
-    if survives { unanswered / survival } else { Rgb::BLACK }
-}
-
-/// [`Answered::Straight`] on its way to the next surface.
-#[derive(Clone, Copy)]
-struct Straight {
-    p: Vec3,
-    cos: f32,
-    most: f32,
-}
-
-impl Straight {
-    fn new(answered: &Answered, surface: &Surface, wi: Vec3) -> Option<Self> {
-        match *answered {
-            Answered::Straight { most } => {
-                Some(Straight { p: surface.p, cos: surface.ng.dot(wi).abs(), most })
-            }
-            _ => None,
-        }
-    }
-
-    /// Share of the light of `surface`, met straight, that the bounded geometric term left out.
-    fn unanswered(&self, surface: &Surface, wo: Vec3) -> Rgb {
-        let cos = surface.ng.dot(wo).abs();
-        let geometry = self.cos * cos / (surface.p - self.p).length_squared();
-        Rgb::grey(if geometry > self.most { 1.0 - self.most / geometry } else { 0.0 })
-    }
-}
-
 #[inline]
 fn add_supplied(supplied: Option<&Supplied>, prefix: &Prefix, here: Rgb, out: &mut Components) {
     let Some(supplied) = supplied else { return };
@@ -414,16 +303,5 @@ fn add_supplied(supplied: Option<&Supplied>, prefix: &Prefix, here: Rgb, out: &m
     }
     if let Some(caustic) = supplied.caustic {
         *out.of_path(prefix.rough + 1, true) += factor * caustic;
-    }
-}
-
-/// Share of scattering toward `wi` that was not answered for.
-#[inline]
-fn unanswered(supplied: Option<&Supplied>, bsdf: &Bsdf, wo: Vec3, wi: Vec3) -> Rgb {
-    match supplied.map(|s| s.answered) {
-        // What is answered of light met straight shows where it is met.
-        None | Some(Answered::Straight { .. }) => Rgb::WHITE,
-        Some(Answered::Rough) => Rgb::BLACK,
-        Some(Answered::Diffuse(part)) => bsdf.beside_diffuse(&part, wo, wi),
     }
 }

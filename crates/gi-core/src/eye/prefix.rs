@@ -1,0 +1,164 @@
+//! What has happened on a path, and what of its future a technique has answered for.
+
+use glam::Vec3;
+
+use super::{Answered, EyeVertex, Supplied};
+use crate::bsdf::{Bsdf, Scatter};
+use crate::geometry::Surface;
+use crate::math::Rgb;
+use crate::sampler::Sampler;
+
+/// What has happened on a path since the eye.
+pub(super) struct Prefix {
+    /// Scattered share of the radiance, already divided by all densities.
+    pub(super) throughput: Rgb,
+    /// Share of the throughput that light counts with which is scattered once more by other than a delta lobe:
+    /// the rest of it was supplied at the last vertex.
+    pub(super) unanswered: Rgb,
+    /// Whether light over delta lobes was supplied at the last vertex.
+    pub(super) caustic_answered: bool,
+    /// Whether light straight from lights was.
+    pub(super) direct_answered: bool,
+    /// Where light from the next surface, if it is met straight, was supplied: how much of it shows there.
+    pub(super) straight: Option<Straight>,
+    /// Where the last scattering was, and its density per solid angle; `None` at the eye and after delta lobes.
+    pub(super) last: Option<(Vec3, f32)>,
+    /// Scatterings by other than delta lobes.
+    pub(super) rough: u32,
+    /// Whether the last scattering was by a delta lobe.
+    pub(super) after_delta: bool,
+    /// Product of the squared indices that refraction divided the throughput by.
+    pub(super) eta_sq: f32,
+    /// Segments so far, the one that is followed included.
+    pub(super) segments: u32,
+    /// Length so far, world units.
+    pub(super) length: f32,
+}
+
+impl Prefix {
+    pub(super) const EYE: Prefix = Prefix {
+        throughput: Rgb::WHITE,
+        unanswered: Rgb::WHITE,
+        caustic_answered: false,
+        direct_answered: false,
+        straight: None,
+        last: None,
+        rough: 0,
+        after_delta: false,
+        eta_sq: 1.0,
+        segments: 1,
+        length: 0.0,
+    };
+
+    /// The path's point for a technique to answer at, of which `here` nobody has answered for.
+    #[inline]
+    pub(super) fn vertex<'v, 'a>(
+        &self,
+        surface: &'v Surface,
+        wo: Vec3,
+        bsdf: &'v Bsdf<'a>,
+        here: Rgb,
+    ) -> EyeVertex<'v, 'a> {
+        let Prefix { segments, rough, length, .. } = *self;
+        let throughput = self.throughput * here;
+        EyeVertex { surface, wo, bsdf, segments, rough, length, throughput }
+    }
+
+    /// Share of what `surface` scatters, by other than delta lobes if `rough`, that nobody has answered for. Small shares are
+    /// rounded to nothing or one by Russian roulette.
+    #[inline]
+    pub(super) fn unanswered_at(
+        &self,
+        surface: &Surface,
+        wo: Vec3,
+        rough: bool,
+        sampler: &mut Sampler,
+    ) -> Rgb {
+        match &self.straight {
+            _ if !rough => self.unanswered,
+            Some(straight) => play_for(straight.unanswered(surface, wo), sampler),
+            None => play_for(self.unanswered, sampler),
+        }
+    }
+
+    /// Take in that the path was scattered at `surface`, where `here` was not answered for before and `supplied` is now.
+    #[inline]
+    pub(super) fn scatter(
+        &mut self,
+        surface: &Surface,
+        bsdf: &Bsdf,
+        wo: Vec3,
+        scatter: &Scatter,
+        supplied: Option<&Supplied>,
+        here: Rgb,
+    ) {
+        self.throughput *= scatter.weight;
+        self.segments += 1;
+        self.after_delta = scatter.delta;
+        self.eta_sq *= scatter.eta * scatter.eta;
+        (self.last, self.straight) = (None, None);
+        if !scatter.delta {
+            self.throughput *= here;
+            self.rough += 1;
+            self.last = Some((surface.p, scatter.pdf_w));
+            self.unanswered = unanswered(supplied, bsdf, wo, scatter.wi);
+            self.caustic_answered = supplied.is_some_and(|s| s.caustic.is_some());
+            self.direct_answered = supplied.is_some_and(|s| s.direct.is_some());
+            self.straight = supplied.and_then(|s| Straight::new(&s.answered, surface, scatter.wi));
+        }
+    }
+
+    /// Whether the light of what is met now was supplied at the last vertex.
+    #[inline]
+    pub(super) fn has_answered_lights(&self) -> bool {
+        if self.after_delta { self.caustic_answered } else { self.direct_answered }
+    }
+}
+
+/// Where a part of the next scattering was answered for, play Russian roulette for the rest: it is mostly small.
+#[inline]
+fn play_for(unanswered: Rgb, sampler: &mut Sampler) -> Rgb {
+    if unanswered.is_black() || unanswered == Rgb::WHITE {
+        return unanswered;
+    }
+    let survival = unanswered.max().min(1.0);
+    let survives = sampler.next_1d() < survival;
+    if survives { unanswered / survival } else { Rgb::BLACK }
+}
+
+/// [`Answered::Straight`] on its way to the next surface.
+#[derive(Clone, Copy)]
+pub(super) struct Straight {
+    p: Vec3,
+    cos: f32,
+    most: f32,
+}
+
+impl Straight {
+    fn new(answered: &Answered, surface: &Surface, wi: Vec3) -> Option<Self> {
+        match *answered {
+            Answered::Straight { most } => {
+                Some(Straight { p: surface.p, cos: surface.ng.dot(wi).abs(), most })
+            }
+            _ => None,
+        }
+    }
+
+    /// Share of the light of `surface`, met straight, that the bounded geometric term left out.
+    fn unanswered(&self, surface: &Surface, wo: Vec3) -> Rgb {
+        let cos = surface.ng.dot(wo).abs();
+        let geometry = self.cos * cos / (surface.p - self.p).length_squared();
+        Rgb::grey(if geometry > self.most { 1.0 - self.most / geometry } else { 0.0 })
+    }
+}
+
+/// Share of scattering toward `wi` that was not answered for.
+#[inline]
+fn unanswered(supplied: Option<&Supplied>, bsdf: &Bsdf, wo: Vec3, wi: Vec3) -> Rgb {
+    match supplied.map(|s| s.answered) {
+        // What is answered of light met straight shows where it is met.
+        None | Some(Answered::Straight { .. }) => Rgb::WHITE,
+        Some(Answered::Rough) => Rgb::BLACK,
+        Some(Answered::Diffuse(part)) => bsdf.beside_diffuse(&part, wo, wi),
+    }
+}
