@@ -28,7 +28,7 @@ const NEIGHBOURS: usize = 4;
 const SAMPLED: usize = 4096;
 
 impl Spheres {
-    /// Let each sphere reach its [`NEIGHBOURS`]-th nearest light: small where lights are dense.
+    /// Let each sphere reach its fourth nearest light: small where lights are dense.
     pub fn round(lights: &[Vpl], scene: &Scene) -> Self {
         let step = lights.len().div_ceil(SAMPLED).max(1);
         let some: Vec<Vec3> = lights.iter().step_by(step).map(|v| v.p).collect();

@@ -14,7 +14,7 @@ pub type Hessian = DMat2;
 
 /// Every ray's surface as a small emitter that nothing hides. The factor of a point seen in direction w at distance r on
 /// a surface with normal m, with G = cos cos' / r^2, is
-/// (24 w w' - 4 I - 4 (m w' + w m') / cos') / r^2. Surfaces seen at less than [`GRAZING`] would count
+/// (24 w w' - 4 I - 4 (m w' + w m') / cos') / r^2. Surfaces seen at less than a cosine of 0.1 would count
 /// without bound: they count as if seen at that.
 pub fn geometric(h: &Hemisphere) -> Hessian {
     let mut sum = DMat2::ZERO;
