@@ -1,5 +1,7 @@
 //! Irradiance caching against the truth and against itself.
 
+use gi_core::cache::control::ErrorControl;
+use gi_core::cache::record::Gradients;
 use gi_core::camera::CameraSpec;
 use gi_core::eye::PathLimits;
 use gi_core::film::{Film, Show};
@@ -11,9 +13,7 @@ use gi_core::technique::Technique;
 use gi_core::texture::Texture;
 use gi_tests::{World, cube_inside, furnace, grey, mean_and_variance, polygon};
 use glam::Vec3;
-use irrcache::control::ErrorControl;
 use irrcache::file::SavedCache;
-use irrcache::record::Gradients;
 use irrcache::{IrradianceCaching, Params};
 use pathtrace::PathTracer;
 

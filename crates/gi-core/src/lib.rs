@@ -16,6 +16,7 @@
 pub mod bsdf;
 pub mod bvh;
 pub mod bytes;
+pub mod cache;
 pub mod camera;
 pub mod canvas;
 pub mod eye;

@@ -17,34 +17,23 @@
 
 #![forbid(unsafe_code)]
 
-pub mod cache;
-pub mod control;
-pub mod figures;
 pub mod file;
-pub mod fill;
-pub mod gather;
-pub mod gradients;
-pub mod hemisphere;
-pub mod hessian;
-pub mod octree;
 mod overture;
 mod params;
-pub mod record;
-pub mod site;
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
+use gi_core::cache::gather::sees;
+use gi_core::cache::record::Record;
+use gi_core::cache::site::{Query, RELAXED, Site};
+use gi_core::cache::{Cache, Weighing};
 use gi_core::eye::{Answered, EyePath, EyeVertex, Supplied};
 use gi_core::film::{Film, Show};
 use gi_core::math::{INV_PI, Rgb};
 use gi_core::technique::{Picture, Setting, Technique};
 
-use cache::{Cache, Weighing};
-use file::SavedCache;
-use gather::sees;
+use file::{Levels, SavedCache};
 pub use params::Params;
-use record::Record;
-use site::{Query, RELAXED};
 
 /// Irradiance caching.
 pub struct IrradianceCaching<'a> {
@@ -168,7 +157,7 @@ impl<'a> IrradianceCaching<'a> {
 
     pub(crate) fn lookup(&self, cache: &Cache<Record>, q: &Query, slack: f32) -> Option<Rgb> {
         let scene = self.setting.scene;
-        let sees = |site: &site::Site| !self.params.leak_guard || sees(scene, site, q);
+        let sees = |site: &Site| !self.params.leak_guard || sees(scene, site, q);
         cache.irradiance(q, self.params.gradients, slack, sees)
     }
 
@@ -184,20 +173,8 @@ impl<'a> IrradianceCaching<'a> {
 
     /// Take the records of a saved cache.
     fn read(&mut self, saved: &SavedCache) -> Result<(), String> {
-        if saved.world != self.setting.world {
-            return Err(
-                "the cache was made of another scene: its shapes, materials or lights differ"
-                    .into(),
-            );
-        }
-        let settings = self.shaping_settings();
-        if saved.settings != settings {
-            return Err(format!(
-                "the cache was made with {}, this run has {settings}: make them alike",
-                saved.settings
-            ));
-        }
-        for (cache, records) in self.levels.iter_mut().zip(&saved.levels) {
+        saved.check(self.setting.world, &self.shaping_settings())?;
+        for (cache, records) in self.levels.iter_mut().zip(&saved.body.0) {
             self.read += records.len();
             // Neighbours have limited each other already: putting them in changes nothing.
             records.iter().for_each(|r| cache.insert(*r));
@@ -210,7 +187,7 @@ impl<'a> IrradianceCaching<'a> {
         SavedCache {
             world: self.setting.world,
             settings: self.shaping_settings(),
-            levels: self.levels.iter().map(|c| c.records().to_vec()).collect(),
+            body: Levels(self.levels.iter().map(|c| c.records().to_vec()).collect()),
         }
     }
 

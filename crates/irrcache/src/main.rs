@@ -5,12 +5,13 @@ use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
 use gi_cli::{Common, Program, read_input};
+use gi_core::cache::Weights;
+use gi_core::cache::control::{ErrorControl, SphereRadius};
+use gi_core::cache::export::{to_csv, to_ply};
+use gi_core::cache::figures::Figure;
+use gi_core::cache::record::Gradients;
 use gi_core::eye::PathLimits;
-use irrcache::cache::Weights;
-use irrcache::control::{ErrorControl, SphereRadius};
-use irrcache::figures::Figure;
-use irrcache::file::{SavedCache, to_csv, to_ply};
-use irrcache::record::Gradients;
+use irrcache::file::SavedCache;
 use irrcache::{IrradianceCaching, Params};
 
 /// Irradiance caching: indirect light of diffuse surfaces from few records of irradiance [slides 5-14].
@@ -190,7 +191,7 @@ impl Program for Args {
         if self.cache_out.as_deref() == Some(path) {
             return technique.saved().to_bytes();
         }
-        let records = technique.cache().records();
+        let records = technique.cache().records().iter();
         match path.extension() {
             Some(e) if e.eq_ignore_ascii_case("csv") => to_csv(records).into_bytes(),
             _ => to_ply(records),

@@ -8,13 +8,13 @@ use gi_core::technique::Setting;
 use rayon::prelude::*;
 
 use crate::IrradianceCaching;
-use crate::cache::Cache;
-use crate::control::Control;
-use crate::fill::{coarse_to_fine, in_rounds, scattered};
-use crate::gather::{Gatherer, Place};
-use crate::hemisphere::Strata;
 use crate::params::Params;
-use crate::record::Record;
+use gi_core::cache::Cache;
+use gi_core::cache::control::Control;
+use gi_core::cache::fill::{coarse_to_fine, in_rounds, scattered};
+use gi_core::cache::gather::{Gatherer, Place};
+use gi_core::cache::hemisphere::Strata;
+use gi_core::cache::record::Record;
 
 impl<'a> IrradianceCaching<'a> {
     /// How records of a level are made. Each level is seen through the one before, and may be coarser by as much: half the

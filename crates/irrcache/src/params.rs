@@ -2,11 +2,11 @@
 
 use gi_core::eye::PathLimits;
 
-use crate::cache::Weights;
-use crate::control::{ErrorControl, SphereRadius};
-use crate::figures::Figure;
 use crate::file::SavedCache;
-use crate::record::Gradients;
+use gi_core::cache::Weights;
+use gi_core::cache::control::{ErrorControl, SphereRadius};
+use gi_core::cache::figures::Figure;
+use gi_core::cache::record::Gradients;
 
 /// The knobs.
 #[derive(Clone, Debug, PartialEq)]

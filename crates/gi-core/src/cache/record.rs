@@ -1,9 +1,10 @@
 //! What is kept of a point: its irradiance, and how that changes.
 
-use gi_core::math::Rgb;
+use crate::math::Rgb;
+use glam::Vec3;
 
-use crate::gradients::Gradient;
-use crate::site::{Query, Site, Sited};
+use super::gradients::Gradient;
+use super::site::{Query, Site, Sited};
 
 /// A record of the cache: the lecture's irradiance sample [slide 10], with gradients.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,5 +54,28 @@ impl Record {
             e += self.translational.along(q.p - self.site.p);
         }
         e
+    }
+}
+
+impl Record {
+    /// Floats of a record.
+    pub const FLOATS: usize = 3 + Site::FLOATS + 2 * 9;
+
+    /// The record as floats, for files.
+    pub fn put_floats(&self, out: &mut Vec<f32>) {
+        out.extend(self.e.to_array());
+        self.site.put_floats(out);
+        for g in [&self.rotational, &self.translational] {
+            g.0.iter().for_each(|v| out.extend(v.to_array()));
+        }
+    }
+
+    /// The record of [`Record::FLOATS`] floats.
+    pub fn from_floats(floats: &[f32]) -> Self {
+        let v = |k: usize| Vec3::from_slice(&floats[k..]);
+        let gradient = |k: usize| Gradient([v(k), v(k + 3), v(k + 6)]);
+        let site = Site::from_floats(&floats[3..3 + Site::FLOATS]);
+        let e = Rgb::from(v(0).to_array());
+        Record { e, site, rotational: gradient(16), translational: gradient(25) }
     }
 }

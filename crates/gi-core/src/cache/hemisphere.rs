@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use gi_core::math::{Rgb, safe_sqrt};
+use crate::math::{Rgb, safe_sqrt};
 use glam::Vec3;
 
 /// A hemisphere cut into M rings and N sectors that hold equal shares of the cosine-weighted solid angle. Directions are
@@ -116,7 +116,7 @@ impl Hemisphere {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use gi_core::rng::Pcg;
+    use crate::rng::Pcg;
 
     /// A hemisphere over what `look` says of a direction: radiance, distance, normal.
     pub(crate) fn hemisphere(

@@ -1,16 +1,16 @@
-//! What the technique shows of itself.
+//! Pictures of a cache.
 
 use std::f32::consts::PI;
 
-use gi_core::canvas::{Canvas, seen_at, viridis};
-use gi_core::film::Film;
-use gi_core::math::{Bounds, Rgb};
-use gi_core::technique::{Picture, Setting};
+use crate::canvas::{Canvas, seen_at, viridis};
+use crate::film::Film;
+use crate::math::{Bounds, Rgb};
+use crate::technique::{Picture, Setting};
 use glam::{Vec2, Vec3};
 
-use crate::cache::Cache;
-use crate::record::Record;
-use crate::site::{Query, Site};
+use super::Cache;
+
+use super::site::{Query, Site, Sited};
 
 /// Pictures that may be asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,7 +29,7 @@ pub enum Figure {
 
 impl Figure {
     /// Draw.
-    pub fn draw(self, setting: &Setting, cache: &Cache<Record>, film: &Film) -> Picture {
+    pub fn draw(self, setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Picture {
         let named = |name: &str, view| Picture { name: name.into(), channels: Vec::new(), view };
         match self {
             Figure::Records => records(setting, cache, film),
@@ -48,9 +48,9 @@ fn background(film: &Film, brightness: f32) -> Canvas {
 }
 
 /// Places in the picture of the records that it shows.
-fn visible<'c>(setting: &Setting, cache: &'c Cache<Record>) -> Vec<(&'c Site, Vec2)> {
+fn visible<'c>(setting: &Setting, cache: &'c Cache<impl Sited>) -> Vec<(&'c Site, Vec2)> {
     let place = |s: &'c Site| Some((s, seen_at(setting.scene, setting.camera, s.p, s.n)?));
-    cache.records().iter().map(|r| &r.site).filter_map(place).collect()
+    cache.records().iter().map(Sited::site).filter_map(place).collect()
 }
 
 /// Colours for radii, from the smallest (0) to the largest (1), on a logarithmic scale.
@@ -60,7 +60,7 @@ fn scale(sites: &[(&Site, Vec2)]) -> impl Fn(f32) -> f32 + use<> {
     move |r| if high > low { (r / low).ln() / (high / low).ln() } else { 1.0 }
 }
 
-fn records(setting: &Setting, cache: &Cache<Record>, film: &Film) -> Picture {
+fn records(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Picture {
     let mut canvas = background(film, 0.35);
     let shown = visible(setting, cache);
     let of_radius = scale(&shown);
@@ -82,7 +82,7 @@ fn dot(film: &Film) -> f32 {
 /// Corners of the polygon that stands for an ellipse.
 const CORNERS: usize = 32;
 
-fn validity(setting: &Setting, cache: &Cache<Record>, film: &Film) -> Vec<Rgb> {
+fn validity(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Vec<Rgb> {
     let mut canvas = background(film, 0.35);
     let shown = visible(setting, cache);
     let of_radius = scale(&shown);
@@ -109,7 +109,7 @@ fn project(setting: &Setting, p: Vec3) -> Option<Vec2> {
     setting.camera.connect(p, [0.5; 2], margin).map(|c| Vec2::from_array(c.film))
 }
 
-fn octree(setting: &Setting, cache: &Cache<Record>, film: &Film) -> Vec<Rgb> {
+fn octree(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Vec<Rgb> {
     let mut canvas = background(film, 0.35);
     for cell in cache.tree().cells() {
         let corner = |k: usize| {
@@ -131,7 +131,7 @@ fn octree(setting: &Setting, cache: &Cache<Record>, film: &Film) -> Vec<Rgb> {
     canvas.into_pixels()
 }
 
-fn octree_slice(setting: &Setting, cache: &Cache<Record>, film: &Film) -> Vec<Rgb> {
+fn octree_slice(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Vec<Rgb> {
     let [w, h] = film.size();
     let mut canvas = Canvas::over([w, h], vec![Rgb::WHITE; w * h]);
     let Bounds { min, max } = setting.scene.bounds();
@@ -153,7 +153,7 @@ fn octree_slice(setting: &Setting, cache: &Cache<Record>, film: &Film) -> Vec<Rg
             canvas.line(corners[k], corners[(k + 1) % 4], 1.0, Rgb::grey(0.2));
         }
         for r in cache.records() {
-            let p = r.site.p;
+            let p = r.site().p;
             if p.cmpge(min).all() && p.cmple(max).all() {
                 canvas.disc(at(p), 1.5 * dot(film), Rgb::new(0.7, 0.05, 0.02));
             }
@@ -163,18 +163,18 @@ fn octree_slice(setting: &Setting, cache: &Cache<Record>, film: &Film) -> Vec<Rg
 }
 
 /// The record that is seen nearest to the picture's middle.
-fn middle_record(setting: &Setting, cache: &Cache<Record>, film: &Film) -> Option<usize> {
+fn middle_record(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Option<usize> {
     let middle = Vec2::from_array(film.size().map(|n| 0.5 * n as f32));
-    let distance = |r: &Record| {
-        let at = seen_at(setting.scene, setting.camera, r.site.p, r.site.n)?;
+    let distance = |site: &Site| {
+        let at = seen_at(setting.scene, setting.camera, site.p, site.n)?;
         Some((at - middle).length())
     };
     let records = cache.records().iter().enumerate();
-    let seen = records.filter_map(|(j, r)| Some((j, distance(r)?)));
+    let seen = records.filter_map(|(j, r)| Some((j, distance(r.site())?)));
     seen.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(j, _)| j)
 }
 
-fn weights(setting: &Setting, cache: &Cache<Record>, film: &Film) -> Picture {
+fn weights(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Picture {
     let [w, h] = film.size();
     let mut weight = vec![0.0f32; w * h];
     let least = 1.0 / cache.weighing().accuracy;

@@ -1,6 +1,6 @@
 //! Where a record stands and how far it is good for: what records of any kind have, whatever they hold.
 
-use gi_core::math::safe_sqrt;
+use crate::math::safe_sqrt;
 use glam::Vec3;
 
 /// A place with its reach.
@@ -45,6 +45,24 @@ pub const RELAXED: f32 = 2.0;
 const BEHIND: f32 = 0.05;
 
 impl Site {
+    /// Floats of a site.
+    pub const FLOATS: usize = 3 * 3 + 2 + 2;
+
+    /// The site as floats, for files.
+    pub fn put_floats(&self, out: &mut Vec<f32>) {
+        let Site { n, p, radii, axis, least, clear } = *self;
+        [n, p, axis].iter().for_each(|v| out.extend(v.to_array()));
+        out.extend(radii);
+        out.extend([least, clear]);
+    }
+
+    /// The site of [`Site::FLOATS`] floats.
+    pub fn from_floats(floats: &[f32]) -> Self {
+        let v = |k: usize| Vec3::from_slice(&floats[k..]);
+        let radii = [floats[9], floats[10]];
+        Site { n: v(0), p: v(3), axis: v(6), radii, least: floats[11], clear: floats[12] }
+    }
+
     /// The larger of the radii.
     pub fn reach(&self) -> f32 {
         self.radii[0].max(self.radii[1])

@@ -2,12 +2,12 @@
 
 use std::f32::consts::PI;
 
-use gi_core::math::Rgb;
+use crate::math::Rgb;
 use glam::Vec3;
 
-use crate::gradients::Gradient;
-use crate::hemisphere::Hemisphere;
-use crate::hessian::{Hessian, eigen, geometric, occlusion};
+use super::gradients::Gradient;
+use super::hemisphere::Hemisphere;
+use super::hessian::{Hessian, eigen, geometric, occlusion};
 
 /// What the error of a record is estimated by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

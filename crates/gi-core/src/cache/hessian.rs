@@ -3,11 +3,11 @@
 
 use std::f32::consts::PI;
 
-use gi_core::math::Rgb;
+use crate::math::Rgb;
 use glam::{DMat2, DVec2, DVec3, Vec3};
 
-use crate::gradients::Gradient;
-use crate::hemisphere::{Hemisphere, Seen};
+use super::gradients::Gradient;
+use super::hemisphere::{Hemisphere, Seen};
 
 /// Second derivatives of the mean of the channels, by the tangents s and t of the record's frame.
 pub type Hessian = DMat2;
@@ -215,8 +215,8 @@ pub fn eigen(h: Hessian) -> ([f64; 2], DVec2) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hemisphere::Strata;
-    use crate::hemisphere::tests::hemisphere;
+    use crate::cache::hemisphere::Strata;
+    use crate::cache::hemisphere::tests::hemisphere;
 
     #[test]
     fn edge_derivatives_are_finite_differences() {

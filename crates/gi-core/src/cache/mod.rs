@@ -1,11 +1,28 @@
-//! The cache: records in an octree, and those near enough to a point weighed [slide 11]. It knows where records stand,
-//! not what they hold.
+//! Caches of light that changes slowly from place to place [slides 7-14]: what irradiance and radiance caching share.
+//!
+//! Here is the cache itself: records in an octree, and those near enough to a point weighed [slide 11]. It knows where
+//! records stand, not what they hold. Round it stand how records are made ([`gather`], [`hemisphere`], [`gradients`]), how
+//! far they are good for ([`control`], [`hessian`]), the irradiance record ([`record`]), how caches are filled
+//! ([`fill`]), kept ([`file`]) and shown ([`figures`]).
 
-use gi_core::math::{Bounds, Rgb};
+pub mod control;
+pub mod export;
+pub mod figures;
+pub mod file;
+pub mod fill;
+pub mod gather;
+pub mod gradients;
+pub mod hemisphere;
+pub mod hessian;
+pub mod octree;
+pub mod record;
+pub mod site;
 
-use crate::octree::Octree;
-use crate::record::{Gradients, Record};
-use crate::site::{Query, Site, Sited};
+use crate::math::{Bounds, Rgb};
+
+use octree::Octree;
+use record::{Gradients, Record};
+use site::{Query, Site, Sited};
 
 /// How much a record counts for among others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,6 +115,11 @@ impl<R: Sited> Cache<R> {
             take(record, weight);
         });
     }
+
+    /// The weight w_j of record `j` at `q` in the lecture's units, 1 / error [slide 11].
+    pub fn lecture_weight(&self, j: usize, q: &Query) -> f32 {
+        1.0 / (self.records[j].site().error(q, self.how.accuracy) * self.how.accuracy)
+    }
 }
 
 impl Cache<Record> {
@@ -119,11 +141,6 @@ impl Cache<Record> {
         // Gradients may lead below zero.
         (weights > 0.0).then(|| (sum / weights).map(|e| e.max(0.0)))
     }
-
-    /// The weight w_j of record `j` at `q` in the lecture's units, 1 / error [slide 11].
-    pub fn lecture_weight(&self, j: usize, q: &Query) -> f32 {
-        1.0 / (self.records[j].site.error(q, self.how.accuracy) * self.how.accuracy)
-    }
 }
 
 /// An error so small that the query is the record itself.
@@ -131,9 +148,9 @@ const HOME: f32 = 1e-6;
 
 #[cfg(test)]
 mod tests {
+    use super::gradients::Gradient;
     use super::*;
-    use crate::gradients::Gradient;
-    use gi_core::rng::Pcg;
+    use crate::rng::Pcg;
     use glam::Vec3;
 
     fn record(p: Vec3, e: Rgb, radius: f32) -> Record {

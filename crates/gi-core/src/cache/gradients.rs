@@ -3,10 +3,10 @@
 
 use std::f32::consts::PI;
 
-use gi_core::math::{Frame, Rgb};
+use crate::math::{Frame, Rgb};
 use glam::Vec3;
 
-use crate::hemisphere::{Hemisphere, Strata};
+use super::hemisphere::{Hemisphere, Strata};
 
 /// A gradient of a colour: a vector a channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -109,7 +109,7 @@ pub fn translational(h: &Hemisphere) -> Gradient {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hemisphere::tests::hemisphere;
+    use crate::cache::hemisphere::tests::hemisphere;
 
     /// Mean and standard error of the mean of a component of a gradient over independent hemispheres.
     fn mean_and_error(values: &[f64]) -> (f64, f64) {

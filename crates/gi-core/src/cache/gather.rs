@@ -2,21 +2,21 @@
 
 use std::f32::consts::PI;
 
-use gi_core::eye::{EyePath, EyeVertex, PathLimits, Supplied};
-use gi_core::film::Show;
-use gi_core::geometry::Surface;
-use gi_core::math::Frame;
-use gi_core::ray::Ray;
-use gi_core::rng::{bits_to_unit, hash_u32, hash_words};
-use gi_core::sampler::Sampler;
-use gi_core::scene::Scene;
+use crate::eye::{EyePath, EyeVertex, PathLimits, Supplied};
+use crate::film::Show;
+use crate::geometry::Surface;
+use crate::math::Frame;
+use crate::ray::Ray;
+use crate::rng::{bits_to_unit, hash_u32, hash_words};
+use crate::sampler::Sampler;
+use crate::scene::Scene;
 use glam::Vec3;
 
-use crate::control::Control;
-use crate::gradients::{rotational, translational};
-use crate::hemisphere::{Hemisphere, Seen, Strata};
-use crate::record::Record;
-use crate::site::{Query, RELAXED, Site};
+use super::control::Control;
+use super::gradients::{rotational, translational};
+use super::hemisphere::{Hemisphere, Seen, Strata};
+use super::record::Record;
+use super::site::{Query, RELAXED, Site};
 
 /// A point that wants a record.
 #[derive(Clone, Copy, Debug)]
@@ -64,12 +64,27 @@ impl<'a> Gatherer<'a> {
         place: &Place,
         supply: &mut impl FnMut(&EyeVertex<'_, 'a>, &mut Sampler) -> Option<Supplied>,
     ) -> Record {
+        let (frame, h) = self.look(place, supply);
+        self.record_of(place, &frame, &h)
+    }
+
+    /// What rays see from a place, and the frame of their directions.
+    pub fn look(
+        &self,
+        place: &Place,
+        supply: &mut impl FnMut(&EyeVertex<'_, 'a>, &mut Sampler) -> Option<Supplied>,
+    ) -> (Frame, Hemisphere) {
         let frame = self.frame(place);
         let h = self.hemisphere(place, &frame, supply);
+        (frame, h)
+    }
+
+    /// The irradiance record of what was seen.
+    pub fn record_of(&self, place: &Place, frame: &Frame, h: &Hemisphere) -> Record {
         let e = h.irradiance();
-        let gradient = translational(&h);
+        let gradient = translational(h);
         let unit = self.scene.radius();
-        let validity = self.control.validity(&h, e, &gradient, unit);
+        let validity = self.control.validity(h, e, &gradient, unit);
         let [least, most] = if self.control.has_limits() {
             self.spacing.map(|s| (s * place.length).min(unit))
         } else {
@@ -85,8 +100,8 @@ impl<'a> Gatherer<'a> {
             least,
             clear: h.nearest(),
         };
-        let rotational = rotational(&h).to_world(&frame);
-        Record { e, site, rotational, translational: gradient.to_world(&frame) }
+        let rotational = rotational(h).to_world(frame);
+        Record { e, site, rotational, translational: gradient.to_world(frame) }
     }
 
     /// Tangents turned by a random angle, so that the borders of strata do not line up from record to record.

@@ -1,0 +1,232 @@
+//! Caches as files, to be read again: what all kinds of them have, a header, the world and the settings that records are
+//! good for, and a checksum. What is in between is the technique's: a [`Body`].
+
+/// What a kind of cache file holds.
+pub trait Body: Sized {
+    /// First bytes of the file.
+    const MAGIC: &'static [u8; 8];
+    /// Version of the format. Raise it whenever a record's bytes, or what they mean, change.
+    const VERSION: u32;
+    /// What such a file is, with its article.
+    const WHAT: &'static str;
+
+    /// Write it.
+    fn write(&self, out: &mut Writer);
+
+    /// Read it.
+    ///
+    /// # Errors
+    /// One line: it is damaged.
+    fn read(reader: &mut Reader) -> Result<Self, String>;
+}
+
+/// A cache as it was saved: what it is good for, and its records.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SavedCache<B> {
+    /// Identity of the world that it was made in.
+    pub world: u64,
+    /// The settings that shape records, in words.
+    pub settings: String,
+    /// The records.
+    pub body: B,
+}
+
+impl<B: Body> SavedCache<B> {
+    /// The file's bytes: little-endian, a checksum at the end.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut out = Writer(B::MAGIC.to_vec());
+        out.u32(B::VERSION);
+        out.u64(self.world);
+        out.u32(self.settings.len() as u32);
+        out.0.extend(self.settings.as_bytes());
+        self.body.write(&mut out);
+        let sum = checksum(&out.0);
+        out.u64(sum);
+        out.0
+    }
+
+    /// Read such a file.
+    ///
+    /// # Errors
+    /// One line about why it is not one: not a cache, another version, damaged.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
+        let mut r = Reader { bytes };
+        if r.take(B::MAGIC.len())? != B::MAGIC {
+            return Err(format!("it is not {}", B::WHAT));
+        }
+        let version = r.u32()?;
+        if version != B::VERSION {
+            return Err(format!(
+                "its format is version {version}, this program reads {}: make it anew",
+                B::VERSION
+            ));
+        }
+        let body = bytes.len().checked_sub(8).ok_or_else(cut_off)?;
+        if checksum(&bytes[..body]).to_le_bytes() != bytes[body..] {
+            return Err("it is damaged: its checksum is wrong".into());
+        }
+        let world = r.u64()?;
+        let length = r.u32()? as usize;
+        let settings = String::from_utf8_lossy(r.take(length)?).into_owned();
+        let body = B::read(&mut r)?;
+        Ok(SavedCache { world, settings, body })
+    }
+
+    /// Check that the cache is good for this world and these settings.
+    ///
+    /// # Errors
+    /// One line about what differs.
+    pub fn check(&self, world: u64, settings: &str) -> Result<(), String> {
+        if self.world != world {
+            return Err(
+                "the cache was made of another scene: its shapes, materials or lights differ"
+                    .into(),
+            );
+        }
+        if self.settings != settings {
+            return Err(format!(
+                "the cache was made with {}, this run has {settings}: make them alike",
+                self.settings
+            ));
+        }
+        Ok(())
+    }
+}
+
+fn cut_off() -> String {
+    "it is damaged: it ends too early".to_string()
+}
+
+/// A file being written.
+pub struct Writer(Vec<u8>);
+
+impl Writer {
+    /// A whole number.
+    pub fn u32(&mut self, v: u32) {
+        self.0.extend(v.to_le_bytes());
+    }
+
+    /// A larger one.
+    pub fn u64(&mut self, v: u64) {
+        self.0.extend(v.to_le_bytes());
+    }
+
+    /// A table with its number of rows in front: `put` gives a row's floats, as many in each row.
+    pub fn table<R>(&mut self, rows: &[R], put: impl Fn(&R, &mut Vec<f32>)) {
+        self.u64(rows.len() as u64);
+        let mut floats = Vec::new();
+        for row in rows {
+            floats.clear();
+            put(row, &mut floats);
+            floats.iter().for_each(|f| self.0.extend(f.to_le_bytes()));
+        }
+    }
+}
+
+/// A file being read.
+pub struct Reader<'a> {
+    bytes: &'a [u8],
+}
+
+impl<'a> Reader<'a> {
+    fn take(&mut self, n: usize) -> Result<&'a [u8], String> {
+        let (taken, rest) = self.bytes.split_at_checked(n).ok_or_else(cut_off)?;
+        self.bytes = rest;
+        Ok(taken)
+    }
+
+    /// See [`Writer::u32`].
+    ///
+    /// # Errors
+    /// The file ends too early; so do all methods.
+    pub fn u32(&mut self) -> Result<u32, String> {
+        Ok(u32::from_le_bytes(self.take(4)?.try_into().expect("four bytes")))
+    }
+
+    /// See [`Writer::u64`].
+    pub fn u64(&mut self) -> Result<u64, String> {
+        Ok(u64::from_le_bytes(self.take(8)?.try_into().expect("eight bytes")))
+    }
+
+    /// See [`Writer::table`]: `row` makes a row of its `width` floats.
+    pub fn table<R>(&mut self, width: usize, row: impl Fn(&[f32]) -> R) -> Result<Vec<R>, String> {
+        let count = usize::try_from(self.u64()?).map_err(|_| cut_off())?;
+        let size = width.checked_mul(4).and_then(|w| count.checked_mul(w)).ok_or_else(cut_off)?;
+        let bytes = self.take(size)?;
+        let mut floats = vec![0.0; width];
+        let mut rows = Vec::with_capacity(count);
+        for run in bytes.chunks_exact(4 * width) {
+            for (f, b) in floats.iter_mut().zip(run.chunks_exact(4)) {
+                *f = f32::from_le_bytes(b.try_into().expect("four bytes"));
+            }
+            rows.push(row(&floats));
+        }
+        Ok(rows)
+    }
+}
+
+/// FNV-1a, 64 bits: against damage, not against malice.
+fn checksum(bytes: &[u8]) -> u64 {
+    bytes
+        .iter()
+        .fold(0xcbf2_9ce4_8422_2325, |h, &b| (h ^ u64::from(b)).wrapping_mul(0x100_0000_01b3))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cache::record::Record;
+
+    #[derive(Clone, Debug, PartialEq)]
+    struct Records(Vec<Record>);
+
+    impl Body for Records {
+        const MAGIC: &'static [u8; 8] = b"a test's";
+        const VERSION: u32 = 1;
+        const WHAT: &'static str = "an irradiance cache";
+
+        fn write(&self, out: &mut Writer) {
+            out.table(&self.0, Record::put_floats);
+        }
+
+        fn read(r: &mut Reader) -> Result<Self, String> {
+            r.table(Record::FLOATS, Record::from_floats).map(Records)
+        }
+    }
+
+    fn saved() -> SavedCache<Records> {
+        let record = |k: usize| {
+            let floats: Vec<f32> =
+                (0..Record::FLOATS).map(|i| (i + 100 * k) as f32 * 0.25).collect();
+            Record::from_floats(&floats)
+        };
+        let body = Records((0..5).map(record).collect());
+        SavedCache { world: 0x0123_4567_89ab_cdef, settings: "accuracy 0.1".into(), body }
+    }
+
+    type Saved = SavedCache<Records>;
+
+    #[test]
+    fn what_was_saved_is_read() {
+        assert_eq!(Saved::from_bytes(&saved().to_bytes()), Ok(saved()));
+    }
+
+    #[test]
+    fn damaged_and_foreign_files_are_refused() {
+        let bytes = saved().to_bytes();
+        for cut in 0..bytes.len() {
+            assert!(Saved::from_bytes(&bytes[..cut]).is_err(), "cut at {cut}");
+        }
+        for at in 0..bytes.len() {
+            let mut damaged = bytes.clone();
+            damaged[at] ^= 0x40;
+            assert!(Saved::from_bytes(&damaged).is_err(), "a bit of byte {at} turned");
+        }
+        let mut newer = bytes.clone();
+        newer[8] += 1;
+        let error = Saved::from_bytes(&newer).expect_err("another version");
+        assert!(error.contains("version 2"), "{error}");
+        let error = Saved::from_bytes(b"PK\x03\x04 something else").expect_err("another file");
+        assert!(error.contains("not an irradiance cache"), "{error}");
+    }
+}
