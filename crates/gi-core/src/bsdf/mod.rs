@@ -7,6 +7,7 @@
 
 mod coat;
 mod fresnel;
+mod glossy;
 mod lobe;
 mod microfacet;
 mod resolve;
@@ -15,6 +16,7 @@ use glam::Vec3;
 
 use crate::math::{Frame, Rgb, sqr};
 pub(crate) use coat::Coat;
+pub use glossy::{GlossyLobe, Kind, LobeView};
 use lobe::Lobe;
 pub(crate) use resolve::{PreparedMaterial, check_children, component_count};
 
@@ -85,6 +87,8 @@ struct Component<'a> {
     lobe: Lobe<'a>,
     frame: Frame,
     weight: f32,
+    /// Which of the scene's materials it is of.
+    material: u32,
 }
 
 impl Component<'_> {
@@ -278,7 +282,7 @@ impl<'a> Bsdf<'a> {
     #[inline]
     pub fn diffuse_only(&self, wo: Vec3) -> Option<DiffusePart> {
         match &self.parts {
-            Parts::One(Component { lobe: Lobe::Diffuse { albedo }, weight, frame }) => {
+            Parts::One(Component { lobe: Lobe::Diffuse { albedo }, weight, frame, .. }) => {
                 let lit = wo.dot(frame.n) > 0.0;
                 let albedo = if lit { *albedo * *weight } else { Rgb::BLACK };
                 Some(DiffusePart { albedo, normal: frame.n })

@@ -47,6 +47,11 @@ impl PreparedMaterial {
             material,
         }
     }
+
+    /// The lobe at a point, if there are no children.
+    pub(crate) fn lobe_at(&self, uv: Vec2) -> Option<Lobe<'_>> {
+        lobe(self, uv)
+    }
 }
 
 /// Whether the material itself, children apart, has a delta lobe that passes nothing straight through only.
@@ -126,7 +131,10 @@ impl<'a> Bsdf<'a> {
         let context = Context { materials, surface, tangents, wo };
         if let Some(lobe) = lobe(&materials[id], surface.uv) {
             let frame = context.oriented(&materials[id], frame);
-            return Bsdf { parts: Parts::One(Component { lobe, frame, weight: 1.0 }), transport };
+            return Bsdf {
+                parts: Parts::One(Component { lobe, frame, weight: 1.0, material: id as u32 }),
+                transport,
+            };
         }
         let mut collected = Collected { components: [EMPTY; MAX_COMPONENTS], count: 0 };
         context.collect(id, frame, 1.0, &mut collected);
@@ -149,6 +157,7 @@ const EMPTY: Component<'static> = Component {
     lobe: Lobe::Diffuse { albedo: Rgb::BLACK },
     frame: Frame { s: Vec3::X, t: Vec3::Y, n: Vec3::Z },
     weight: 1.0,
+    material: 0,
 };
 
 struct Collected<'a> {
@@ -172,7 +181,12 @@ impl<'a> Context<'a, '_> {
             Material::Mask { opacity, inner } => {
                 let opacity = opacity.scalar(uv).clamp(0.0, 1.0);
                 self.collect(*inner, frame, weight * opacity, out);
-                out.push(Component { lobe: Lobe::Null, frame, weight: weight * (1.0 - opacity) });
+                out.push(Component {
+                    lobe: Lobe::Null,
+                    frame,
+                    weight: weight * (1.0 - opacity),
+                    material: id as u32,
+                });
             }
             Material::Blend { weight: share, first, second } => {
                 let share = share.scalar(uv).clamp(0.0, 1.0);
@@ -196,7 +210,8 @@ impl<'a> Context<'a, '_> {
             }
             _ => {
                 if let Some(lobe) = lobe(prepared, uv) {
-                    out.push(Component { lobe, frame: self.oriented(prepared, frame), weight });
+                    let frame = self.oriented(prepared, frame);
+                    out.push(Component { lobe, frame, weight, material: id as u32 });
                 }
             }
         }

@@ -65,6 +65,11 @@ impl Scene {
         &self.tree
     }
 
+    /// All materials, as they are prepared.
+    pub(crate) fn prepared_materials(&self) -> &[PreparedMaterial] {
+        &self.materials
+    }
+
     /// The box round all surfaces.
     pub fn bounds(&self) -> Bounds {
         self.bounds

@@ -1,0 +1,4 @@
+//! t
+#![forbid(unsafe_code)]
+pub mod rotate;
+pub mod sh;
