@@ -116,6 +116,13 @@ impl<R: Sited> Cache<R> {
         });
     }
 
+    /// Whether any record is good for `q`.
+    pub fn has(&self, q: &Query, sees: impl FnMut(&Site) -> bool) -> bool {
+        let mut found = false;
+        self.weigh(q, 1.0, sees, |_, _| found = true);
+        found
+    }
+
     /// The weight w_j of record `j` at `q` in the lecture's units, 1 / error [slide 11].
     pub fn lecture_weight(&self, j: usize, q: &Query) -> f32 {
         1.0 / (self.records[j].site().error(q, self.how.accuracy) * self.how.accuracy)

@@ -1,0 +1,196 @@
+//! BRDFs in the basis [slide 18]: f_r times the cosine of a material's glossy lobe, projected for every elevation of the
+//! outgoing direction. Lobes are the same all round, so that azimuth 0 serves for all, and only cosines
+//! (m >= 0) are in it.
+
+use std::f32::consts::FRAC_PI_2;
+
+use gi_core::bsdf::GlossyLobe;
+use gi_core::math::Rgb;
+use glam::{Vec3, Vec3A};
+use rayon::prelude::*;
+
+use crate::sh::{Basis, Coefficients, MAX_FUNCTIONS, MAX_ORDER, Window};
+
+/// Elevations of the outgoing direction, from the normal to the horizon, at even angles.
+const ELEVATIONS: usize = 64;
+/// Angle of the last of them: at the horizon itself nothing is defined.
+const LAST: f32 = FRAC_PI_2 - 1e-3;
+/// Samples of a lobe along each side of the square that they are drawn from.
+const SIDE: usize = 64;
+/// Share of a lobe's energy that an automatic order may leave out.
+pub const LEFT_OUT: f32 = 0.01;
+
+/// A lobe's coefficients.
+#[derive(Clone, Debug)]
+pub struct BrdfTable {
+    /// How many bands it has.
+    pub order: usize,
+    /// Share of the energy, the integral of (f_r cos)^2, that they leave out: the mean over outgoing directions.
+    pub left_out: f32,
+    basis: Basis,
+    /// Elevation by elevation the functions with m >= 0, (l, m) at l (l + 1) / 2 + m.
+    rows: Vec<Vec3A>,
+}
+
+/// Functions with m >= 0 of an order.
+const fn halved(order: usize) -> usize {
+    order * (order + 1) / 2
+}
+
+/// A lobe's full projection at one elevation, and its energy.
+struct Projection {
+    coefficients: Coefficients,
+    energy: f32,
+}
+
+/// Outgoing direction of elevation `i`.
+fn outgoing(i: usize) -> Vec3 {
+    let angle = LAST * i as f32 / (ELEVATIONS - 1) as f32;
+    Vec3::new(angle.sin(), 0.0, angle.cos())
+}
+
+/// Project a lobe by drawing from it on an even grid.
+fn project(lobe: &GlossyLobe, basis: Basis, wo: Vec3) -> Projection {
+    let mut coefficients = [Vec3A::ZERO; MAX_FUNCTIONS];
+    let (mut energy, mut y) = (0.0f64, [0.0; MAX_FUNCTIONS]);
+    let per = 1.0 / (SIDE * SIDE) as f32;
+    for k in 0..SIDE * SIDE {
+        let at = |k: usize| (k as f32 + 0.5) / SIDE as f32;
+        let Some((wi, weight)) = lobe.sample(wo, [at(k / SIDE), at(k % SIDE)]) else { continue };
+        basis.evaluate(MAX_ORDER, wi, &mut y);
+        let weight = weight * per;
+        let value = Vec3A::from_array(weight.to_array());
+        coefficients.iter_mut().zip(y).for_each(|(c, y)| *c += value * y);
+        energy += f64::from((lobe.f_cos(wo, wi) * weight).mean());
+    }
+    Projection { coefficients, energy: energy as f32 }
+}
+
+impl Projection {
+    /// Share of the energy beyond the bands below `order`.
+    fn left_out(&self, order: usize) -> f32 {
+        let kept: f32 =
+            self.coefficients[..order * order].iter().map(|c| c.length_squared() / 3.0).sum();
+        if self.energy > 0.0 { (1.0 - kept / self.energy).max(0.0) } else { 0.0 }
+    }
+}
+
+/// Mean over outgoing directions, weighted by their cosine.
+fn mean(all: &[Projection], of: impl Fn(&Projection) -> f32) -> f32 {
+    let weight = |i: usize| outgoing(i).x * outgoing(i).z;
+    let sum: f32 = all.iter().enumerate().map(|(i, p)| weight(i) * of(p)).sum();
+    sum / (0..all.len()).map(weight).sum::<f32>()
+}
+
+impl BrdfTable {
+    /// Tabulate a lobe with `order` bands; with 0 as many as leave out [`LEFT_OUT`] of the energy, or else [`MAX_ORDER`].
+    pub fn new(lobe: &GlossyLobe, basis: Basis, window: Window, order: usize) -> Self {
+        let all: Vec<Projection> =
+            (0..ELEVATIONS).into_par_iter().map(|i| project(lobe, basis, outgoing(i))).collect();
+        let left_out = |order: usize| mean(&all, |p| p.left_out(order));
+        let order = match order {
+            0 => (1..MAX_ORDER).find(|&n| left_out(n) <= LEFT_OUT).unwrap_or(MAX_ORDER),
+            n => n,
+        };
+        let mut rows = Vec::with_capacity(ELEVATIONS * halved(order));
+        for p in &all {
+            for l in 0..order {
+                let factor = window.factor(l, order);
+                rows.extend((0..=l).map(|m| p.coefficients[l * (l + 1) + m] * factor));
+            }
+        }
+        BrdfTable { order, left_out: left_out(order), basis, rows }
+    }
+
+    /// The rows on both sides of an elevation, and the share of the second.
+    fn between(&self, cos_o: f32) -> (&[Vec3A], &[Vec3A], f32) {
+        let x = (cos_o.clamp(0.0, 1.0).acos() / LAST).min(1.0) * (ELEVATIONS - 1) as f32;
+        let i = (x as usize).min(ELEVATIONS - 2);
+        let width = halved(self.order);
+        let row = |i: usize| &self.rows[i * width..(i + 1) * width];
+        (row(i), row(i + 1), x - i as f32)
+    }
+
+    /// Radiance out of the light with these coefficients, in the frame whose z is the normal and that has the outgoing
+    /// direction, of cosine `cos_o`, above its x axis: the dot product [slide 18].
+    #[inline]
+    pub fn radiance(&self, cos_o: f32, light: &Coefficients) -> Rgb {
+        let (a, b, t) = self.between(cos_o);
+        let (mut sum_a, mut sum_b) = (Vec3A::ZERO, Vec3A::ZERO);
+        for l in 0..self.order {
+            let (half, whole) = (halved(l), l * (l + 1));
+            for m in 0..=l {
+                sum_a += a[half + m] * light[whole + m];
+                sum_b += b[half + m] * light[whole + m];
+            }
+        }
+        Rgb::from(sum_a.lerp(sum_b, t).to_array())
+    }
+
+    /// rho_hd: the share of light from all round, or toward it, that goes on [slide 15].
+    pub fn albedo(&self, cos_o: f32) -> Rgb {
+        let (a, b, t) = self.between(cos_o);
+        Rgb::from((a[0].lerp(b[0], t) * self.basis.integral()).to_array())
+    }
+
+    /// Its approximation of f_r times the cosine, the sum over bands: `wo` above the x axis.
+    pub fn value(&self, cos_o: f32, wi: Vec3) -> Rgb {
+        let mut y = [0.0; MAX_FUNCTIONS];
+        self.basis.evaluate(self.order, wi, &mut y);
+        let mut light = [Vec3A::ZERO; MAX_FUNCTIONS];
+        light.iter_mut().zip(y).for_each(|(c, y)| *c = Vec3A::splat(y));
+        self.radiance(cos_o, &light)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sh::tests::quadrature;
+    use crate::test_scenes::lobe_scene;
+    use gi_core::math::INV_PI;
+
+    #[test]
+    fn tables_hold_the_lobes_albedo_and_more_bands_leave_out_less() {
+        let scene = lobe_scene(0.3);
+        let lobe = scene.glossy_lobe(0).expect("a lobe");
+        let directions = quadrature(200);
+        for basis in [Basis::Sh, Basis::Hsh] {
+            let table = BrdfTable::new(&lobe, basis, Window::None, 10);
+            for i in [0, 20, 45] {
+                let wo = outgoing(i);
+                let exact: f64 = directions
+                    .iter()
+                    .filter(|(d, _)| d.z > 0.0)
+                    .map(|(d, w)| w * f64::from(lobe.f_cos(wo, *d).g))
+                    .sum();
+                let found = f64::from(table.albedo(wo.z).g);
+                // 64 samples a side of a smooth lobe; the quadrature's rings end at the horizon, where f cos is 0.
+                assert!(
+                    (found / exact - 1.0).abs() < 3e-3,
+                    "{basis:?}, {i}: {found} is not {exact}"
+                );
+            }
+            let left: Vec<f32> =
+                (1..12).map(|n| BrdfTable::new(&lobe, basis, Window::None, n).left_out).collect();
+            assert!(left.windows(2).all(|w| w[1] <= w[0]), "{basis:?}: {left:?}");
+            let n = BrdfTable::new(&lobe, basis, Window::None, 0).order;
+            let left = |n| BrdfTable::new(&lobe, basis, Window::None, n).left_out;
+            assert!(left(n) <= LEFT_OUT && left(n - 1) > LEFT_OUT, "{basis:?}: {n}");
+        }
+    }
+
+    #[test]
+    fn of_light_that_is_the_same_all_round_the_albedo_comes_back() {
+        let scene = lobe_scene(0.2);
+        let lobe = scene.glossy_lobe(0).expect("a lobe");
+        // In hemispherical harmonics light from above alone is the first function.
+        let table = BrdfTable::new(&lobe, Basis::Hsh, Window::None, 8);
+        let mut light = [Vec3A::ZERO; MAX_FUNCTIONS];
+        light[0] = Vec3A::splat((0.5 * INV_PI).sqrt().recip());
+        for cos_o in [1.0, 0.7, 0.3] {
+            let (found, albedo) = (table.radiance(cos_o, &light), table.albedo(cos_o));
+            assert!((found.g / albedo.g - 1.0).abs() < 1e-5, "{found:?} is not {albedo:?}");
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! What the technique shows of itself.
+
+use std::f32::consts::{PI, TAU};
+
+use gi_core::cache::figures::Figure;
+use gi_core::canvas::Canvas;
+use gi_core::film::Film;
+use gi_core::math::Rgb;
+use gi_core::technique::Picture;
+use glam::{Vec2, Vec3};
+
+use crate::RadianceCaching;
+use crate::brdf::BrdfTable;
+use crate::sh::{Basis, MAX_FUNCTIONS, Window, index};
+
+/// Pictures that may be asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Show {
+    /// Where records of each kind are, coloured by how far they are good for [slide 13].
+    Records,
+    /// The functions of the basis to l = 4 as lobes, green where they are positive [slide 18].
+    Basis,
+    /// The BRDF of the first tabulated material in the plane of incidence, for orders 1 to 10 [slide 18].
+    Brdf,
+}
+
+impl Show {
+    /// Draw.
+    pub fn draw(self, technique: &RadianceCaching, film: &Film) -> Vec<Picture> {
+        match self {
+            Show::Records => records(technique, film),
+            Show::Basis => vec![named("basis", basis(technique.params.basis, film.size()))],
+            Show::Brdf => {
+                brdf(technique, film.size()).map(|view| named("brdf", view)).into_iter().collect()
+            }
+        }
+    }
+}
+
+fn named(name: &str, view: Vec<Rgb>) -> Picture {
+    Picture { name: name.into(), channels: Vec::new(), view }
+}
+
+fn records(technique: &RadianceCaching, film: &Film) -> Vec<Picture> {
+    let caches = technique.caches();
+    let diffuse = Figure::Records.draw(&technique.setting, &caches.diffuse, film);
+    let glossy = Figure::Records.draw(&technique.setting, &caches.glossy, film);
+    vec![diffuse, Picture { name: "glossy-records".into(), ..glossy }]
+}
+
+const POSITIVE: Rgb = Rgb::new(0.05, 0.5, 0.15);
+const NEGATIVE: Rgb = Rgb::new(0.7, 0.08, 0.05);
+/// Bands that are drawn.
+const BANDS: usize = 5;
+
+/// A row a band, m from -l to l: each function as the body |y(w)| w, seen a little from above.
+fn basis(basis: Basis, [w, h]: [usize; 2]) -> Vec<Rgb> {
+    let mut pixels = vec![Rgb::WHITE; w * h];
+    let cell = (w as f32 / (2 * BANDS - 1) as f32).min(h as f32 / BANDS as f32);
+    // The eye looks along -z of this frame.
+    let towards = Vec3::new(0.35, -0.8, 0.45).normalize();
+    let right = Vec3::Z.cross(towards).normalize();
+    let up = towards.cross(right);
+    for l in 0..BANDS {
+        for m in -(l as isize)..=l as isize {
+            let middle = Vec2::new(0.5 * w as f32 + m as f32 * cell, (l as f32 + 0.5) * cell);
+            let value = |d: Vec3| {
+                let mut y = [0.0; MAX_FUNCTIONS];
+                basis.evaluate(BANDS, d, &mut y);
+                y[index(l, m)]
+            };
+            body(&mut pixels, [w, h], (middle, 0.5 * cell), &value, [right, up, towards]);
+        }
+    }
+    pixels
+}
+
+/// Draw |value(d)| d by its depth: points of the body, dense enough to leave no pixel out.
+fn body(
+    pixels: &mut [Rgb],
+    [w, h]: [usize; 2],
+    (middle, half): (Vec2, f32),
+    value: &dyn Fn(Vec3) -> f32,
+    [right, up, towards]: [Vec3; 3],
+) {
+    let steps = (10.0 * half) as usize + 8;
+    let direction = |i: usize, j: usize| {
+        let (theta, phi) =
+            (PI * (i as f32 + 0.5) / steps as f32, TAU * j as f32 / (2 * steps) as f32);
+        Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
+    };
+    let largest = (0..steps / 4 * steps / 2)
+        .map(|k| value(direction(4 * k / (steps / 2), 4 * (k % (steps / 2)))).abs())
+        .fold(f32::MIN_POSITIVE, f32::max);
+    let mut depth = vec![f32::NEG_INFINITY; w * h];
+    let point = |i: usize, j: usize| {
+        let d = direction(i, j);
+        d * (value(d).abs() / largest)
+    };
+    for i in 0..steps {
+        for j in 0..2 * steps {
+            let (d, p) = (direction(i, j), point(i, j));
+            let at = middle + Vec2::new(p.dot(right), -p.dot(up)) * (0.95 * half);
+            if at.x < 0.0 || at.y < 0.0 || at.x as usize >= w || at.y as usize >= h {
+                continue;
+            }
+            let (k, z) = (at.y as usize * w + at.x as usize, p.dot(towards));
+            if z > depth[k] {
+                depth[k] = z;
+                let n = (point(i + 1, j) - p).cross(point(i, j + 1) - p).normalize_or(towards);
+                let light = 0.35 + 0.65 * n.dot(towards).abs();
+                pixels[k] = if value(d) >= 0.0 { POSITIVE } else { NEGATIVE } * (1.6 * light);
+            }
+        }
+    }
+}
+
+/// Elevation that light goes out at in [`brdf`]: 45 degrees.
+const OUT: Vec3 = Vec3::new(std::f32::consts::FRAC_1_SQRT_2, 0.0, std::f32::consts::FRAC_1_SQRT_2);
+
+/// f_r cos over the incoming direction in the plane of the outgoing one, as polar curves: black is the BRDF, blue
+/// the orders 1 to 10, one a cell; red where they are below zero.
+fn brdf(technique: &RadianceCaching, [w, h]: [usize; 2]) -> Option<Vec<Rgb>> {
+    let params = &technique.params;
+    let (material, _) = technique.surfaces().tables().next()?;
+    let lobe = technique.setting.scene.glossy_lobe(material)?;
+    let mut canvas = Canvas::over([w, h], vec![Rgb::WHITE; w * h]);
+    let (columns, rows) = (5, 2);
+    let cell = Vec2::new(w as f32 / columns as f32, h as f32 / rows as f32);
+    let direction = |k: usize| {
+        let (sin, cos) = (TAU * k as f32 / STEPS as f32).sin_cos();
+        Vec3::new(cos, 0.0, sin)
+    };
+    let exact = |d: Vec3| if d.z > 0.0 { lobe.f_cos(OUT, d).mean() } else { 0.0 };
+    let largest = (0..STEPS).map(|k| exact(direction(k))).fold(f32::MIN_POSITIVE, f32::max);
+    let reach = 0.45 * cell.x.min(cell.y) / largest;
+    for order in 1..=columns * rows {
+        let table = BrdfTable::new(&lobe, params.basis, Window::None, order);
+        let k = order - 1;
+        let middle = cell * Vec2::new((k % columns) as f32 + 0.5, (k / columns) as f32 + 0.65);
+        canvas.line(
+            middle - Vec2::X * 0.45 * cell.x,
+            middle + Vec2::X * 0.45 * cell.x,
+            1.0,
+            Rgb::grey(0.7),
+        );
+        let at = |d: Vec3, v: f32| middle + Vec2::new(d.x, -d.z) * (v.abs() * reach);
+        let approximated = |d: Vec3| table.value(OUT.z, d).mean();
+        for k in 0..STEPS {
+            let (a, b) = (direction(k), direction(k + 1));
+            canvas.line(at(a, exact(a)), at(b, exact(b)), 1.0, Rgb::BLACK);
+            let (va, vb) = (approximated(a), approximated(b));
+            let colour = if va >= 0.0 { Rgb::new(0.02, 0.15, 0.8) } else { NEGATIVE };
+            canvas.line(at(a, va), at(b, vb), 1.5, colour);
+        }
+    }
+    Some(canvas.into_pixels())
+}
+
+/// Steps of a curve.
+const STEPS: usize = 360;

@@ -1,0 +1,76 @@
+//! The caches as a file.
+
+use gi_core::cache::file::{Body, Reader, Writer};
+use gi_core::cache::record::Record;
+use glam::Vec3A;
+
+use crate::record::RadianceRecord;
+use crate::sh::MAX_FUNCTIONS;
+
+/// Caches as they were saved.
+pub type SavedCache = gi_core::cache::file::SavedCache<Records>;
+
+/// Records of both kinds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Records {
+    /// Irradiance records.
+    pub diffuse: Vec<Record>,
+    /// Radiance records, all of one order.
+    pub glossy: Vec<RadianceRecord>,
+}
+
+impl Body for Records {
+    const MAGIC: &'static [u8; 8] = b"gilab-rc";
+    const VERSION: u32 = 1;
+    const WHAT: &'static str = "a radiance cache";
+
+    fn write(&self, out: &mut Writer) {
+        out.table(&self.diffuse, Record::put_floats);
+        out.u32(self.glossy.first().map_or(0, |r| r.light.len() as u32));
+        out.table(&self.glossy, |r, floats| {
+            r.irradiance.put_floats(floats);
+            r.light.iter().for_each(|c| floats.extend(c.to_array()));
+        });
+    }
+
+    fn read(r: &mut Reader) -> Result<Self, String> {
+        let diffuse = r.table(Record::FLOATS, Record::from_floats)?;
+        let count = r.u32()? as usize;
+        if count > 3 * MAX_FUNCTIONS
+            || !count.is_multiple_of(3)
+            || !(count / 3).isqrt().pow(2).eq(&(count / 3))
+        {
+            return Err("it is damaged: it has records of no order".into());
+        }
+        let glossy = r.table(Record::FLOATS + 3 * count, |floats| RadianceRecord {
+            irradiance: Record::from_floats(floats),
+            light: floats[Record::FLOATS..].chunks_exact(3).map(Vec3A::from_slice).collect(),
+        })?;
+        Ok(Records { diffuse, glossy })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn records_of_both_kinds_that_were_saved_are_read() {
+        let irradiance = |k: usize| {
+            let floats: Vec<f32> = (0..Record::FLOATS).map(|i| (i + 100 * k) as f32).collect();
+            Record::from_floats(&floats)
+        };
+        let glossy = |k: usize| RadianceRecord {
+            irradiance: irradiance(k),
+            light: (0..27).map(|i| Vec3A::new(i as f32, k as f32, 0.5)).collect(),
+        };
+        for count in [0, 3] {
+            let body = Records {
+                diffuse: (0..5).map(irradiance).collect(),
+                glossy: (0..count).map(glossy).collect(),
+            };
+            let saved = SavedCache { world: 3, settings: "--order 3".into(), body };
+            assert_eq!(SavedCache::from_bytes(&saved.to_bytes()), Ok(saved));
+        }
+    }
+}

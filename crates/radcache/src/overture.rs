@@ -1,0 +1,122 @@
+//! The overture: filling both caches before the picture, from coarse to fine.
+
+use gi_core::cache::control::{Control, ErrorControl};
+use gi_core::cache::fill::{coarse_to_fine, in_rounds};
+use gi_core::cache::gather::{Gatherer, Place};
+use gi_core::cache::hemisphere::Strata;
+use gi_core::cache::record::Record;
+use gi_core::eye::{Answered, EyePath, EyeVertex, Supplied, nothing};
+use gi_core::film::Show;
+use gi_core::math::Rgb;
+use gi_core::rng::hash_words;
+use gi_core::technique::Setting;
+use rayon::prelude::*;
+
+use crate::params::Params;
+use crate::record::RadianceRecord;
+use crate::surfaces::Rule;
+use crate::{Caches, RadianceCaching};
+
+/// A place that no record is good for, and which kind it wants.
+struct Missing {
+    place: Place,
+    glossy: bool,
+}
+
+/// A record of either kind.
+enum Made {
+    Diffuse(Record),
+    Glossy(RadianceRecord),
+}
+
+impl<'a> RadianceCaching<'a> {
+    /// How records are made whose error is controlled so.
+    pub(crate) fn gatherer(&self, error: ErrorControl, accuracy: f32) -> Gatherer<'a> {
+        let Params { rays, radius, min_spacing, max_spacing, limits, .. } = self.params;
+        let Setting { scene, seed, camera, .. } = self.setting;
+        let pixel = camera.pixel_width();
+        let most = if max_spacing > 0.0 { max_spacing * pixel } else { f32::INFINITY };
+        Gatherer {
+            scene,
+            limits,
+            seed,
+            strata: Strata::of(rays),
+            control: Control { error, radius, accuracy },
+            spacing: [min_spacing * pixel, most],
+        }
+    }
+
+    /// Look at every pixel from coarse to fine.
+    pub(crate) fn overture(&mut self) {
+        let order = coarse_to_fine(self.setting.camera.size());
+        let mut caches = std::mem::take(&mut self.caches).expect("caches");
+        let Params { error, glossy_error, accuracy, glossy_accuracy, basis, .. } = self.params;
+        let diffuse = self.gatherer(error, accuracy);
+        let glossy = self.gatherer(glossy_error, glossy_accuracy);
+        let make = |missing: &Missing| {
+            let place = &missing.place;
+            if !missing.glossy {
+                return Made::Diffuse(diffuse.record(place, &mut nothing));
+            }
+            let (frame, h) = glossy.look(place, &mut nothing);
+            let irradiance = glossy.record_of(place, &frame, &h);
+            Made::Glossy(RadianceRecord::new(irradiance, &frame, &h, basis, self.surfaces.order()))
+        };
+        in_rounds(
+            &mut caches,
+            order.len(),
+            |caches, k| self.missing_in_pixel(caches, order[k]),
+            |caches, missing| {
+                let made: Vec<Made> = missing.par_iter().with_max_len(1).map(make).collect();
+                for record in made {
+                    match record {
+                        Made::Diffuse(record) => caches.diffuse.insert(record),
+                        Made::Glossy(record) => caches.glossy.insert(record),
+                    }
+                }
+            },
+        );
+        self.caches = Some(caches);
+    }
+
+    /// Where the path through a pixel asks for what no record is good for. It is the path of the first pass.
+    fn missing_in_pixel(&self, caches: &Caches, [x, y]: [u32; 2]) -> Vec<Missing> {
+        let Setting { scene, camera, seed, .. } = self.setting;
+        let path = EyePath { scene, limits: self.params.limits, show: Show::Indirect };
+        let mut missing = Vec::new();
+        path.sample_pixel(camera, seed, [x as usize, y as usize], 0, &mut |v, _| {
+            let key = hash_words(&[y * camera.size()[0] as u32 + x, v.segments, v.rough]);
+            self.note_missing(caches, v, key, &mut missing)
+        });
+        missing
+    }
+
+    /// A supplier that notes what is missing and ends the path.
+    fn note_missing(
+        &self,
+        caches: &Caches,
+        v: &EyeVertex,
+        key: u32,
+        missing: &mut Vec<Missing>,
+    ) -> Option<Supplied> {
+        if !self.is_for_cache(v) {
+            return None;
+        }
+        let (answered, n) = match self.surfaces.rule(v) {
+            Rule::Path => return None,
+            Rule::Diffuse(part) => (Answered::Diffuse(part), part.normal),
+            Rule::Glossy { n, .. } => (Answered::Rough, n),
+        };
+        let glossy = matches!(answered, Answered::Rough);
+        let place = Place { surface: *v.surface, n, segments: v.segments, length: v.length, key };
+        let found = if glossy {
+            caches.glossy.has(&place.query(), |site| self.sees(site, &place.query()))
+        } else {
+            caches.diffuse.has(&place.query(), |site| self.sees(site, &place.query()))
+        };
+        if !found {
+            missing.push(Missing { place, glossy });
+        }
+        Some(Supplied { answered, indirect: Rgb::BLACK, direct: None, caustic: None })
+    }
+}
