@@ -14,3 +14,5 @@ mod irrcache_facts;
 mod photonmap;
 /// What progressive photon mapping is held to.
 mod ppm_facts;
+/// What radiance caching is held to.
+mod radcache_facts;

@@ -7,12 +7,12 @@
 //! | record | L_i(w) ~ sum_k l_k y_k(w), l_k = the integral of L_i y_k over N stratified rays, and how l_k changes along the surface |
 //! | interpolation | l(x) = sum w_j l_j(x) / sum w_j over the records whose error at x is below the accuracy a, as for irradiance [slide 11] |
 //! | radiance | L_o(w_o) = sum_k c_k(w_o) l_k, f_r(w_o, .) cos ~ sum_k c_k(w_o) y_k tabulated per elevation, l turned into the shading frame [slide 18] |
-//! | `--order` | n: bands of the basis, n^2 functions (10); 0: per material, until 1 % of the BRDF's energy is left out |
+//! | `--order` | n: bands of the basis, n^2 functions (10); 0: per material, until 5 % of the BRDF's energy is left out |
 //! | `--basis` | `sh`, or `hsh` for hemispherical harmonics |
 //! | `--window` | bands fade toward the order against ringing: `none`, `hanning`, `lanczos` |
 //! | `--min-roughness` | lobes narrower than this are path-traced (0.2) |
 //! | `--mode` | `sh`, or `rho-e`: rho_hd(w_o) E / pi, light as if it were the same from everywhere [slide 15] |
-//! | `--rays`, `--accuracy`, `--glossy-accuracy` | as for irradiance caching; the last is for radiance records |
+//! | `--rays`, `--accuracy` | as for irradiance caching (1000, 0.1); `--glossy-rays` (2000), `--glossy-accuracy` (0.1) for radiance records |
 //! | bias | what irradiance caching has (blotches, missing shadows); besides that the order blurs reflections as if the surface were rougher, rings round bright ones, and lets light through the horizon at grazing angles |
 //! | coats | the base of a plastic counts as Lambertian: what its coat lets in from the side differs by a few per cent at most |
 //! | sources | \[Krivanek05\], \[Gautron04\], \[Green03\], \[Ivanic96\], \[Ramamoorthi01\] |
@@ -107,13 +107,13 @@ impl<'a> Technique<'a> for RadianceCaching<'a> {
     fn statistics(&self) -> Vec<(String, f64)> {
         let caches = self.caches();
         let (diffuse, glossy) = (caches.diffuse.records().len(), caches.glossy.records().len());
-        let rays = self.gatherer(self.params.error, 1.0).strata.count();
+        let [per_diffuse, per_glossy] = self.gatherers().map(|g| g.strata.count());
         let mut all = vec![
             ("records", diffuse as f64),
             ("glossy_records", glossy as f64),
             ("records_made", (diffuse + glossy - self.read) as f64),
             ("records_read", self.read as f64),
-            ("gather_rays", ((diffuse + glossy) * rays) as f64),
+            ("gather_rays", (diffuse * per_diffuse + glossy * per_glossy) as f64),
             ("mean_radius", mean_reach(&caches.diffuse)),
             ("glossy_mean_radius", mean_reach(&caches.glossy)),
             ("glossy_lookups", self.counts.glossy.load(Relaxed) as f64),

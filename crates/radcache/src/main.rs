@@ -22,16 +22,19 @@ use radcache::{Mode, Params, RadianceCaching};
 struct Args {
     #[command(flatten)]
     common: Common,
-    /// Rays that a record gathers: fewer are noisier (blotches)
+    /// Rays that an irradiance record gathers: fewer are noisier (blotches)
     #[arg(long, value_name = "N", default_value_t = Params::default().rays, value_parser = clap::value_parser!(u32).range(8..=10_000_000))]
     rays: u32,
+    /// Rays that a radiance record gathers: narrow lobes average over fewer of them
+    #[arg(long, value_name = "N", default_value_t = Params::default().glossy_rays, value_parser = clap::value_parser!(u32).range(8..=10_000_000))]
+    glossy_rays: u32,
     /// Accuracy a of irradiance records, the relative error allowed [slide 11]; smaller makes more records
     #[arg(long, value_name = "A", default_value_t = Params::default().accuracy, value_parser = parse_accuracy)]
     accuracy: f32,
     /// Accuracy a of radiance records: as share of the harmonic mean distance [slides 9, 11]
     #[arg(long, value_name = "A", default_value_t = Params::default().glossy_accuracy, value_parser = parse_accuracy)]
     glossy_accuracy: f32,
-    /// Bands of the basis, n^2 functions [slide 18]; 0: each material's own, which leave out 1 % of its energy
+    /// Bands of the basis, n^2 functions [slide 18]; 0: each material's own, which leave out 5 % of its energy
     #[arg(long, value_name = "N", default_value_t = Params::default().order, value_parser = clap::value_parser!(u32).range(0..=MAX_ORDER as i64))]
     order: u32,
     /// Functions that incoming light is expanded in
@@ -144,6 +147,7 @@ impl Program for Args {
         Ok(Params {
             limits: PathLimits { max_depth: self.common.max_depth(), ..PathLimits::default() },
             rays: self.rays,
+            glossy_rays: self.glossy_rays,
             accuracy: self.accuracy,
             glossy_accuracy: self.glossy_accuracy,
             order: self.order,

@@ -30,9 +30,18 @@ enum Made {
 }
 
 impl<'a> RadianceCaching<'a> {
-    /// How records are made whose error is controlled so.
-    pub(crate) fn gatherer(&self, error: ErrorControl, accuracy: f32) -> Gatherer<'a> {
-        let Params { rays, radius, min_spacing, max_spacing, limits, .. } = self.params;
+    /// How irradiance records are made, and radiance records.
+    pub(crate) fn gatherers(&self) -> [Gatherer<'a>; 2] {
+        let Params { rays, glossy_rays, error, glossy_error, .. } = self.params;
+        let Params { accuracy, glossy_accuracy, .. } = self.params;
+        [
+            self.gatherer(rays, error, accuracy),
+            self.gatherer(glossy_rays, glossy_error, glossy_accuracy),
+        ]
+    }
+
+    fn gatherer(&self, rays: u32, error: ErrorControl, accuracy: f32) -> Gatherer<'a> {
+        let Params { radius, min_spacing, max_spacing, limits, .. } = self.params;
         let Setting { scene, seed, camera, .. } = self.setting;
         let pixel = camera.pixel_width();
         let most = if max_spacing > 0.0 { max_spacing * pixel } else { f32::INFINITY };
@@ -50,9 +59,8 @@ impl<'a> RadianceCaching<'a> {
     pub(crate) fn overture(&mut self) {
         let order = coarse_to_fine(self.setting.camera.size());
         let mut caches = std::mem::take(&mut self.caches).expect("caches");
-        let Params { error, glossy_error, accuracy, glossy_accuracy, basis, .. } = self.params;
-        let diffuse = self.gatherer(error, accuracy);
-        let glossy = self.gatherer(glossy_error, glossy_accuracy);
+        let [diffuse, glossy] = self.gatherers();
+        let (basis, functions) = (self.params.basis, self.surfaces.order());
         let make = |missing: &Missing| {
             let place = &missing.place;
             if !missing.glossy {
@@ -60,7 +68,7 @@ impl<'a> RadianceCaching<'a> {
             }
             let (frame, h) = glossy.look(place, &mut nothing);
             let irradiance = glossy.record_of(place, &frame, &h);
-            Made::Glossy(RadianceRecord::new(irradiance, &frame, &h, basis, self.surfaces.order()))
+            Made::Glossy(RadianceRecord::new(irradiance, &frame, &h, basis, functions))
         };
         in_rounds(
             &mut caches,

@@ -22,8 +22,10 @@ pub enum Mode {
 pub struct Params {
     /// How long paths may be.
     pub limits: PathLimits,
-    /// Rays of a record.
+    /// Rays of an irradiance record.
     pub rays: u32,
+    /// Rays of a radiance record: narrow lobes average over fewer of them.
+    pub glossy_rays: u32,
     /// The accuracy a of irradiance records, relative.
     pub accuracy: f32,
     /// The accuracy a of radiance records.
@@ -67,6 +69,7 @@ impl Default for Params {
         Params {
             limits: PathLimits::default(),
             rays: 1000,
+            glossy_rays: 2000,
             accuracy: 0.1,
             glossy_accuracy: 0.1,
             order: 10,
