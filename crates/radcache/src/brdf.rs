@@ -194,4 +194,33 @@ mod tests {
             assert!((found.g / albedo.g - 1.0).abs() < 1e-5, "{found:?} is not {albedo:?}");
         }
     }
+
+    #[test]
+    fn under_light_of_limited_band_the_error_falls_with_the_order_to_nothing() {
+        // Light of 6 bands: what is missing is the sum over the bands left out.
+        let scene = lobe_scene(0.25);
+        let lobe = scene.glossy_lobe(0).expect("a lobe");
+        let mut rng = gi_core::rng::Pcg::new(9, 0);
+        let environments: Vec<Coefficients> = (0..200)
+            .map(|_| {
+                let mut light = [Vec3A::ZERO; MAX_FUNCTIONS];
+                light[..36].iter_mut().for_each(|c| *c = Vec3A::splat(rng.next_f32() - 0.5));
+                light
+            })
+            .collect();
+        for basis in [Basis::Sh, Basis::Hsh] {
+            let tables: Vec<BrdfTable> =
+                (1..9).map(|n| BrdfTable::new(&lobe, basis, Window::None, n)).collect();
+            let error = |table: &BrdfTable| -> f64 {
+                let off = |light: &Coefficients, cos_o: f32| {
+                    let exact = tables[7].radiance(cos_o, light).g;
+                    f64::from(table.radiance(cos_o, light).g - exact).powi(2)
+                };
+                environments.iter().map(|e| off(e, 0.9) + off(e, 0.6) + off(e, 0.3)).sum()
+            };
+            let errors: Vec<f64> = tables.iter().map(error).collect();
+            assert!(errors[..6].windows(2).all(|w| w[1] < 0.95 * w[0]), "{basis:?}: {errors:?}");
+            assert!(errors[5] < 1e-8 * errors[0] && errors[6] < 1e-8 * errors[0], "{errors:?}");
+        }
+    }
 }

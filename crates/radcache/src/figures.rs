@@ -133,14 +133,14 @@ fn brdf(technique: &RadianceCaching, [w, h]: [usize; 2]) -> Option<Vec<Rgb>> {
     };
     let exact = |d: Vec3| if d.z > 0.0 { lobe.f_cos(OUT, d).mean() } else { 0.0 };
     let largest = (0..STEPS).map(|k| exact(direction(k))).fold(f32::MIN_POSITIVE, f32::max);
-    let reach = 0.45 * cell.x.min(cell.y) / largest;
+    let reach = 0.9 * cell.x.min(cell.y) / largest;
     for order in 1..=columns * rows {
         let table = BrdfTable::new(&lobe, params.basis, Window::None, order);
         let k = order - 1;
-        let middle = cell * Vec2::new((k % columns) as f32 + 0.5, (k / columns) as f32 + 0.65);
+        let middle = cell * Vec2::new((k % columns) as f32 + 0.75, (k / columns) as f32 + 0.75);
         canvas.line(
-            middle - Vec2::X * 0.45 * cell.x,
-            middle + Vec2::X * 0.45 * cell.x,
+            middle - Vec2::X * 0.7 * cell.x,
+            middle + Vec2::X * 0.2 * cell.x,
             1.0,
             Rgb::grey(0.7),
         );
