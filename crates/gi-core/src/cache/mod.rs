@@ -3,7 +3,7 @@
 //! Here is the cache itself: records in an octree, and those near enough to a point weighed [slide 11]. It knows where
 //! records stand, not what they hold. Round it stand how records are made ([`gather`], [`hemisphere`], [`gradients`]), how
 //! far they are good for ([`control`], [`hessian`]), the irradiance record ([`record`]), how caches are filled
-//! ([`fill`]), kept ([`file`]) and shown ([`figures`]).
+//! ([`fill`]), kept ([`mod@file`]) and shown ([`figures`]).
 
 pub mod control;
 pub mod export;
