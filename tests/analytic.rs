@@ -7,6 +7,7 @@ use gi_core::geometry::Shape;
 use gi_core::light::LightSource;
 use gi_core::material::Material;
 use gi_core::math::Rgb;
+use gi_core::ray::Ray;
 use gi_core::scene::SceneParts;
 use gi_core::texture::Texture;
 use gi_stats::z_test;
@@ -302,5 +303,33 @@ fn a_mask_does_not_count_as_a_segment() {
     let world = World::new(parts, &camera);
     for mode in modes() {
         assert_mean(&format!("{mode:?}"), &trace(&world, mode, Some(1), 256), 0.5);
+    }
+}
+
+#[test]
+fn shadow_rays_pass_masks_and_end_at_what_is_opaque_in_any_order() {
+    // Twelve screens one behind the other: masks of one half, and every third time an opaque one among them.
+    let mask = Material::Mask { opacity: Texture::grey(0.5), inner: 0 };
+    let screen = |z: f32| {
+        [[-1.0, -1.0, z], [1.0, -1.0, z], [1.0, 1.0, z], [-1.0, 1.0, z]].map(Vec3::from_array)
+    };
+    for opaque in 0..36 {
+        let shape =
+            |k: u32| Shape::new("screen", polygon(&screen(k as f32)), usize::from(k != opaque));
+        let parts = SceneParts {
+            shapes: (0..12).map(shape).collect(),
+            materials: vec![grey(0.0), mask.clone()],
+            ..SceneParts::default()
+        };
+        let scene = gi_core::scene::Scene::new(parts).expect("a scene");
+        for (from, to) in [(-1.0, 20.0), (20.0, -1.0), (3.5, 7.5), (7.5, 3.5)] {
+            let (near, far) = (f32::min(from, to), f32::max(from, to));
+            let met = |k: &u32| (near..far).contains(&(*k as f32));
+            let ray = Ray::new(Vec3::new(0.1, 0.2, from), Vec3::new(0.0, 0.0, to - from));
+            let through = scene.transmittance(Ray { tmax: 1.0, ..ray });
+            let met: Vec<u32> = (0..12).filter(met).collect();
+            let expected = if met.contains(&opaque) { 0.0 } else { 0.5f32.powi(met.len() as i32) };
+            assert_eq!(through, Rgb::grey(expected), "{opaque} opaque, from {from} to {to}");
+        }
     }
 }

@@ -207,11 +207,9 @@ impl InstantRadiosity<'_> {
 
     /// The sum over a range of lights, every geometric term bounded by `most`.
     fn add_up(&self, at: &Receiver, lights: &Prepared, range: Range<usize>, most: f32) -> Rgb {
-        let scene = self.setting.scene;
-        let (mut sum, mut cut, mut connections) = (Rgb::BLACK, 0.0, 0);
-        lights.for_each_connection(range, at, |c| {
-            connections += 1;
-            let arrived = c.radiance * scene.transmittance(c.shadow);
+        let (mut sum, mut cut) = (Rgb::BLACK, 0.0);
+        let connections = lights.for_each_visible(range, at, |c, through| {
+            let arrived = c.radiance * through;
             let share = if c.geometry > most { most / c.geometry } else { 1.0 };
             cut += (arrived * (1.0 - share)).luminance();
             sum += arrived * share;

@@ -1,6 +1,7 @@
 //! Points connected with virtual point lights, against the bare shadow rays of the same connections.
 //!
-//! `cargo bench -p vpl --bench connections -- SCENE.xml ... [--vpls N]`. One thread; each figure is the least time of all
+//! `cargo bench -p vpl --bench connections -- SCENE.xml ... [--vpls N]`, scenes with absolute paths or as seen from
+//! crates/vpl. One thread; each figure is the least time of all
 //! repetitions of its chunk of points, the two taken in turn. Then the memory of a million lights.
 
 use std::hint::black_box;
@@ -20,9 +21,9 @@ const POINTS: usize = 64;
 const CHUNK: usize = 256;
 const REPETITIONS: usize = 5;
 
-/// Least seconds of the connections, of their shadow rays alone and of the rest alone, and how many there were.
-fn race(scene: &Scene, points: &[(Surface, Vec3, Bsdf)], set: &Vpls) -> ([f64; 3], usize) {
-    let (mut total, mut count) = ([0.0; 3], 0);
+/// Least seconds of the connections and of their shadow rays alone, and how many there were.
+fn race(scene: &Scene, points: &[(Surface, Vec3, Bsdf)], set: &Vpls) -> ([f64; 2], usize) {
+    let (mut total, mut count) = ([0.0; 2], 0);
     let (prepared, all) = (Prepared::new(set, scene), 0..set.lights.len());
     for chunk in points.chunks(CHUNK) {
         let rays: Vec<Ray> = chunk
@@ -34,39 +35,23 @@ fn race(scene: &Scene, points: &[(Surface, Vec3, Bsdf)], set: &Vpls) -> ([f64; 3
             })
             .collect();
         count += rays.len();
-        let mut best = [f64::INFINITY; 3];
+        let mut best = [f64::INFINITY; 2];
         for _ in 0..REPETITIONS {
             let clock = Instant::now();
             for (surface, wo, bsdf) in chunk {
                 let mut sum = Rgb::BLACK;
-                prepared.for_each_connection(
-                    all.clone(),
-                    &Receiver::new(surface, *wo, bsdf),
-                    |c| {
-                        sum += c.radiance * scene.transmittance(c.shadow);
-                    },
-                );
+                let at = Receiver::new(surface, *wo, bsdf);
+                prepared.for_each_visible(all.clone(), &at, |c, through| {
+                    sum += c.radiance * through;
+                });
                 black_box(sum);
             }
             best[0] = best[0].min(clock.elapsed().as_secs_f64());
             let clock = Instant::now();
             black_box(rays.iter().filter(|r| scene.tree().occluded(r)).count());
             best[1] = best[1].min(clock.elapsed().as_secs_f64());
-            let clock = Instant::now();
-            for (surface, wo, bsdf) in chunk {
-                let mut sum = Rgb::BLACK;
-                prepared.for_each_connection(
-                    all.clone(),
-                    &Receiver::new(surface, *wo, bsdf),
-                    |c| {
-                        sum += c.radiance * c.shadow.tmax;
-                    },
-                );
-                black_box(sum);
-            }
-            best[2] = best[2].min(clock.elapsed().as_secs_f64());
         }
-        total = [0, 1, 2].map(|k| total[k] + best[k]);
+        total = [0, 1].map(|k| total[k] + best[k]);
     }
     (total, count)
 }
@@ -86,7 +71,9 @@ fn main() {
     }
     for name in scenes {
         let loaded = gi_scene::load(Path::new(&name), &gi_scene::Options::default());
-        let loaded = loaded.unwrap_or_else(|problems| panic!("{problems}"));
+        let Ok(loaded) = loaded.inspect_err(|problems| eprintln!("{problems}")) else {
+            std::process::exit(2)
+        };
         let (scene, camera) =
             (Scene::new(loaded.parts).expect("a scene"), Camera::new(&loaded.camera));
         let pilot = Pilot::of(&scene, 0);
@@ -110,17 +97,15 @@ fn main() {
                 Some((surface, -ray.d, bsdf))
             })
             .collect();
-        let ([connected, bare, dark], count) = race(&scene, &points, &set);
+        let ([connected, bare], count) = race(&scene, &points, &set);
         let rate = |seconds: f64| count as f64 / seconds * 1e-6;
         println!(
-            "{name}: {} lights, {} points: {:.2} M connections/s, {:.2} M bare shadow rays/s: {:.0} % \
-             ({:.2} M connections/s without shadow rays)",
+            "{name}: {} lights, {} points: {:.2} M connections/s, {:.2} M bare shadow rays/s: {:.0} %",
             set.lights.len(),
             points.len(),
             rate(connected),
             rate(bare),
             100.0 * bare / connected,
-            rate(dark)
         );
         let clock = Instant::now();
         let million = shoot(&scene, &how(1_000_000));

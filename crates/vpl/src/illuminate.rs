@@ -21,19 +21,16 @@ pub struct Receiver<'r, 'a> {
     pub bsdf: &'r Bsdf<'a>,
     /// All of that where it is Lambertian and nothing else: asked once, not once a light.
     diffuse: Option<DiffusePart>,
+    /// The normal that a light must lie above to count; `None` where light from below may count too.
+    pub(crate) normal: Option<Vec3>,
 }
 
 impl<'r, 'a> Receiver<'r, 'a> {
     /// A point of a surface seen along `wo`.
     #[inline]
     pub fn new(surface: &'r Surface, wo: Vec3, bsdf: &'r Bsdf<'a>) -> Self {
-        Receiver { surface, wo, bsdf, diffuse: bsdf.diffuse_only(wo) }
-    }
-
-    /// The normal that a light must lie above to count; `None` where light from below may count too.
-    #[inline]
-    pub(crate) fn facing_normal(&self) -> Option<Vec3> {
-        self.diffuse.map(|part| part.normal)
+        let normal = bsdf.opaque_normal();
+        Receiver { surface, wo, bsdf, diffuse: bsdf.diffuse_only(wo), normal }
     }
 
     /// f times the cosine of `wi`.
@@ -101,7 +98,7 @@ pub(crate) fn connect(
         Kind::Oriented => to.dot(vpl.n) < 0.0 && to.dot(vpl.ns) < 0.0,
         _ => to != Vec3::ZERO,
     };
-    if !facing || at.diffuse.is_some_and(|part| part.normal.dot(to) <= 0.0) {
+    if !facing || at.normal.is_some_and(|n| n.dot(to) <= 0.0) {
         return None;
     }
     let inverse_sq = 1.0 / to.length_squared();

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use gi_core::bsdf::{Bsdf, Transport};
 use gi_core::math::Rgb;
+use gi_core::ray::Ray;
 use gi_core::scene::Scene;
 use gi_core::walk::adjoint_correction;
 use glam::Vec3;
@@ -18,7 +19,7 @@ pub struct Prepared<'v, 'a> {
     scene: &'a Scene,
     /// How the glossy ones scatter; none where they are too many to keep.
     bsdfs: Vec<Bsdf<'a>>,
-    /// Positions and normals, a column a coordinate. Lights that shine in all directions have no normal; those that shine in
+    /// Positions and normals, a column a coordinate. Lights that may shine in all directions have no normal; those that shine in
     /// parallel stand far away.
     columns: [Vec<f32>; 6],
 }
@@ -33,56 +34,92 @@ impl<'v, 'a> Prepared<'v, 'a> {
     pub fn new(set: &'v Vpls, scene: &'a Scene) -> Self {
         let bsdf = |lit: &crate::LitSurface| scene.bsdf(&lit.surface, lit.wo, Transport::Power);
         let kept = if set.surfaces.len() <= MOST_KEPT { &set.surfaces[..] } else { &[] };
-        let bsdfs = kept.iter().map(bsdf).collect();
+        let bsdfs: Vec<Bsdf> = kept.iter().map(bsdf).collect();
+        let opaque = |k: u32| bsdfs.get(k as usize).and_then(Bsdf::opaque_normal);
         let far = 1e6 * scene.radius();
         let place = |v: &Vpl| match v.kind {
             Kind::Oriented => [v.p, v.n],
             Kind::Directional => [-v.n * far, Vec3::ZERO],
-            Kind::Omni | Kind::Spot(_) | Kind::Glossy(_) => [v.p, Vec3::ZERO],
+            Kind::Glossy(k) => [v.p, opaque(k).unwrap_or(Vec3::ZERO)],
+            Kind::Omni | Kind::Spot(_) => [v.p, Vec3::ZERO],
         };
         let column = |k: usize| set.lights.iter().map(|v| place(v)[k / 3][k % 3]).collect();
-        Prepared { set, scene, bsdfs, columns: std::array::from_fn(column) }
+        let columns = std::array::from_fn(column);
+        Prepared { set, scene, bsdfs, columns }
     }
 
-    /// Connect a point with a range of the lights, and call `take` with every connection that carries light.
+    /// Connect a point with a range of the lights, and call `take` with every connection that carries light and the share
+    /// of it that nothing stops. Returns how many shadow rays that took.
     #[inline]
-    pub fn for_each_connection(
+    pub fn for_each_visible(
         &self,
         lights: Range<usize>,
         at: &Receiver,
-        mut take: impl FnMut(Connection),
-    ) {
-        let mut facing = [0u8; BATCH];
-        // What is connected is traced together: the rays find their code and their tree where they left them.
-        let mut ready: Vec<Connection> = Vec::with_capacity(BATCH);
+        mut take: impl FnMut(Connection, Rgb),
+    ) -> u64 {
+        let (mut facing, mut seen) = ([0; BATCH], [(0, Rgb::BLACK); BATCH]);
+        let mut rays = 0;
         for from in lights.clone().step_by(BATCH) {
             let count = BATCH.min(lights.end - from);
-            self.mark_facing(from, at, &mut facing[..count]);
-            for (k, _) in facing[..count].iter().enumerate().filter(|(_, f)| **f != 0) {
-                let vpl = &self.set.lights[from + k];
-                let scattered = |k: u32, d: Vec3| self.scattered(k, d);
-                ready.extend(connect(self.scene, vpl, at, scattered));
+            let turned = self.facing(from..from + count, at, &mut facing);
+            // A batch is traced together, and before anything is scattered: the rays find their code and their tree where
+            // they left them, and what is hidden is asked nothing else.
+            let mut passed = 0;
+            for &k in turned {
+                let through = self.scene.transmittance(self.shadow(&self.set.lights[k], at));
+                seen[passed] = (k, through);
+                passed += usize::from(!through.is_black());
             }
-            ready.drain(..).for_each(&mut take);
+            rays += turned.len() as u64;
+            for &(k, through) in &seen[..passed] {
+                let vpl = &self.set.lights[k];
+                let scattered = |k: u32, d: Vec3| self.scattered(k, d);
+                if let Some(connection) = connect(self.scene, vpl, at, scattered) {
+                    take(connection, through);
+                }
+            }
+        }
+        rays
+    }
+
+    /// The ray from a point to a light.
+    #[inline]
+    fn shadow(&self, vpl: &Vpl, at: &Receiver) -> Ray {
+        match vpl.kind {
+            Kind::Directional => self.scene.spawn(at.surface, -vpl.n),
+            _ => self.scene.tree().shadow_ray(at.surface.p, at.surface.ng, vpl.p),
         }
     }
 
-    /// Which lights turn toward the point, and it toward them. Without branches, so that it is done many at a time.
+    /// The lights of a batch that turn toward the point, and it toward them. Without branches: many are looked at together, and
+    /// nothing is guessed.
     #[inline]
-    fn mark_facing(&self, from: usize, at: &Receiver, facing: &mut [u8]) {
-        let n = at.facing_normal().unwrap_or(Vec3::ZERO);
+    fn facing<'f>(
+        &self,
+        lights: Range<usize>,
+        at: &Receiver,
+        found: &'f mut [usize; BATCH],
+    ) -> &'f [usize] {
+        let n = at.normal.unwrap_or(Vec3::ZERO);
         // Without a normal every direction is above.
         let least = if n == Vec3::ZERO { 0.0 } else { f32::MIN_POSITIVE };
         let p = at.surface.p;
-        let column = |k: usize| &self.columns[k][from..from + facing.len()];
+        let column = |k: usize| &self.columns[k][lights.clone()];
         let (px, py, pz) = (column(0), column(1), column(2));
         let (nx, ny, nz) = (column(3), column(4), column(5));
-        for i in 0..facing.len() {
+        let mut facing = [false; BATCH];
+        for i in 0..lights.len() {
             let (x, y, z) = (px[i] - p.x, py[i] - p.y, pz[i] - p.z);
             let at_light = x * nx[i] + y * ny[i] + z * nz[i];
             let at_point = x * n.x + y * n.y + z * n.z;
-            facing[i] = u8::from(at_light <= 0.0) & u8::from(at_point >= least);
+            facing[i] = (at_light <= 0.0) & (at_point >= least);
         }
+        let mut count = 0;
+        for (k, facing) in lights.zip(facing) {
+            found[count] = k;
+            count += usize::from(facing);
+        }
+        &found[..count]
     }
 
     /// Share per solid angle of the power at a glossy light that goes along `d`.

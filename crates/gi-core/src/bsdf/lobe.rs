@@ -236,6 +236,23 @@ impl Lobe<'_> {
         }
     }
 
+    /// Whether nothing passes to the other side.
+    #[inline]
+    pub(crate) fn is_opaque(&self) -> bool {
+        match self {
+            Lobe::Diffuse { .. }
+            | Lobe::OrenNayar { .. }
+            | Lobe::Conductor { .. }
+            | Lobe::RoughConductor { .. }
+            | Lobe::Plastic { .. }
+            | Lobe::Phong { .. } => true,
+            Lobe::Dielectric { .. }
+            | Lobe::RoughDielectric { .. }
+            | Lobe::ThinDielectric { .. }
+            | Lobe::Null => false,
+        }
+    }
+
     /// Weigh a direction that was drawn with density [`Lobe::pdf_w`].
     #[inline]
     fn weighted(&self, wo: Vec3, wi: Vec3, transport: Transport) -> Option<Scatter> {

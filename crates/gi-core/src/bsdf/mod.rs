@@ -241,6 +241,15 @@ impl<'a> Bsdf<'a> {
         matches!(self.parts, Parts::One(Component { lobe: Lobe::Diffuse { .. }, .. }))
     }
 
+    /// The normal above which both directions must lie for light to pass between them; `None` where it may pass otherwise.
+    #[inline]
+    pub fn opaque_normal(&self) -> Option<Vec3> {
+        match &self.parts {
+            Parts::One(c) if c.lobe.is_opaque() => Some(c.frame.n),
+            _ => None,
+        }
+    }
+
     /// Width of the narrowest lobe that is no delta lobe: alpha of its facets, 1 for diffuse ones.
     pub fn roughness(&self) -> f32 {
         self.components().iter().map(|c| c.lobe.roughness()).fold(1.0, f32::min)

@@ -108,8 +108,8 @@ impl Kernel {
     }
 
     #[inline]
-    pub(super) fn occluded(&self, tree: &Tree, ray: &Ray) -> bool {
+    pub(super) fn any(&self, tree: &Tree, ray: &Ray) -> Option<u32> {
         // SAFETY: `new` only hands out kernels whose instructions this processor has.
-        unsafe { (self.any)(tree, ray).is_some() }
+        unsafe { (self.any)(tree, ray).map(|hit| hit.prim) }
     }
 }

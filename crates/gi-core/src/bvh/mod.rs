@@ -161,11 +161,13 @@ impl Bvh {
     /// Whether the ray meets anything in (tmin, tmax].
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        if is_tame(ray, self.reach) {
-            self.kernel.occluded(&self.tree, ray)
-        } else {
-            self.occluded_wild(ray)
-        }
+        self.any(ray).is_some()
+    }
+
+    /// A primitive that the ray meets in (tmin, tmax], not always the nearest.
+    #[inline]
+    pub fn any(&self, ray: &Ray) -> Option<u32> {
+        if is_tame(ray, self.reach) { self.kernel.any(&self.tree, ray) } else { self.any_wild(ray) }
     }
 
     #[cold]
@@ -176,9 +178,8 @@ impl Bvh {
     }
 
     #[cold]
-    fn occluded_wild(&self, ray: &Ray) -> bool {
-        Tamed::new(ray, self.bounds)
-            .is_some_and(|tamed| self.kernel.occluded(&self.tree, &tamed.ray))
+    fn any_wild(&self, ray: &Ray) -> Option<u32> {
+        self.kernel.any(&self.tree, &Tamed::new(ray, self.bounds)?.ray)
     }
 
     /// The box round everything in the tree.

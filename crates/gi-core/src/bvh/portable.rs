@@ -28,8 +28,8 @@ pub(super) fn trace<const ANY: bool>(tree: &Tree, ray: &Ray) -> Option<Hit> {
             let (first, count) = leaf_range(word);
             for solid in &tree.solids[first..first + count] {
                 if ANY {
-                    if solid.occluded(&ray) {
-                        return Some(FOUND);
+                    if let Some(prim) = solid.any(&ray) {
+                        return Some(Hit { prim, ..FOUND });
                     }
                 } else if let Some(h) = solid.closest(&ray) {
                     ray.tmax = h.t;
@@ -60,7 +60,7 @@ pub(super) fn trace<const ANY: bool>(tree: &Tree, ray: &Ray) -> Option<Hit> {
     }
 }
 
-/// What an any-hit walk reports when a solid stands in the way.
+/// What an any-hit walk reports, but for the primitive.
 pub(super) const FOUND: Hit =
     Hit { t: 0.0, u: 0.0, v: 0.0, prim: u32::MAX, instance: Hit::NO_INSTANCE };
 

@@ -108,11 +108,11 @@ impl PlacedSolid {
         }
     }
 
-    /// Whether anything is hit in the ray's interval.
-    pub(super) fn occluded(&self, ray: &Ray) -> bool {
+    /// A primitive that is hit in the ray's interval.
+    pub(super) fn any(&self, ray: &Ray) -> Option<u32> {
         match self.shape {
-            Shape::Instance { ref tree, to_local, .. } => tree.occluded(&localised(ray, &to_local)),
-            _ => self.closest(ray).is_some(),
+            Shape::Instance { ref tree, to_local, .. } => tree.any(&localised(ray, &to_local)),
+            _ => self.closest(ray).map(|hit| hit.prim),
         }
     }
 

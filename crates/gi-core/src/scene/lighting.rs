@@ -113,18 +113,24 @@ impl Scene {
     /// The share of light that passes along a ray segment: 0 or 1, or what masks and panes leave.
     #[inline]
     pub fn transmittance(&self, ray: Ray) -> Rgb {
-        if !self.has_null {
-            return if self.tree.occluded(&ray) { Rgb::BLACK } else { Rgb::WHITE };
+        match self.tree.any(&ray) {
+            None => Rgb::WHITE,
+            // Whatever it is that was found first: an opaque one ends the question.
+            Some(prim) if !(self.has_null && self.has_null_at(prim)) => Rgb::BLACK,
+            Some(_) => self.transmittance_through(ray),
         }
-        self.transmittance_through(ray)
+    }
+
+    /// Whether light may pass straight through a primitive.
+    fn has_null_at(&self, prim: u32) -> bool {
+        self.materials[self.shapes[self.shape_of[prim as usize] as usize].material].has_null
     }
 
     fn transmittance_through(&self, mut ray: Ray) -> Rgb {
         let mut left = Rgb::WHITE;
         let toward = -ray.d.normalize();
         while let Some(hit) = self.closest(&ray) {
-            let shape = &self.shapes[self.shape_of[hit.prim as usize] as usize];
-            if !self.materials[shape.material].has_null {
+            if !self.has_null_at(hit.prim) {
                 return Rgb::BLACK;
             }
             let surface = self.surface(&ray, &hit);

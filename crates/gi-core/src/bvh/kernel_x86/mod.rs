@@ -36,7 +36,9 @@ fn solids<const ANY: bool>(tree: &Tree, word: u32, ray: &Ray, hit: &mut Hit) -> 
     for solid in &tree.solids[first..first + count] {
         let ray = Ray { tmax: hit.t, ..*ray };
         if ANY {
-            found |= solid.occluded(&ray);
+            if let Some(prim) = solid.any(&ray) {
+                (hit.prim, found) = (prim, true);
+            }
         } else if let Some(h) = solid.closest(&ray) {
             (*hit, found) = (h, true);
         }

@@ -85,8 +85,12 @@ macro_rules! triangles {
             let t = _mm_mul_ps(scaled, inv);
             let met = _mm_and_ps(met, _mm_and_ps(_mm_cmpgt_ps(t, tmin), _mm_cmple_ps(t, tmax)));
             let mask = _mm_movemask_ps(met);
-            if ANY || mask == 0 {
-                return mask != 0;
+            if mask == 0 {
+                return false;
+            }
+            if ANY {
+                hit.prim = block.id[mask.trailing_zeros() as usize & (LANES - 1)];
+                return true;
             }
             let inv = _mm_xor_ps(inv, sign);
             record(block, met, [t, _mm_mul_ps(v, inv), _mm_mul_ps(w, inv)], hit);
