@@ -39,5 +39,8 @@ bench:
 	$(CARGO) bench -p photonmap --bench search --features rivals
 	$(CARGO) bench -p vpl --bench connections
 
-figures compare:
+# The lecture's figures: one rule a slide.
+include scripts/figures.mk
+
+compare:
 	@echo "make $@: not there yet; it comes with the techniques" >&2; exit 1

@@ -4,7 +4,7 @@ mod read;
 mod write;
 
 pub use read::{Encoding, read_bitmap, read_exr};
-pub use write::{ImageFile, tone_map, write_file};
+pub use write::{ImageFile, encode_png, tone_map, write_file};
 
 /// A picture of linear radiance with further layers, as it is saved.
 #[derive(Clone, Debug, Default, PartialEq)]

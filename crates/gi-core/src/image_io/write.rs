@@ -119,6 +119,16 @@ fn write_png(out: &mut (impl Write + Seek), layers: &Layers) -> Result<(), Strin
     picture.write_to(out, image::ImageFormat::Png).map_err(|e| e.to_string())
 }
 
+/// The view of a picture as the bytes of a PNG.
+///
+/// # Errors
+/// One line: channels are missing, or not of the picture's size.
+pub fn encode_png(layers: &Layers) -> Result<Vec<u8>, String> {
+    let mut out = std::io::Cursor::new(Vec::new());
+    write_png(&mut out, layers)?;
+    Ok(out.into_inner())
+}
+
 /// Radiance to sRGB bytes: scale by 2^exposure, clip to [0, 1], apply the curve [IEC 61966-2-1].
 pub fn tone_map(rgb: [&[f32]; 3], exposure: f32) -> Vec<u8> {
     let scale = exposure.exp2();

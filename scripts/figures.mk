@@ -1,0 +1,272 @@
+# The lecture's figures, one rule a slide. A recipe is the figure's documentation: what is run, on what, and what to look for.
+#
+#   make figures [QUALITY=quick|full] [FIGURES_OUT=out/figures]     all of them, and out/figures/index.html
+#   make figure-12                                                  one of them
+#
+# Every rule fills a folder: pictures (.png with the .exr behind it), drawings (.svg with their tables), and figure.json.
+# Runs end after a number of passes, never after a time, so that a second run makes the same bytes.
+
+QUALITY ?= full
+FIGURES_OUT ?= out/figures
+BIN := target/release
+DRAW := $(BIN)/figures
+REFERENCES := $(FIGURES_OUT)/reference
+
+# $(call q,QUICK,FULL): a number by quality.
+q = $(if $(filter quick,$(QUALITY)),$(1),$(2))
+SIZE := $(call q,128x128,512x512)
+WIDE := $(call q,160x90,640x360)
+# The folder of the figure that is made.
+D = $(FIGURES_OUT)/$(@:figure-%=%)
+RUN = --size $(SIZE) --quiet
+
+BOX := scenes/cornell-box.xml
+SPHERES := scenes/cornell-spheres.xml
+GLOSSY := scenes/cornell-glossy.xml
+
+SLIDES := 3 8 9 12 13 14 15 16 17 18 22 23 24 25 26 29 31 32 35 39 41 43 47 49 51
+.PHONY: figures programs $(SLIDES:%=figure-%)
+
+figures: $(SLIDES:%=figure-%)
+	$(DRAW) index $(FIGURES_OUT)/index.html $(SLIDES:%=$(FIGURES_OUT)/%)
+	@echo "$(FIGURES_OUT)/index.html"
+
+programs:
+	$(CARGO) build --release --workspace --quiet
+
+$(SLIDES:%=figure-%): | programs
+$(SLIDES:%=figure-%): export RUST_BACKTRACE = 0
+
+# ------------------------------------------------------------------ references: the path tracer, long
+# reference/SCENE.exr, or reference/SCENE-LAYER.exr of one component.
+REFERENCE_SPP := $(call q,256,4096)
+$(REFERENCES)/%.exr: | programs
+	@mkdir -p $(REFERENCES)
+	$(BIN)/pathtrace scenes/$(firstword $(subst ., ,$*)).xml $(RUN) --spp $(REFERENCE_SPP) $(patsubst %,--component %,$(word 2,$(subst ., ,$*))) -o $@ --seed 99
+
+# ------------------------------------------------------------------ 3, 4: what global illumination is
+figure-3:
+	mkdir -p $D
+	$(BIN)/pathtrace $(SPHERES) $(RUN) --spp $(call q,64,1024) -o $D/all.exr
+	$(BIN)/pathtrace $(SPHERES) $(RUN) --spp $(call q,64,1024) --component direct -o $D/direct.exr
+	$(BIN)/pathtrace $(SPHERES) $(RUN) --spp $(call q,64,1024) --component indirect -o $D/indirect.exr
+	$(BIN)/pathtrace $(SPHERES) $(RUN) --spp $(call q,64,1024) --component caustic -o $D/caustic.exr
+	$(DRAW) figure $D --slide 3-4 --columns 4 --title "Global illumination, and indirect light alone" \
+	  --caption "The whole is the sum of its parts. Indirect light, scattered at least twice, changes slowly over diffuse surfaces: that is what irradiance caching lives on. Light focused by the glass sphere is not slow at all." \
+	  all.png="everything" direct.png="direct" indirect.png="indirect" caustic.png="caustic"
+
+# ------------------------------------------------------------------ 8 to 14: irradiance caching
+IRR = $(BIN)/irrcache $(BOX) $(RUN) --component indirect --spp $(call q,4,16)
+figure-8:
+	mkdir -p $D
+	$(IRR) --rays $(call q,100,1000) --error split-sphere --show octree,octree-slice -o $D/cache.exr
+	$(DRAW) figure $D --slide 8 --columns 2 --title "The octree of records" \
+	  --caption "A cell is divided until it holds fewer than 3 records. Records crowd where surfaces are close: in corners and round the blocks." \
+	  cache.octree-slice.png="a slice through the octree, its records as dots" cache.octree.png="its cells over the picture"
+
+figure-9:
+	mkdir -p $D
+	$(IRR) --rays $(call q,100,1000) --error split-sphere --weights lecture --show weights,validity -o $D/cache.exr
+	$(DRAW) figure $D --slide 9-11 --columns 2 --title "How far a record is good for" \
+	  --caption "The weight w of one record falls with distance, in units of its harmonic mean distance, and with the angle between normals. Where w exceeds 10 (an error of 0.1) the record is used." \
+	  cache.weights.png="w over distance (right) and angle (up); the line is w = 10" cache.validity.png="the discs in which records are used"
+
+figure-12: $(REFERENCES)/cornell-box.indirect.exr
+	mkdir -p $D
+	$(IRR) --rays $(call q,200,1000) --error split-sphere --weights lecture --gradients off -o $D/without.exr
+	$(IRR) --rays $(call q,200,1000) --error split-sphere --weights lecture --gradients both -o $D/with.exr
+	$(DRAW) difference $D/without-error.svg $D/without.exr --reference $< --most 0.2
+	$(DRAW) difference $D/with-error.svg $D/with.exr --reference $< --most 0.2
+	$(DRAW) figure $D --slide 12 --columns 2 --title "Irradiance gradients" --reference $< \
+	  --caption "The same records, interpolated without and with gradients (1000 rays a record at full quality, w > 10). Without them every record shows as a step." \
+	  without.png="without gradients" with.png="with gradients" without-error.svg="relative error, without" with-error.svg="relative error, with"
+
+figure-13:
+	mkdir -p $D
+	$(IRR) --rays $(call q,200,1000) --error split-sphere --show records -o $D/records.exr
+	$(IRR) --rays $(call q,200,1000) --show records -o $D/hessian.exr
+	$(DRAW) figure $D --slide 13 --columns 2 --title "Cache positions" \
+	  --caption "Where records were made, coloured by how far they are good for (dark: near, bright: far)." \
+	  records.records.png="the slides' split sphere, w > 10" hessian.records.png="error by Hessians with occlusion (the default)"
+
+RAYS := $(call q,30 100 300,100 300 1000 3000 5000)
+ACCURACIES := $(call q,0.1 0.3 0.5,0.05 0.1 0.2 0.35 0.5)
+figure-14: $(REFERENCES)/cornell-box.indirect.exr
+	mkdir -p $D
+	for n in $(RAYS); do $(IRR) --rays $$n --error split-sphere -o $D/rays-$$n.exr; done
+	for a in $(ACCURACIES); do $(IRR) --rays $(call q,100,1000) --error split-sphere --accuracy $$a -o $D/accuracy-$$a.exr; done
+	$(DRAW) measure $D/rays.csv --reference $< $(foreach n,$(RAYS),$n=$D/rays-$n.exr)
+	$(DRAW) measure $D/accuracy.csv --reference $< $(foreach a,$(ACCURACIES),$a=$D/accuracy-$a.exr)
+	$(DRAW) plot $D/rays.svg --title "Error against rays of a record" --x "rays" --y "relMSE" --log xy "split sphere, w > 10"=$D/rays.csv:x:relmse
+	$(DRAW) plot $D/accuracy.svg --title "Error against accuracy" --x "accuracy a (w > 1/a)" --y "relMSE" --log xy "split sphere"=$D/accuracy.csv:x:relmse
+	$(DRAW) figure $D --slide 14 --columns 3 --title "More rays" --reference $< \
+	  --caption "More rays make better records; what is left after that is interpolation, which the accuracy bounds." \
+	  rays-$(lastword $(RAYS)).png="$(lastword $(RAYS)) rays" rays.svg="error against rays" accuracy.svg="error against accuracy"
+
+# ------------------------------------------------------------------ 15 to 20: radiance caching
+RAD = $(BIN)/radcache $(GLOSSY) $(RUN) --component indirect --rays $(call q,200,1000) --glossy-rays $(call q,500,2000)
+figure-15: $(REFERENCES)/cornell-glossy.indirect.exr
+	mkdir -p $D
+	$(RAD) --mode rho-e --spp $(call q,8,64) -o $D/naive.exr
+	$(RAD) --spp $(call q,8,64) -o $D/cached.exr
+	cp $< $D/reference.exr && cp $(<:.exr=.png) $D/reference.png
+	$(DRAW) figure $D --slide 15 --columns 3 --title "Glossy surfaces are not a product" --reference $< \
+	  --caption "Indirect light on a plastic floor and a copper block. The product of hemispherical reflectance and irradiance forgets from where light comes: highlights are missing." \
+	  naive.png="rho_hd(w) E, the naive product" cached.png="radiance caching" reference.png="path tracing, the reference"
+
+figure-16: $(REFERENCES)/cornell-glossy.indirect.exr
+	mkdir -p $D
+	$(RAD) --spp $(call q,8,32) -o $D/cached.exr
+	$(BIN)/pathtrace $(GLOSSY) $(RUN) --component indirect --spp $(call q,64,128) -o $D/paths.exr
+	$(DRAW) difference $D/cached-error.svg $D/cached.exr --reference $< --most 0.5
+	$(DRAW) difference $D/paths-error.svg $D/paths.exr --reference $< --most 0.5
+	$(DRAW) figure $D --slide 16,20 --columns 2 --title "Radiance caching against path tracing" --reference $< \
+	  --caption "Indirect light in about the same time (below each picture). The silver ball is too sharp for the cache and is path-traced in both." \
+	  cached.png="radiance caching" paths.png="path tracing" cached-error.svg="relative error, cached" paths-error.svg="relative error, paths"
+
+figure-17:
+	mkdir -p $D
+	$(RAD) --spp $(call q,8,32) --cache-out $D/box.cache -o $D/first.exr
+	$(RAD) --spp $(call q,8,32) --cache-in $D/box.cache --origin=-0.6,1.5,3.6 --target=0,0.9,0 --up=0,1,0 -o $D/second.exr
+	$(DRAW) figure $D --slide 17 --columns 2 --title "View dependence" \
+	  --caption "One cache, two views: records keep where light comes from, each view asks its own BRDF. The second view adds only the records of what the first did not see." \
+	  first.png="the view that filled the cache" second.png="another view from the same cache"
+
+ORDERS := $(call q,1 2 4 8,1 2 3 4 6 8 10 12)
+figure-18: $(REFERENCES)/cornell-glossy.indirect.exr
+	mkdir -p $D
+	$(RAD) --spp 1 --show basis,brdf -o $D/sh.exr
+	for n in $(ORDERS); do $(RAD) --order $$n --spp $(call q,8,32) -o $D/order-$$n.exr; done
+	$(DRAW) measure $D/order.csv --reference $< $(foreach n,$(ORDERS),$n=$D/order-$n.exr)
+	$(DRAW) plot $D/order.svg --title "Error against order" --x "order n (n^2 functions)" --y "relMSE" --log y "spherical harmonics"=$D/order.csv:x:relmse
+	$(DRAW) figure $D --slide 18 --columns 3 --title "Incoming radiance in spherical harmonics" \
+	  --caption "The basis to l = 4; a rough BRDF times cosine and its expansions of orders 1 to 10; the error of the whole picture against the order, which ends in the noise of the records." \
+	  sh.basis.png="the basis functions" sh.brdf.png="a BRDF and its expansions" order.svg="error against order"
+
+# ------------------------------------------------------------------ 22 to 32: photon mapping
+PHOTONS := $(call q,20000,100000)
+PM = $(BIN)/photonmap $(SPHERES) $(RUN) --photons $(PHOTONS) --caustic-photons $(PHOTONS)
+figure-22:
+	mkdir -p $D
+	$(PM) --gather direct --spp $(call q,4,16) --show paths -o $D/photons.exr
+	$(DRAW) figure $D --slide 22 --columns 1 --title "Photon tracing" \
+	  --caption "The first photon paths from the lamp, over the picture: reflected by walls and mirror, refracted by glass, absorbed." photons.paths.png="photon paths"
+
+figure-23:
+	mkdir -p $D
+	$(PM) --gather direct --spp $(call q,4,16) --show photons -o $D/photons.exr
+	$(DRAW) figure $D --slide 23 --columns 1 --title "Photon density" \
+	  --caption "Every photon of the global map as a dot: irradiance is their density." photons.photons-global.png="$(PHOTONS) photons"
+
+figure-24: $(REFERENCES)/cornell-spheres.exr
+	mkdir -p $D
+	for s in 1 2 3 4; do $(PM) --spp 1 --seed $$s --probe $(call q,"20,110","80,440") --probe-out $D/probe-$$s.csv -o $D/probe-$$s.exr; done
+	$(DRAW) plot $D/estimate.svg --title "The estimate at a point against k" --x "photons of the estimate, k" --y "radiance" --log x \
+	  $(foreach s,1 2 3 4,"map $s"=$D/probe-$s.csv:k:luminance)
+	$(DRAW) figure $D --slide 24 --columns 1 --title "Radiance estimate" \
+	  --caption "Few photons are noisy: maps of other seeds disagree. Many reach far and average over edges: all maps agree on a wrong number." estimate.svg="four photon maps, one point of the floor"
+
+figure-25:
+	mkdir -p $D
+	$(PM) --gather direct --spp $(call q,4,16) --show cells -o $D/tree.exr
+	$(DRAW) figure $D --slide 25 --columns 1 --title "The balanced kd-tree" \
+	  --caption "Cells of the tree over real photons. A photon takes 20 bytes: float position, power as RGBE, direction as two bytes, the split plane." tree.cells.png="cells of the tree"
+
+figure-26:
+	mkdir -p $D
+	$(PM) --gather direct --spp $(call q,4,16) --show photons -o $D/photons.exr
+	$(DRAW) figure $D --slide 26 --columns 2 --title "Two photon maps" \
+	  --caption "The global map holds what any surface received; the caustic map only what came through mirrors and glass, many more photons in few places." \
+	  photons.photons-global.png="global map" photons.photons-caustic.png="caustic map"
+
+figure-29: $(REFERENCES)/cornell-spheres.exr
+	mkdir -p $D
+	$(PM) --gather none --lookup 50 --kernel lecture --spp $(call q,4,16) -o $D/density.exr
+	$(PM) --gather direct --lookup 50 --kernel lecture --spp $(call q,16,64) -o $D/direct.exr
+	$(DRAW) figure $D --slide 29-30 --columns 2 --title "Photon maps seen directly" --reference $< \
+	  --caption "$(PHOTONS) photons, 50 an estimate, evaluated where the eye's path first meets a diffuse surface: blotches, and rims where the disc of the estimate leaves the surface." \
+	  density.png="all light from the map" direct.png="direct light by shadow rays, the rest from the map"
+
+figure-31: $(REFERENCES)/cornell-spheres.exr
+	mkdir -p $D
+	$(PM) --spp $(call q,16,64) -o $D/gather.exr
+	$(BIN)/pathtrace $(SPHERES) $(RUN) --spp $(call q,64,512) -o $D/paths.exr
+	$(DRAW) difference $D/gather-error.svg $D/gather.exr --reference $< --most 0.2
+	$(DRAW) figure $D --slide 31 --columns 3 --title "Final gather" --reference $< \
+	  --caption "Density is read one bounce later: rays from the first diffuse surface average over many estimates, and blotches vanish." \
+	  gather.png="photon mapping with final gather" gather-error.svg="relative error" paths.png="path tracing"
+
+figure-32:
+	mkdir -p $D
+	$(BIN)/photonmap scenes/cognac.xml $(RUN) --photons $(PHOTONS) --caustic-photons $(call q,100000,1000000) --spp $(call q,16,128) -o $D/cognac.exr
+	$(DRAW) figure $D --slide 32 --columns 1 --title "A glass of cognac" \
+	  --caption "Light through glass and an amber liquid that absorbs: the caustic on the table is coloured by what it came through." cognac.png="photon mapping, caustic map"
+
+# ------------------------------------------------------------------ 35 to 46: progressive photon mapping
+figure-35:
+	mkdir -p $D
+	$(BIN)/pathtrace scenes/bulb.xml $(RUN) --spp $(call q,128,1024) -o $D/paths.exr
+	$(BIN)/photonmap scenes/bulb.xml $(RUN) --photons $(PHOTONS) --caustic-photons $(call q,100000,1000000) --spp $(call q,16,64) -o $D/photonmap.exr
+	$(BIN)/ppm scenes/bulb.xml $(RUN) --passes $(call q,64,512) -o $D/ppm.exr
+	$(DRAW) figure $D --slide 35,38 --columns 3 --title "All light is caustic" \
+	  --caption "A lamp inside a glass shell: no path from the eye finds it but by chance. Times stand below." \
+	  paths.png="path tracing" photonmap.png="photon mapping" ppm.png="progressive photon mapping"
+
+PASSES := $(call q,64,512)
+ALPHAS := 0.5 0.7 0.9
+figure-41:
+	mkdir -p $D
+	for a in $(ALPHAS); do $(BIN)/ppm scenes/ring.xml $(RUN) --passes $(PASSES) --alpha $$a --trace-pixel $(call q,"64,80","256,320") --trace-out $D/alpha-$$a.csv --show radius -o $D/alpha-$$a.exr; done
+	$(DRAW) plot $D/radius.svg --title "Radius of a hit point" --x "passes" --y "R (scene units)" --log xy --slopes $(foreach a,$(ALPHAS),"alpha $a"=$D/alpha-$a.csv:pass:R)
+	$(DRAW) plot $D/photons.svg --title "Photons that count" --x "passes" --y "N" --log xy --slopes $(foreach a,$(ALPHAS),"alpha $a"=$D/alpha-$a.csv:pass:N)
+	$(DRAW) figure $D --slide 41-42 --columns 3 --title "Radius reduction" \
+	  --caption "R' = R sqrt((N + alpha M) / (N + M)) after every pass: the radius shrinks as a power of the passes, N grows all the same." \
+	  radius.svg="R" photons.svg="N" alpha-0.7.radius.png="the map of R for alpha 0.7"
+
+figure-43:
+	mkdir -p $D
+	for n in 1 10 $(call q,50,100 1000); do $(BIN)/ppm scenes/torus-in-glass.xml $(RUN) --passes $$n -o $D/torus-$$n.exr; $(BIN)/ppm scenes/pool.xml $(RUN) --passes $$n -o $D/pool-$$n.exr; done
+	$(DRAW) figure $D --slide 43-46 --columns $(call q,3,4) --title "The picture over the passes" \
+	  --caption "A torus inside glass, and the floor of a pool: all light arrives by way of glass or water and leaves the same way. Noise and blur shrink together." \
+	  $(foreach n,1 10 $(call q,50,100 1000),torus-$n.png="$n passes") $(foreach n,1 10 $(call q,50,100 1000),pool-$n.png="$n passes")
+
+# ------------------------------------------------------------------ 47 to 52: instant radiosity
+VPL = $(BIN)/instant-radiosity $(BOX) $(RUN)
+figure-47:
+	mkdir -p $D
+	for s in 0 1 2 3; do $(VPL) --direct vpl --component direct --vpls 1 --spp 1 --first-pass $$s -o $D/light-$$s.exr; done
+	for n in 4 16 64; do $(VPL) --direct vpl --component direct --vpls 1 --spp $$n -o $D/mean-$$n.exr; done
+	$(VPL) --component direct --spp 256 -o $D/sampled.exr
+	$(DRAW) figure $D --slide 47-48 --columns 4 --title "Soft shadows as a mean of hard ones" --reference $D/sampled.exr \
+	  --caption "One point of the area light a picture, and pictures averaged, as the accumulation buffer did." \
+	  $(foreach s,0 1 2 3,light-$s.png="one light") $(foreach n,4 16 64,mean-$n.png="mean of $n") sampled.png="the light sampled"
+
+figure-49:
+	mkdir -p $D
+	$(VPL) --vpls 64 --spp 4 --show vpls,connections -o $D/vpls.exr
+	$(DRAW) figure $D --slide 49-50 --columns 2 --title "Virtual point lights" \
+	  --caption "Every vertex of a light path becomes a point light; a point that the eye sees is connected with all of them by shadow rays." \
+	  vpls.vpls.png="where the lights are" vpls.connections.png="shadow rays of one point: those in red are stopped"
+
+# 16 passes of N/16 lights each are N lights.
+COUNTS := $(call q,64 1024,64 1024 16384)
+CLAMPS := 0.1 0.3 1 3 10 30 100 1000
+ONE_SET = $(VPL) --component indirect --spp $(call q,4,16)
+figure-51: $(REFERENCES)/cornell-box.indirect.exr
+	mkdir -p $D
+	for n in $(COUNTS); do \
+	  $(ONE_SET) --vpls $$((n / $(call q,4,16))) --clamp inf -o $D/unclamped-$$n.exr; \
+	  $(ONE_SET) --vpls $$((n / $(call q,4,16))) --compensation none -o $D/clamped-$$n.exr; \
+	  $(ONE_SET) --vpls $$((n / $(call q,4,16))) -o $D/compensated-$$n.exr; \
+	  $(ONE_SET) --vpls $$((n / $(call q,4,16))) --vsl -o $D/spheres-$$n.exr; \
+	  for k in unclamped clamped compensated spheres; do $(DRAW) difference $D/$$k-$$n.svg $D/$$k-$$n.exr --reference $< --most 0.5; done; \
+	done
+	for c in $(CLAMPS); do $(VPL) --component indirect --vpls 1024 --spp 1 --clamp $$c --compensation none -o $D/clamp-$$c.exr; done
+	$(VPL) --component indirect --vpls 1024 --spp 1 --clamp inf -o $D/whole.exr
+	$(DRAW) measure $D/clamp.csv --reference $D/whole.exr $(foreach c,$(CLAMPS),$c=$D/clamp-$c.exr)
+	$(DRAW) plot $D/clamp.svg --title "Light that is left" --x "bound of the geometric term (1 / squared scene radius)" --y "mean of the clamped picture / unclamped" --log x "red"=$D/clamp.csv:x:ratio_r "green"=$D/clamp.csv:x:ratio_g "blue"=$D/clamp.csv:x:ratio_b
+	$(DRAW) figure $D --slide 51-52 --columns 4 --title "Instant radiosity: bright spots, dark corners, and repairs" --reference $< \
+	  --caption "Indirect light from more and more lights. Without a bound every light burns a spot near itself; with a bound corners are too dark; paths bring back what was cut off; spheres blur instead." \
+	  $(foreach n,$(COUNTS),$(foreach k,unclamped clamped compensated spheres,$k-$n.png="$n lights: $k" )) \
+	  $(foreach n,$(lastword $(COUNTS)),$(foreach k,unclamped clamped compensated spheres,$k-$n.svg="$n lights: error, $k" )) \
+	  clamp.svg="energy lost against the bound"

@@ -1,0 +1,141 @@
+//! One figure: panels, a caption, and what lies behind them, as `figure.json`.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use anyhow::{Context, bail};
+use serde_json::{Map, Value, json};
+
+use crate::picture::Picture;
+
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// The figure's folder; its panels lie there
+    folder: PathBuf,
+    /// Slides that it belongs to: 12, or 29-30
+    #[arg(long)]
+    slide: String,
+    #[arg(long)]
+    title: String,
+    /// What there is to see, and why
+    #[arg(long)]
+    caption: String,
+    /// Columns of the panels
+    #[arg(long, default_value_t = 3)]
+    columns: u32,
+    /// Picture that the others of its size are compared with
+    #[arg(long)]
+    reference: Option<PathBuf>,
+    /// Layer in which they are compared: Direct, Indirect, Caustic [default: the whole]
+    #[arg(long)]
+    layer: Option<String>,
+    /// Pictures (.png) and drawings (.svg) with what stands below them
+    #[arg(value_name = "FILE=CAPTION", required = true)]
+    panels: Vec<Panel>,
+}
+
+/// A picture or drawing with its caption.
+#[derive(Clone, Debug)]
+struct Panel {
+    file: String,
+    caption: String,
+}
+
+impl FromStr for Panel {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (file, caption) = text.split_once('=').ok_or("expected FILE=CAPTION")?;
+        Ok(Panel { file: file.into(), caption: caption.into() })
+    }
+}
+
+pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
+    let layer = args.layer.as_deref();
+    let reference = args.reference.as_ref().map(|path| Picture::read(path, layer)).transpose()?;
+    let mut panels = Vec::new();
+    for panel in &args.panels {
+        let told = describe(args, panel, reference.as_ref())
+            .with_context(|| format!("slide {}: {}", args.slide, panel.file))?;
+        panels.push(told);
+    }
+    let figure = json!({
+        "slide": args.slide,
+        "title": args.title,
+        "caption": args.caption,
+        "columns": args.columns,
+        "reference": args.reference.as_ref().map(|p| p.display().to_string()),
+        "panels": panels,
+    });
+    let out = args.folder.join("figure.json");
+    std::fs::write(&out, format!("{figure:#}\n")).with_context(|| out.display().to_string())
+}
+
+/// Check a panel, and tell how it came to be from the data behind it.
+fn describe(args: &Args, panel: &Panel, reference: Option<&Picture>) -> anyhow::Result<Value> {
+    let file = args.folder.join(&panel.file);
+    check(&file)?;
+    let mut told = Map::new();
+    told.insert("file".into(), panel.file.clone().into());
+    told.insert("caption".into(), panel.caption.clone().into());
+    if let Some(data) = data_behind(&file) {
+        let picture = Picture::read(&data, None)?;
+        if picture.rgb.iter().all(|v| *v == 0.0) {
+            bail!("{} is black", data.display());
+        }
+        told.insert("data".into(), name_of(&data).into());
+        for (key, name) in [
+            ("command", "command"),
+            ("scene", "scene"),
+            ("seed", "seed"),
+            ("passes", "passes"),
+            ("seconds", "seconds"),
+            ("reach", "reach"),
+        ] {
+            if let Some(value) = picture.said(name) {
+                told.insert(key.into(), value.into());
+            }
+        }
+        let own = file.file_stem() == data.file_stem();
+        if let Some(reference) = reference.filter(|r| own && r.size == picture.size) {
+            let errors = Picture::read(&data, args.layer.as_deref())?.errors(reference)?;
+            told.insert("relmse".into(), json!(errors.rel_mse));
+            told.insert("mean_ratio".into(), json!(errors.mean_ratio));
+        }
+    }
+    Ok(told.into())
+}
+
+/// A panel is there, is a picture or a drawing, and is not empty.
+fn check(file: &Path) -> anyhow::Result<()> {
+    let bytes = std::fs::read(file).context("cannot be read")?;
+    let sound = match file.extension().and_then(|e| e.to_str()) {
+        Some("png") => bytes.starts_with(b"\x89PNG") && bytes.ends_with(b"IEND\xaeB`\x82"),
+        Some("svg") => bytes.starts_with(b"<svg") && bytes.trim_ascii_end().ends_with(b"</svg>"),
+        _ => bail!("neither .png nor .svg"),
+    };
+    if !sound {
+        bail!("not whole");
+    }
+    Ok(())
+}
+
+/// The EXR of a picture: `a.exr` of `a.png`, and of the technique's own `a.records.png`.
+fn data_behind(file: &Path) -> Option<PathBuf> {
+    if file.extension()? != "png" {
+        return None;
+    }
+    let mut stem = file.with_extension("");
+    loop {
+        let data = stem.with_extension("exr");
+        if data.is_file() {
+            return Some(data);
+        }
+        stem.extension()?;
+        stem = stem.with_extension("");
+    }
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}

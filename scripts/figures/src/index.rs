@@ -1,0 +1,155 @@
+//! All figures on one page that needs nothing else.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use serde_json::Value;
+
+use crate::svg::{data_uri, escaped};
+
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// The page to write (.html)
+    out: PathBuf,
+    /// Figures' folders, in the order of their slides
+    #[arg(required = true)]
+    folders: Vec<PathBuf>,
+}
+
+#[derive(clap::Args)]
+pub(crate) struct ThumbArgs {
+    /// The folder to write to
+    out: PathBuf,
+    /// Figures' folders
+    #[arg(required = true)]
+    folders: Vec<PathBuf>,
+}
+
+const STYLE: &str = include_str!("page.css");
+
+pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
+    let figures = read(&args.folders)?;
+    let mut page = format!(
+        "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <title>Global illumination: the lecture's figures</title>\n<style>\n{STYLE}</style>\n\
+         <header><h1>The lecture's figures</h1>\n<nav><ol>\n"
+    );
+    for (_, figure) in &figures {
+        let (slide, title) = (text(figure, "slide"), text(figure, "title"));
+        writeln!(page, "<li><a href=\"#slide-{slide}\">{slide} · {}</a></li>", escaped(title))?;
+    }
+    page += "</ol></nav></header>\n<main>\n";
+    let home = args.out.parent().unwrap_or(Path::new("."));
+    for (folder, figure) in &figures {
+        section(&mut page, home, folder, figure)
+            .with_context(|| format!("slide {}", text(figure, "slide")))?;
+    }
+    page += "</main>\n</html>\n";
+    std::fs::write(&args.out, page).with_context(|| args.out.display().to_string())
+}
+
+/// Read all sidecars; tell all that are missing at once.
+fn read(folders: &[PathBuf]) -> anyhow::Result<Vec<(&PathBuf, Value)>> {
+    let (mut figures, mut missing) = (Vec::new(), Vec::new());
+    for folder in folders {
+        let sidecar = std::fs::read_to_string(folder.join("figure.json"));
+        match sidecar.ok().and_then(|text| serde_json::from_str(&text).ok()) {
+            Some(figure) => figures.push((folder, figure)),
+            None => missing.push(folder.display().to_string()),
+        }
+    }
+    if !missing.is_empty() {
+        bail!("without a figure.json: {}", missing.join(", "));
+    }
+    Ok(figures)
+}
+
+fn text<'v>(value: &'v Value, key: &str) -> &'v str {
+    value[key].as_str().unwrap_or_default()
+}
+
+fn panels(figure: &Value) -> &[Value] {
+    figure["panels"].as_array().map_or(&[], Vec::as_slice)
+}
+
+/// One figure: heading, panels in a grid, caption, and how it was made.
+fn section(page: &mut String, home: &Path, folder: &Path, figure: &Value) -> anyhow::Result<()> {
+    let (slide, title) = (text(figure, "slide"), escaped(text(figure, "title")));
+    let columns = figure["columns"].as_u64().unwrap_or(3);
+    writeln!(
+        page,
+        "<section id=\"slide-{slide}\">\n<h2><span>Slide {slide}</span> {title}</h2>\n\
+         <p>{}</p>\n<div class=\"panels\" style=\"--columns:{columns}\">",
+        escaped(text(figure, "caption"))
+    )?;
+    let place = folder.strip_prefix(home).unwrap_or(folder).display().to_string();
+    for panel in panels(figure) {
+        let file = text(panel, "file");
+        let bytes = std::fs::read(folder.join(file)).with_context(|| file.to_string())?;
+        let kind = if file.ends_with(".svg") { "image/svg+xml" } else { "image/png" };
+        let caption = escaped(text(panel, "caption"));
+        write!(
+            page,
+            "<figure><img src=\"{}\" alt=\"{caption}\"><figcaption>{caption}",
+            data_uri(kind, &bytes)
+        )?;
+        let facts = facts(panel);
+        if !facts.is_empty() {
+            write!(page, "<br><small>{facts}</small>")?;
+        }
+        if let Some(data) = panel["data"].as_str() {
+            write!(page, " <small><a href=\"{place}/{data}\">{data}</a></small>")?;
+        }
+        writeln!(page, "</figcaption></figure>")?;
+    }
+    page.push_str("</div>\n");
+    let commands: Vec<String> =
+        panels(figure).iter().filter_map(|p| p["command"].as_str()).map(escaped).collect();
+    if !commands.is_empty() {
+        let mut once: Vec<&String> = Vec::new();
+        commands.iter().for_each(|c| {
+            if !once.contains(&c) {
+                once.push(c);
+            }
+        });
+        let lines: Vec<&str> = once.into_iter().map(String::as_str).collect();
+        writeln!(
+            page,
+            "<details><summary>Commands</summary><pre>{}</pre></details>",
+            lines.join("\n")
+        )?;
+    }
+    page.push_str("</section>\n");
+    Ok(())
+}
+
+/// Time and errors of a panel in a line.
+fn facts(panel: &Value) -> String {
+    let mut facts = Vec::new();
+    if let Some(seconds) = panel["seconds"].as_str().and_then(|s| s.parse::<f64>().ok()) {
+        facts.push(format!("{seconds:.1} s"));
+    }
+    if let Some(e) = panel["relmse"].as_f64().filter(|e| *e > 0.0) {
+        facts.push(format!("relMSE {e:.2e}"));
+        let mean = panel["mean_ratio"].as_array().map_or(1.0, |r| {
+            r.iter().filter_map(Value::as_f64).sum::<f64>() / r.len().max(1) as f64
+        });
+        facts.push(format!("mean {:+.1} %", 100.0 * (mean - 1.0)));
+    }
+    facts.join(" · ")
+}
+
+/// Copy the first panel of every figure to `SLIDE.png` or `SLIDE.svg`.
+pub(crate) fn thumbs(args: &ThumbArgs) -> anyhow::Result<()> {
+    std::fs::create_dir_all(&args.out)?;
+    for (folder, figure) in &read(&args.folders)? {
+        let first = panels(figure).first().context("a figure without panels")?;
+        let file = Path::new(text(first, "file"));
+        let kind = file.extension().and_then(|e| e.to_str()).unwrap_or("png");
+        let to = args.out.join(format!("{}.{kind}", text(figure, "slide")));
+        std::fs::copy(folder.join(file), &to).with_context(|| to.display().to_string())?;
+    }
+    Ok(())
+}

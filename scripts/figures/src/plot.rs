@@ -1,0 +1,353 @@
+//! Curves from the columns of tables.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use anyhow::{Context, anyhow, bail};
+use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use plotters::prelude::*;
+
+use crate::svg::FONT;
+
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// The drawing to write (.svg)
+    out: PathBuf,
+    /// What stands above it
+    #[arg(long)]
+    title: String,
+    /// Name and unit of the axis to the right
+    #[arg(long)]
+    x: String,
+    /// Name and unit of the axis upwards
+    #[arg(long)]
+    y: String,
+    /// Axes with equal steps for equal factors
+    #[arg(long, value_enum, default_value_t = Log::None)]
+    log: Log,
+    /// Write each curve's slope of log y over log x, fitted over its points, behind its name
+    #[arg(long)]
+    slopes: bool,
+    /// A level line: NAME=Y
+    #[arg(long, value_name = "NAME=Y")]
+    level: Vec<String>,
+    /// Marks without lines between them
+    #[arg(long)]
+    scatter: bool,
+    /// Curves: name, table, and the columns of both axes
+    #[arg(value_name = "NAME=TABLE.csv:X:Y", required = true)]
+    curves: Vec<Source>,
+}
+
+#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
+enum Log {
+    None,
+    X,
+    Y,
+    Xy,
+}
+
+/// Where a curve's numbers stand.
+#[derive(Clone, Debug)]
+struct Source {
+    name: String,
+    table: PathBuf,
+    columns: [String; 2],
+}
+
+impl FromStr for Source {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = "expected NAME=TABLE.csv:X:Y";
+        let (name, rest) = text.rsplit_once('=').ok_or(wrong)?;
+        let mut parts = rest.split(':');
+        let mut next = || parts.next().map(str::to_string).ok_or(wrong);
+        let (table, x, y) = (next()?, next()?, next()?);
+        Ok(Source { name: name.into(), table: table.into(), columns: [x, y] })
+    }
+}
+
+/// A curve with its numbers.
+struct Curve {
+    name: String,
+    points: Vec<(f64, f64)>,
+}
+
+pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
+    let [log_x, log_y] =
+        [[Log::X, Log::Xy], [Log::Y, Log::Xy]].map(|logs| logs.contains(&args.log));
+    let curves: Vec<Curve> =
+        args.curves.iter().map(|s| curve(s, [log_x, log_y])).collect::<Result<_, _>>()?;
+    let levels = args.level.iter().map(|text| level(text)).collect::<anyhow::Result<Vec<_>>>()?;
+    let x = || range(&curves, &[], log_x, 0);
+    let y = || range(&curves, &levels, log_y, 1);
+    let shown = Shown {
+        args,
+        curves: &curves,
+        levels: &levels,
+        corner: corner(&curves, [x(), y()], [log_x, log_y]),
+    };
+    let picture = match (log_x, log_y) {
+        (false, false) => shown.draw(x(), y()),
+        (true, false) => shown.draw(x().log_scale(), y()),
+        (false, true) => shown.draw(x(), y().log_scale()),
+        (true, true) => shown.draw(x().log_scale(), y().log_scale()),
+    };
+    let picture = picture.map_err(|e| anyhow!("{}: {e}", args.out.display()))?;
+    std::fs::write(&args.out, picture).with_context(|| args.out.display().to_string())
+}
+
+/// Read two columns of a table; what an axis cannot show (an empty field, nothing and less on a logarithmic one) is left out.
+fn curve(source: &Source, log: [bool; 2]) -> anyhow::Result<Curve> {
+    let text = std::fs::read_to_string(&source.table)
+        .with_context(|| source.table.display().to_string())?;
+    let columns = columns(&text, &source.table)?;
+    let column = |name: &String| {
+        columns.get(name.as_str()).with_context(|| {
+            let all: Vec<&str> = columns.keys().copied().collect();
+            format!("{}: no column {name}; there are {}", source.table.display(), all.join(", "))
+        })
+    };
+    let (xs, ys) = (column(&source.columns[0])?, column(&source.columns[1])?);
+    let shown = |v: f64, log: bool| v.is_finite() && (!log || v > 0.0);
+    let points: Vec<(f64, f64)> = xs
+        .iter()
+        .zip(ys)
+        .filter_map(|(x, y)| Some((x.parse().ok()?, y.parse().ok()?)))
+        .filter(|(x, y)| shown(*x, log[0]) && shown(*y, log[1]))
+        .collect();
+    if points.is_empty() {
+        bail!("{}: nothing to draw in {}", source.table.display(), source.columns.join(" and "));
+    }
+    Ok(Curve { name: source.name.clone(), points })
+}
+
+/// The fields of every column, by its name.
+fn columns<'t>(text: &'t str, path: &Path) -> anyhow::Result<HashMap<&'t str, Vec<&'t str>>> {
+    let mut lines = text.lines().filter(|l| !l.starts_with('#') && !l.is_empty());
+    let names: Vec<&str> = lines.next().context("an empty table")?.split(',').collect();
+    let mut columns: Vec<Vec<&str>> = vec![Vec::new(); names.len()];
+    for line in lines {
+        let fields: Vec<&str> = line.split(',').collect();
+        if fields.len() != names.len() {
+            bail!(
+                "{}: {} fields for {} columns: {line}",
+                path.display(),
+                fields.len(),
+                names.len()
+            );
+        }
+        columns.iter_mut().zip(fields).for_each(|(column, field)| column.push(field.trim()));
+    }
+    Ok(names.into_iter().map(str::trim).zip(columns).collect())
+}
+
+fn level(text: &str) -> anyhow::Result<(String, f64)> {
+    let (name, y) =
+        text.rsplit_once('=').with_context(|| format!("--level {text}: expected NAME=Y"))?;
+    Ok((name.into(), y.parse().with_context(|| format!("--level {text}"))?))
+}
+
+/// From the least to the largest number of an axis, with some room.
+fn range(
+    curves: &[Curve],
+    levels: &[(String, f64)],
+    log: bool,
+    axis: usize,
+) -> std::ops::Range<f64> {
+    let of = |p: &(f64, f64)| if axis == 0 { p.0 } else { p.1 };
+    let levels = levels.iter().map(|(_, y)| *y).filter(|_| axis == 1);
+    let all = curves.iter().flat_map(|c| c.points.iter().map(of)).chain(levels);
+    let (low, high) =
+        all.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    if log {
+        let room = (high / low).powf(0.05).max(1.1);
+        return low / room..high * room;
+    }
+    let room = (0.05 * (high - low)).max(1e-6 * high.abs().max(1e-30));
+    // Numbers that are all on one side of nothing are drawn from nothing on.
+    let low = if low >= 0.0 && low < 0.5 * high { 0.0 } else { low - room };
+    low..high + room
+}
+
+/// Slope of log y over log x by least squares.
+fn slope(points: &[(f64, f64)]) -> Option<f64> {
+    let logs: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
+    let n = logs.len() as f64;
+    let mean = |f: fn(&(f64, f64)) -> f64| logs.iter().map(f).sum::<f64>() / n;
+    let (mx, my) = (mean(|p| p.0), mean(|p| p.1));
+    let (mut xy, mut xx) = (0.0, 0.0);
+    for (x, y) in &logs {
+        xy += (x - mx) * (y - my);
+        xx += (x - mx) * (x - mx);
+    }
+    (logs.len() > 1 && xx > 0.0).then(|| xy / xx)
+}
+
+/// Seven colours that colour-blind eyes tell apart \[Okabe & Ito\]; marks and dashes tell the curves apart in print.
+const COLOURS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(230, 159, 0),
+    RGBColor(0, 0, 0),
+];
+
+/// Numbers as few digits tell them.
+fn label(v: &f64) -> String {
+    let size = v.abs();
+    if size != 0.0 && !(1e-3..1e5).contains(&size) {
+        return format!("{v:.0e}");
+    }
+    let text = format!("{v:.4}");
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
+}
+
+/// The mark of a curve: a disc, a triangle, a cross, a ring, in turn.
+macro_rules! mark {
+    ($curve:expr, $at:expr, $size:expr, $colour:expr) => {
+        match $curve % 4 {
+            0 => Circle::new($at, $size, $colour.filled()).into_dyn(),
+            1 => TriangleMarker::new($at, $size + 1, $colour.filled()).into_dyn(),
+            2 => Cross::new($at, $size, $colour.stroke_width(2)).into_dyn(),
+            _ => Circle::new($at, $size, $colour.stroke_width(2)).into_dyn(),
+        }
+    };
+}
+
+/// The corner with the fewest points, for the legend.
+fn corner(
+    curves: &[Curve],
+    ranges: [std::ops::Range<f64>; 2],
+    log: [bool; 2],
+) -> SeriesLabelPosition {
+    let share = |v: f64, axis: usize| {
+        let f = |v: f64| if log[axis] { v.ln() } else { v };
+        let r = &ranges[axis];
+        (f(v) - f(r.start)) / (f(r.end) - f(r.start))
+    };
+    let points = || curves.iter().flat_map(|c| &c.points).map(|p| (share(p.0, 0), share(p.1, 1)));
+    let corners = [
+        (SeriesLabelPosition::UpperRight, [true, true]),
+        (SeriesLabelPosition::UpperLeft, [false, true]),
+        (SeriesLabelPosition::LowerLeft, [false, false]),
+        (SeriesLabelPosition::LowerRight, [true, false]),
+    ];
+    let within = |[right, up]: [bool; 2]| {
+        let near = |(x, y): &(f64, f64)| {
+            (if right { 1.0 - x } else { *x }) < 0.45 && (if up { 1.0 - y } else { *y }) < 0.4
+        };
+        points().filter(near).count()
+    };
+    let best = corners.into_iter().min_by_key(|(_, c)| within(*c));
+    best.map_or(SeriesLabelPosition::UpperRight, |(position, _)| position)
+}
+
+/// What a drawing shows.
+struct Shown<'a> {
+    args: &'a Args,
+    curves: &'a [Curve],
+    levels: &'a [(String, f64)],
+    corner: SeriesLabelPosition,
+}
+
+impl Shown<'_> {
+    fn draw<X, Y>(&self, x: X, y: Y) -> Result<String, Box<dyn std::error::Error>>
+    where
+        X: AsRangedCoord<Value = f64>,
+        Y: AsRangedCoord<Value = f64>,
+        X::CoordDescType: ValueFormatter<f64>,
+        Y::CoordDescType: ValueFormatter<f64>,
+    {
+        let Shown { args, curves, levels, .. } = self;
+        let mut out = String::new();
+        {
+            let root = SVGBackend::with_string(&mut out, (640, 440)).into_drawing_area();
+            root.fill(&WHITE)?;
+            let mut chart = ChartBuilder::on(&root)
+                .caption(&args.title, (FONT, 20))
+                .margin(12)
+                .x_label_area_size(44)
+                .y_label_area_size(68)
+                .build_cartesian_2d(x, y)?;
+            chart
+                .configure_mesh()
+                .x_desc(&args.x)
+                .y_desc(&args.y)
+                .axis_desc_style((FONT, 16))
+                .label_style((FONT, 13))
+                .x_label_formatter(&label)
+                .y_label_formatter(&label)
+                .light_line_style(RGBColor(240, 240, 240))
+                .bold_line_style(RGBColor(215, 215, 215))
+                .draw()?;
+            for (k, c) in curves.iter().enumerate() {
+                let colour = COLOURS[k % COLOURS.len()];
+                let fit = if args.slopes { slope(&c.points) } else { None };
+                let name = match fit {
+                    Some(slope) => format!("{} (slope {slope:.2})", c.name),
+                    None => c.name.clone(),
+                };
+                if !args.scatter {
+                    let line = LineSeries::new(c.points.iter().copied(), colour.stroke_width(2));
+                    chart.draw_series(line)?;
+                }
+                // Of many points every few are marked.
+                let every = c.points.len().div_ceil(if args.scatter { 4000 } else { 24 });
+                let size = if args.scatter { 1 } else { 4 };
+                let marked = c.points.iter().copied().step_by(every.max(1));
+                let series = chart.draw_series(marked.map(|p| mark!(k, p, size, colour)))?;
+                series.label(name).legend(move |(x, y)| mark!(k, (x + 10, y), 4, colour));
+            }
+            for (name, y) in *levels {
+                let ends = [f64::MIN_POSITIVE, f64::MAX];
+                let xs = curves.iter().flat_map(|c| c.points.iter().map(|p| p.0));
+                let [low, high] = xs.fold([ends[1], -ends[1]], |[l, h], x| [l.min(x), h.max(x)]);
+                let line =
+                    DashedLineSeries::new([(low, *y), (high, *y)], 6, 4, BLACK.stroke_width(1));
+                chart
+                    .draw_series(line)?
+                    .label(name.clone())
+                    .legend(|(x, y)| PathElement::new([(x, y), (x + 20, y)], BLACK));
+            }
+            chart
+                .configure_series_labels()
+                .position(self.corner.clone())
+                .background_style(WHITE.mix(0.85))
+                .border_style(RGBColor(180, 180, 180))
+                .label_font((FONT, 14))
+                .draw()?;
+            root.present()?;
+        }
+        Ok(out)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_power_has_its_exponent_for_slope() {
+        let points: Vec<(f64, f64)> =
+            (1..9).map(|k| (f64::from(k), 3.0 * f64::from(k).powf(-0.7))).collect();
+        assert!((slope(&points).expect("a slope") + 0.7).abs() < 1e-12);
+        assert_eq!(slope(&points[..1]), None);
+    }
+
+    #[test]
+    fn labels_have_few_digits() {
+        let all = [0.0, 0.25, 1000.0, 2e6, 3e-5].map(|v| label(&v));
+        assert_eq!(all, ["0", "0.25", "1000", "2e6", "3e-5"]);
+    }
+
+    #[test]
+    fn a_table_that_does_not_fit_its_head_is_refused() {
+        let error = columns("a,b\n1,2\n3\n", Path::new("t.csv")).expect_err("a short line");
+        assert!(error.to_string().contains("1 fields for 2 columns: 3"), "{error}");
+    }
+}
