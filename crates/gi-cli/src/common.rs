@@ -41,16 +41,16 @@ pub struct Common {
     /// Set a scene parameter ($NAME), or a preset of a program (gi.PROGRAM.FLAG)
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
     pub define: Vec<(String, String)>,
-    /// Camera of a bare OBJ: where it stands [default: framed automatically]
+    /// Where the camera stands [default: as the scene says; a bare OBJ is framed so that all is seen]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_vec3, allow_hyphen_values = true)]
     pub origin: Option<Vec3>,
-    /// Camera of a bare OBJ: what it looks at
+    /// What the camera looks at
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_vec3, allow_hyphen_values = true)]
     pub target: Option<Vec3>,
-    /// Camera of a bare OBJ: what is up
+    /// What is up for the camera
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_vec3, allow_hyphen_values = true)]
     pub up: Option<Vec3>,
-    /// Camera of a bare OBJ: angle of view across the picture, degrees
+    /// Angle of view across the picture, degrees
     #[arg(long, value_name = "DEGREES")]
     pub fov: Option<f32>,
     /// Write the scene as it was understood, as Mitsuba 3 XML, and end

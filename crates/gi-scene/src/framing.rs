@@ -1,6 +1,6 @@
-//! The camera of a scene that brings none: as the command line says, and so that all is seen.
+//! The camera as the command line says: of a scene that brings none, chosen so that all is seen; of another, moved.
 
-use gi_core::camera::CameraSpec;
+use gi_core::camera::{CameraSpec, Projection};
 use gi_core::math::Bounds;
 use gi_core::scene::SceneParts;
 use glam::Vec3;
@@ -46,19 +46,48 @@ pub(crate) fn frame(
     Some(CameraSpec::look_at(origin, target, up, fov, size))
 }
 
-/// Note that a scene with a sensor takes no other camera.
-pub(crate) fn warn_unused(camera: &CameraOverride, report: &Report) {
-    let given = [
-        ("--origin", camera.origin.is_some()),
-        ("--target", camera.target.is_some()),
-        ("--up", camera.up.is_some()),
-        ("--fov", camera.fov.is_some()),
-    ];
-    for (name, _) in given.iter().filter(|(_, given)| *given) {
-        report.warn_nowhere(format!(
-            "{name} has no effect on an XML scene: its sensor says where the camera stands"
-        ));
+/// The scene's own camera, moved, turned and zoomed as the options say; what they do not say stays. `None` after a reported
+/// problem.
+pub(crate) fn moved(
+    seen: CameraSpec,
+    camera: &CameraOverride,
+    report: &Report,
+) -> Option<CameraSpec> {
+    if !check(camera, report) {
+        return None;
     }
+    let CameraOverride { origin, target, up: upward, fov } = *camera;
+    let mut moved = seen;
+    if let Some(fov) = fov {
+        match &mut moved.projection {
+            Projection::Perspective { fov_x, .. } => *fov_x = fov.to_radians(),
+            Projection::Orthographic => {
+                report.warn_nowhere("--fov has no effect on an orthographic sensor".to_owned());
+            }
+        }
+    }
+    if origin.is_none() && target.is_none() && upward.is_none() {
+        return Some(moved);
+    }
+    let own = moved.to_world;
+    let origin = origin.unwrap_or(own.translation.into());
+    let own_view = Vec3::from(own.matrix3.z_axis).normalize();
+    let Some(view) = target.map_or(Some(own_view), |t| (t - origin).try_normalize()) else {
+        report.error_nowhere(format!(
+            "--target {} is where the camera stands: give another, or --origin",
+            list(origin)
+        ));
+        return None;
+    };
+    let up = up(upward.or(Some(own.matrix3.y_axis.into())), view, report)?;
+    let turned = CameraSpec::look_at(origin, origin + view, up, 1.0, moved.size).to_world;
+    // What the sensor's own axes do besides turning, mirrors and scales, stays.
+    let own_turn =
+        CameraSpec::look_at(Vec3::ZERO, own_view, own.matrix3.y_axis.into(), 1.0, moved.size);
+    let rest = own_turn.to_world.matrix3.inverse() * own.matrix3;
+    moved.to_world.matrix3 = turned.matrix3 * rest;
+    moved.to_world.translation = turned.translation;
+    Some(moved)
 }
 
 /// Whether the numbers can be those of a camera; a reported problem if not.

@@ -21,18 +21,19 @@ pub struct Options {
     pub defines: Vec<(String, String)>,
     /// The picture's width and height, instead of the scene's.
     pub size: Option<[usize; 2]>,
-    /// The camera of a scene without one, as a bare `.obj`.
+    /// Another camera than the scene's.
     pub camera: CameraOverride,
 }
 
-/// A camera for a scene that has none; what is not given is chosen so that all is seen.
+/// What of the camera is not as the scene says. In a scene without camera, a bare `.obj` say, what is not given is chosen so
+/// that all is seen.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CameraOverride {
     /// Where it stands.
     pub origin: Option<Vec3>,
     /// What it looks at.
     pub target: Option<Vec3>,
-    /// What is up, +y unless given.
+    /// What is up; +y in a scene without camera.
     pub up: Option<Vec3>,
     /// Angle across the picture's width, degrees.
     pub fov: Option<f32>,
@@ -99,10 +100,7 @@ fn load_xml(path: &Path, options: &Options, report: &Report) -> Option<Loaded> {
         .and_then(|n| n.max_depth());
     let seen = sensor::read(&doc, report, options.size);
     let (camera, filter) = match seen {
-        Some(seen) => {
-            framing::warn_unused(&options.camera, report);
-            seen
-        }
+        Some((camera, filter)) => (framing::moved(camera, &options.camera, report)?, filter),
         None => {
             if !report.has_errors() {
                 report.warn_nowhere(format!("{}: no sensor: the camera is chosen", path.display()));

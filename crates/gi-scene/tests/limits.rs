@@ -5,7 +5,7 @@ mod common;
 use common::{Folder, scene};
 use gi_core::texture::Texture;
 use gi_scene::{CameraOverride, Options, load};
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
 
 /// The problems of a scene of one line.
 fn problems(body: &str) -> String {
@@ -266,13 +266,36 @@ fn a_camera_of_the_command_line_that_sees_nothing_is_refused() {
 }
 
 #[test]
-fn a_camera_of_the_command_line_is_not_silently_dropped_for_a_scene_with_a_sensor() {
+fn the_command_line_moves_turns_and_zooms_the_camera_of_a_scene() {
     let folder = Folder::new();
-    let text = "<scene version='3.0.0'><sensor type='perspective'/><shape type='sphere'/></scene>";
+    // Mirrored and scaled, as exporters write sensors.
+    let text = "<scene version='3.0.0'><sensor type='perspective'><float name='fov' value='30'/>
+        <transform name='to_world'><scale x='-2' y='2' z='2'/>
+        <lookat origin='1 2 5' target='0 0 0' up='0 1 0'/></transform></sensor>
+        <shape type='sphere'/></scene>";
     let path = folder.write("a.xml", text);
-    let camera = CameraOverride { origin: Some(Vec3::ONE), ..CameraOverride::default() };
-    let loaded = load(&path, &Options { camera, ..Options::default() }).unwrap();
-    assert!(loaded.warnings.iter().any(|w| w.starts_with("--origin has no effect")));
+    let seen =
+        |camera| load(&path, &Options { camera, ..Options::default() }).map_err(|e| e.to_string());
+    let none = CameraOverride::default();
+    let own = seen(none).unwrap().camera;
+    let near = |a: Affine3A, b: Affine3A| assert!(a.abs_diff_eq(b, 1e-5), "{a} is not {b}");
+    // Saying what the scene says changes nothing.
+    let [origin, target] = [Vec3::new(1.0, 2.0, 5.0), Vec3::ZERO].map(Some);
+    let same = CameraOverride { origin, target, up: Some(Vec3::Y), fov: Some(30.0) };
+    let same = seen(same).unwrap().camera;
+    near(same.to_world, own.to_world);
+    assert_eq!(same.projection, own.projection);
+    // A place alone keeps the directions, a target alone the place.
+    let moved = seen(CameraOverride { origin: Some(Vec3::ONE), ..none }).unwrap().camera.to_world;
+    near(moved, Affine3A { translation: Vec3::ONE.into(), ..own.to_world });
+    let turned = seen(CameraOverride { target: Some(Vec3::X), ..none }).unwrap().camera.to_world;
+    assert_eq!(turned.translation, own.to_world.translation);
+    let view = Vec3::from(turned.matrix3.z_axis).normalize();
+    assert!(view.abs_diff_eq(Vec3::new(0.0, -2.0, -5.0).normalize(), 1e-6), "{view}");
+    assert!((turned.matrix3.determinant() - own.to_world.matrix3.determinant()).abs() < 1e-4);
+    let here = CameraOverride { target: Some(Vec3::new(1.0, 2.0, 5.0)), ..none };
+    assert!(seen(here).unwrap_err().contains("where the camera stands"));
+    assert!(seen(CameraOverride { fov: Some(200.0), ..none }).unwrap_err().contains("--fov"));
 }
 
 #[test]

@@ -3,6 +3,7 @@
 //! `make-scenes [FOLDER] [--lights N]` writes all of them (into `scenes` unless said), and the lamps of `gallery` for one more
 //! number of lights. The same program writes the same bytes.
 
+mod buildings;
 mod cornell;
 mod glass;
 mod mesh;
@@ -54,6 +55,9 @@ fn main() -> anyhow::Result<()> {
         glass::pool(),
         rooms::gallery(),
         outdoors::patio(),
+        buildings::pavilion(),
+        buildings::colonnade(),
+        rooms::lamp(),
         table::cognac(),
     ];
     for scene in scenes {

@@ -5,20 +5,12 @@ use glam::{Vec2, Vec3};
 use crate::SceneFile;
 use crate::mesh::Mesh;
 use crate::xml::{
-    self, Camera, bsdf, comment, default, diffuse, glass, mesh, metal, sphere, two_sided,
+    self, Camera, bsdf, comment, default, diffuse, glass, mesh, metal, sphere, sun_and_sky,
+    two_sided,
 };
 
 /// A paved court with columns and a slatted roof, under sun and sky.
 pub(crate) fn patio() -> SceneFile {
-    let sky = "    <emitter type=\"sunsky\">\n\
-        \x20       <float name=\"turbidity\" value=\"3\"/>\n\
-        \x20       <vector name=\"sun_direction\" x=\"0.5\" y=\"0.35\" z=\"0.6\"/>\n\
-        \x20       <float name=\"sun_scale\" value=\"$sun\"/>\n\
-        \x20       <float name=\"sky_scale\" value=\"$sky\"/>\n\
-        \x20       <transform name=\"to_world\">\n\
-        \x20           <rotate x=\"1\" angle=\"-90\"/>\n\
-        \x20       </transform>\n\
-        \x20   </emitter>\n";
     let body = [
         default("sun", 1),
         default("sky", 1),
@@ -36,7 +28,7 @@ pub(crate) fn patio() -> SceneFile {
         sphere(Vec3::new(-0.7, 0.45, 0.9), 0.45, "glass", None),
         sphere(Vec3::new(0.9, 0.35, 0.3), 0.35, "gold", None),
         comment("Sun and sky; Mitsuba's sky has its zenith along z"),
-        sky.to_string(),
+        sun_and_sky(Vec3::new(0.5, 0.35, 0.6)),
     ];
     let floor = Mesh::quad(
         [[-200.0, -200.0], [-200.0, 200.0], [200.0, 200.0], [200.0, -200.0]]

@@ -46,6 +46,50 @@ pub(crate) fn bulb() -> SceneFile {
     SceneFile { name: "bulb", xml, meshes }
 }
 
+/// A wall lamp: a glowing ball in a glass bulb in a polished shade. What leaves it was mirrored or refracted, and so is most of
+/// what the eye sees of the shade [slides 43 to 46].
+pub(crate) fn lamp() -> SceneFile {
+    let center = Vec3::new(0.0, 1.35, 0.45);
+    let body = [
+        comment("Materials"),
+        bsdf("wall", &diffuse([0.72, 0.69, 0.62])),
+        bsdf("shade", &two_sided(&metal("Cu", 0.0))),
+        bsdf("arm", &two_sided(&metal("Al", 0.2))),
+        bsdf("glass", &glass()),
+        bsdf("vase", &two_sided(&rough_plastic([0.12, 0.2, 0.4], 0.1))),
+        bsdf("black", &diffuse([0.0; 3])),
+        comment("The lamp: a glowing ball inside solid glass, in a shade open above and below"),
+        sphere(center, 0.045, "black", Some([420.0, 350.0, 240.0])),
+        sphere(center, 0.13, "glass", None),
+        mesh("lamp-shade", "shade", None),
+        mesh("lamp-arm", "arm", None),
+        comment("The corner of a room, and a vase"),
+        mesh("lamp-room", "wall", None),
+        mesh("lamp-vase", "vase", None),
+    ];
+    let shade = [[0.34, -0.28], [0.2, 0.18], [0.19, 0.18], [0.33, -0.28], [0.34, -0.28]];
+    let vase = [[0.12, 0.0], [0.24, 0.14], [0.27, 0.3], [0.2, 0.48], [0.09, 0.62], [0.14, 0.72]];
+    let corner = Mesh::corner(2.0).moved(Vec3::new(0.9, 0.0, 2.0));
+    let arm = Mesh::cuboid(Vec3::new(-0.02, 1.5, 0.0), Vec3::new(0.02, 1.53, 0.26));
+    let camera = Camera {
+        origin: Vec3::new(1.5, 1.5, 3.5),
+        target: Vec3::new(0.05, 0.95, 0.3),
+        fov: 40.0,
+        size: [512, 512],
+    };
+    let xml = xml::scene("A wall lamp of glass and polished copper.", &camera, &body);
+    let meshes = vec![
+        ("lamp-shade".into(), Mesh::lathe(&shade.map(Vec2::from_array), 96).moved(center)),
+        ("lamp-arm".into(), arm),
+        ("lamp-room".into(), corner),
+        (
+            "lamp-vase".into(),
+            Mesh::lathe(&vase.map(Vec2::from_array), 64).moved(Vec3::new(0.35, 0.0, 0.75)),
+        ),
+    ];
+    SceneFile { name: "lamp", xml, meshes }
+}
+
 /// A metal ring on a table: the cardioid.
 pub(crate) fn ring() -> SceneFile {
     let profile =

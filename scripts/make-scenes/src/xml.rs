@@ -137,6 +137,22 @@ pub(crate) fn shape(kind: &str, body: &str, material: &str, radiance: Option<[f3
     indent(&format!("<shape type=\"{kind}\">\n{}</shape>\n", indent(&inner)))
 }
 
+/// Sun and sky with their scales as parameters, the zenith turned to y. `sun` is the direction to it, in the world.
+pub(crate) fn sun_and_sky(sun: Vec3) -> String {
+    format!(
+        "    <emitter type=\"sunsky\">\n\
+         \x20       <float name=\"turbidity\" value=\"3\"/>\n\
+         \x20       <vector name=\"sun_direction\" x=\"{}\" y=\"{}\" z=\"{}\"/>\n\
+         \x20       <float name=\"sun_scale\" value=\"$sun\"/>\n\
+         \x20       <float name=\"sky_scale\" value=\"$sky\"/>\n\
+         \x20       <transform name=\"to_world\">\n\
+         \x20           <rotate x=\"1\" angle=\"-90\"/>\n\
+         \x20       </transform>\n\
+         \x20   </emitter>\n",
+        sun.x, sun.y, sun.z
+    )
+}
+
 /// A point parameter.
 pub(crate) fn point(name: &str, p: Vec3) -> String {
     format!("<point name=\"{name}\" x=\"{}\" y=\"{}\" z=\"{}\"/>", p.x, p.y, p.z)
