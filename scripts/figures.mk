@@ -16,6 +16,7 @@ REFERENCES := $(FIGURES_OUT)/reference
 q = $(if $(filter quick,$(QUALITY)),$(1),$(2))
 SIZE := $(call q,128x128,512x512)
 WIDE := $(call q,160x90,640x360)
+, := ,
 # The folder of the figure that is made.
 D = $(FIGURES_OUT)/$(@:figure-%=%)
 RUN = --size $(SIZE) --quiet
@@ -24,7 +25,7 @@ BOX := scenes/cornell-box.xml
 SPHERES := scenes/cornell-spheres.xml
 GLOSSY := scenes/cornell-glossy.xml
 
-SLIDES := 3 8 9 12 13 14 15 16 17 18 22 23 24 25 26 29 31 32 35 39 41 43 47 49 51
+SLIDES := 3 8 9 12 13 14 15 16 17 18 22 23 24 25 26 27 29 31 32 33 35 39 41 43 47 49 51
 .PHONY: figures programs $(SLIDES:%=figure-%)
 
 figures: $(SLIDES:%=figure-%)
@@ -145,6 +146,9 @@ figure-18: $(REFERENCES)/cornell-glossy.indirect.exr
 
 # ------------------------------------------------------------------ 22 to 32: photon mapping
 PHOTONS := $(call q,20000,100000)
+# A pixel of the floor where the glass sphere's caustic falls, and one of the ring's cardioid.
+SPOT := $(if $(filter quick,$(QUALITY)),88$(,)114,352$(,)456)
+CUSP := $(if $(filter quick,$(QUALITY)),65$(,)75,260$(,)300)
 PM = $(BIN)/photonmap $(SPHERES) $(RUN) --photons $(PHOTONS) --caustic-photons $(PHOTONS)
 figure-22:
 	mkdir -p $D
@@ -156,13 +160,13 @@ figure-23:
 	mkdir -p $D
 	$(PM) --gather direct --spp $(call q,4,16) --show photons -o $D/photons.exr
 	$(DRAW) figure $D --slide 23 --columns 1 --title "Photon density" \
-	  --caption "Every photon of the global map as a dot: irradiance is their density." photons.photons-global.png="$(PHOTONS) photons"
+	  --caption "Every photon of the global map as a dot: irradiance is their density." photons.photons.png="$(PHOTONS) photons"
 
 figure-24: $(REFERENCES)/cornell-spheres.exr
 	mkdir -p $D
-	for s in 1 2 3 4; do $(PM) --spp 1 --seed $$s --probe $(call q,"20,110","80,440") --probe-out $D/probe-$$s.csv -o $D/probe-$$s.exr; done
-	$(DRAW) plot $D/estimate.svg --title "The estimate at a point against k" --x "photons of the estimate, k" --y "radiance" --log x \
-	  $(foreach s,1 2 3 4,"map $s"=$D/probe-$s.csv:k:luminance)
+	for s in 1 2 3 4; do $(PM) --spp 1 --seed $$s --probe $(SPOT) --probe-out $D/probe-$$s.csv -o $D/probe-$$s.exr; done
+	$(DRAW) plot $D/estimate.svg --title "The estimate at a point against k" --x "photons of the estimate, k" --y "irradiance, green" --log x \
+	  $(foreach s,1 2 3 4,"map $s"=$D/probe-$s.csv:k:green)
 	$(DRAW) figure $D --slide 24 --columns 1 --title "Radiance estimate" \
 	  --caption "Few photons are noisy: maps of other seeds disagree. Many reach far and average over edges: all maps agree on a wrong number." estimate.svg="four photon maps, one point of the floor"
 
@@ -174,10 +178,17 @@ figure-25:
 
 figure-26:
 	mkdir -p $D
-	$(PM) --gather direct --spp $(call q,4,16) --show photons -o $D/photons.exr
+	$(PM) --spp $(call q,4,16) --show photons -o $D/photons.exr
 	$(DRAW) figure $D --slide 26 --columns 2 --title "Two photon maps" \
 	  --caption "The global map holds what any surface received; the caustic map only what came through mirrors and glass, many more photons in few places." \
-	  photons.photons-global.png="global map" photons.photons-caustic.png="caustic map"
+	  photons.photons.png="global map" photons.caustic-photons.png="caustic map"
+
+figure-27:
+	mkdir -p $D
+	$(PM) --spp $(call q,4,16) --gather-rays 48 --show gathering --probe $(SPOT) -o $D/gathering.exr
+	$(DRAW) figure $D --slide 27-28 --columns 2 --title "Caustics at the first bounce, indirect light at the second" \
+	  --caption "At the first diffuse surface that the eye's path meets, the caustic map is read (left: its photons and the last way that each came). For the rest of the light rays gather from there, and the global map is read where they land (right)." \
+	  gathering.caustic-gather.png="photons of the caustic estimate" gathering.final-gather.png="gather rays to the second bounce"
 
 figure-29: $(REFERENCES)/cornell-spheres.exr
 	mkdir -p $D
@@ -202,6 +213,12 @@ figure-32:
 	$(DRAW) figure $D --slide 32 --columns 1 --title "A glass of cognac" \
 	  --caption "Light through glass and an amber liquid that absorbs: the caustic on the table is coloured by what it came through." cognac.png="photon mapping, caustic map"
 
+figure-33:
+	mkdir -p $D
+	$(BIN)/photonmap scenes/pavilion.xml --size $(WIDE) --quiet --photons $(call q,50000,1000000) --caustic-photons $(PHOTONS) --spp $(call q,16,256) -o $D/pavilion.exr
+	$(DRAW) figure $D --slide 33 --columns 1 --title "A house under the sky" \
+	  --caption "Slabs, glass walls, a pool, and a wall of onyx, under sun and sky. Light under the roof came from the pavement and the ceiling." pavilion.png="photon mapping with final gather"
+
 # ------------------------------------------------------------------ 35 to 46: progressive photon mapping
 figure-35:
 	mkdir -p $D
@@ -212,12 +229,26 @@ figure-35:
 	  --caption "A lamp inside a glass shell: no path from the eye finds it but by chance. Times stand below." \
 	  paths.png="path tracing" photonmap.png="photon mapping" ppm.png="progressive photon mapping"
 
+# N^beta of N photons: with ppa the radius shrinks so that alpha of every pass's photons stay, beta = alpha.
+BETAS := 0.5 0.67 0.8 1
+LADDER := $(call q,1 4 16 64,1 4 16 64 256 1024)
+RING = $(BIN)/ppm scenes/ring.xml $(RUN) --method ppa --component caustic --initial-radius 0.006 --photons $(call q,20000,200000)
+figure-39:
+	mkdir -p $D
+	$(RING) --alpha 0.67 --seed 7 --passes $(call q,512,8192) -o $D/reference.exr
+	for b in $(BETAS); do for n in $(LADDER); do $(RING) --alpha $$b --passes $$n -o $D/beta-$$b-$$n.exr; done; done
+	$(foreach b,$(BETAS),$(DRAW) measure $D/beta-$b.csv --layer Caustic --reference $D/reference.exr $(foreach n,$(LADDER),$n=$D/beta-$b-$n.exr) &&) true
+	$(DRAW) plot $D/error.svg --title "Error against passes" --x "passes (N grows with them)" --y "relMSE of the caustic" --log xy --slopes $(foreach b,$(BETAS),"beta $b"=$D/beta-$b.csv:x:relmse)
+	$(DRAW) figure $D --slide 39-40 --columns 3 --title "Noise and bias must shrink together" --reference $D/reference.exr --layer Caustic \
+	  --caption "Of N photons N^beta are read. With beta = 1 the radius stays and the error ends at its bias; smaller beta trade noise for bias. The reference is a long run with beta 2/3." \
+	  error.svg="error against passes" $(foreach b,0.5 1,beta-$b-$(lastword $(LADDER)).png="beta $b$(,) $(lastword $(LADDER)) passes")
+
 PASSES := $(call q,64,512)
 ALPHAS := 0.5 0.7 0.9
 figure-41:
 	mkdir -p $D
-	for a in $(ALPHAS); do $(BIN)/ppm scenes/ring.xml $(RUN) --passes $(PASSES) --alpha $$a --trace-pixel $(call q,"64,80","256,320") --trace-out $D/alpha-$$a.csv --show radius -o $D/alpha-$$a.exr; done
-	$(DRAW) plot $D/radius.svg --title "Radius of a hit point" --x "passes" --y "R (scene units)" --log xy --slopes $(foreach a,$(ALPHAS),"alpha $a"=$D/alpha-$a.csv:pass:R)
+	for a in $(ALPHAS); do $(BIN)/ppm scenes/ring.xml $(RUN) --passes $(PASSES) --alpha $$a --trace-pixel $(CUSP) --trace-out $D/alpha-$$a.csv --show radius -o $D/alpha-$$a.exr; done
+	$(DRAW) plot $D/radius.svg --title "Radius of a hit point" --x "passes" --y "R (world units)" --log xy --slopes $(foreach a,$(ALPHAS),"alpha $a"=$D/alpha-$a.csv:pass:radius)
 	$(DRAW) plot $D/photons.svg --title "Photons that count" --x "passes" --y "N" --log xy --slopes $(foreach a,$(ALPHAS),"alpha $a"=$D/alpha-$a.csv:pass:N)
 	$(DRAW) figure $D --slide 41-42 --columns 3 --title "Radius reduction" \
 	  --caption "R' = R sqrt((N + alpha M) / (N + M)) after every pass: the radius shrinks as a power of the passes, N grows all the same." \

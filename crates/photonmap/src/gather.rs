@@ -172,7 +172,7 @@ pub(crate) struct Rays {
 impl Rays {
     /// Two numbers for ray `k` of the `n` of this pass.
     #[inline]
-    fn direction(&self, k: u32, n: u32) -> [f32; 2] {
+    pub(crate) fn direction(&self, k: u32, n: u32) -> [f32; 2] {
         let index = self.pass.wrapping_mul(n).wrapping_add(k);
         Sampler::new(self.seed ^ 0x6761_7468, self.stream, index).next_2d()
     }

@@ -108,6 +108,8 @@ enum ShowFlag {
     Photons,
     /// Cells of the tree
     Cells,
+    /// Caustic photons and gather rays at --probe, or at the middle [slides 27, 28]
+    Gathering,
 }
 
 impl Program for Args {
@@ -155,6 +157,7 @@ impl Program for Args {
             ShowFlag::Paths => Show::Paths,
             ShowFlag::Photons => Show::Photons,
             ShowFlag::Cells => Show::Cells,
+            ShowFlag::Gathering => Show::Gathering { pixel: self.probe[..].try_into().ok() },
         });
         let show = show.collect();
         let layout = match self.photon_layout {

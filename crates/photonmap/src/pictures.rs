@@ -2,12 +2,16 @@
 
 use gi_core::canvas::{Canvas, seen_at};
 use gi_core::film::Film;
-use gi_core::math::{Bounds, Rgb};
+use gi_core::geometry::Surface;
+use gi_core::math::{Bounds, Frame, Rgb};
+use gi_core::ray::Ray;
 use gi_core::technique::{Picture, Setting};
+use gi_core::warp;
 use glam::{Vec2, Vec3};
 
 use crate::PhotonMapping;
-use crate::estimate::Estimator;
+use crate::estimate::{Estimator, facing};
+use crate::gather::Rays;
 use crate::photon::Kind;
 use crate::shoot::{Source, Wanted, kind};
 
@@ -20,6 +24,12 @@ pub enum Show {
     Photons,
     /// The cells of the tree over the global map [slide 25].
     Cells,
+    /// What answers at one pixel, the middle one unless said: photons of the caustic map round what it shows [slide 27], and
+    /// gather rays to the surfaces where the global map is read [slide 28], a picture each.
+    Gathering {
+        /// Column and row.
+        pixel: Option<[u32; 2]>,
+    },
 }
 
 /// Paths that are drawn.
@@ -58,6 +68,12 @@ impl PhotonMapping<'_> {
                     }
                 }
                 Show::Cells => push("cells", self.cells(ground())),
+                Show::Gathering { pixel } => {
+                    let [w, h] = film.size().map(|n| n as u32);
+                    let Some(seen) = self.seen(pixel.unwrap_or([w / 2, h / 2])) else { continue };
+                    push("caustic-gather", self.caustic_gather(ground(), &seen));
+                    push("final-gather", self.gather_rays(ground(), &seen));
+                }
             }
         }
         pictures
@@ -89,6 +105,53 @@ impl PhotonMapping<'_> {
             });
         }
         canvas
+    }
+
+    /// What the middle of a pixel shows, and the normal on the eye's side.
+    fn seen(&self, [x, y]: [u32; 2]) -> Option<(Surface, Vec3)> {
+        let ray = self.setting.camera.ray([x as f32 + 0.5, y as f32 + 0.5], [0.5; 2]);
+        let (surface, _) = self.setting.scene.intersect(&ray)?;
+        let n = facing(&surface, -ray.d);
+        Some((surface, n))
+    }
+
+    /// The photons of the caustic map that answer, and the ways that they came last.
+    fn caustic_gather(&self, mut canvas: Canvas, (surface, n): &(Surface, Vec3)) -> Canvas {
+        let Some(map) = &self.caustic else { return canvas };
+        let scene = self.setting.scene;
+        let radius_sq = map.irradiance(surface.p, *n, u8::MAX).found.radius_sq;
+        let near = |p: Vec3| p.distance_squared(surface.p) <= radius_sq;
+        for stored in map.map.photons().filter(|s| near(s.photon.p())) {
+            let (p, back) = (stored.photon.p(), stored.photon.payload.direction());
+            let o = scene.tree().offset_origin(p, stored.photon.payload.normal(), back);
+            let from = scene.intersect(&Ray::new(o, back)).map_or(p, |(s, _)| s.p);
+            self.line(&mut canvas, from, p, 0.7, colour(Kind::Caustic));
+        }
+        self.dot(&mut canvas, surface.p);
+        canvas
+    }
+
+    /// The gather rays of one pass, each to where it meets a surface.
+    fn gather_rays(&self, mut canvas: Canvas, (surface, n): &(Surface, Vec3)) -> Canvas {
+        let (scene, count) = (self.setting.scene, self.params.gather_rays);
+        let (frame, rays) =
+            (Frame::from_normal(*n), Rays { seed: self.setting.seed, stream: 0, pass: 0 });
+        for k in 0..count {
+            let wi = frame.to_world(warp::cosine_hemisphere(rays.direction(k, count)));
+            if let Some((met, _)) = scene.intersect(&scene.spawn(surface, wi)) {
+                self.line(&mut canvas, surface.p, met.p, 0.7, colour(Kind::Indirect));
+                self.dot(&mut canvas, met.p);
+            }
+        }
+        self.dot(&mut canvas, surface.p);
+        canvas
+    }
+
+    /// A point of the world as a white dot, seen through whatever stands before it.
+    fn dot(&self, canvas: &mut Canvas, p: Vec3) {
+        if let Some(c) = self.setting.camera.connect(p, [0.5; 2], f32::MAX) {
+            canvas.disc(Vec2::from_array(c.film), 1.8, Rgb::WHITE);
+        }
     }
 
     /// The tree's cells down to eight levels, as wires.

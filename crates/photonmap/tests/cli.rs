@@ -40,15 +40,16 @@ fn pictures_maps_and_exports_are_written_and_a_saved_map_gives_the_same_picture(
             &map,
             "--photons-out",
             &at("photons.csv"),
-            "--show=paths,photons,cells",
+            "--show=paths,photons,cells,gathering",
             "--probe=16,12",
             "--probe-out",
             &at("probe.csv"),
         ],
     );
     assert!(output.status.success(), "{}", text(&output));
-    for name in ["a.png", "a.paths.png", "a.photons.png", "a.caustic-photons.png", "a.cells.png"] {
-        assert!(Path::new(&at(name)).exists(), "no {name}");
+    let own = ["paths", "photons", "caustic-photons", "cells", "caustic-gather", "final-gather"];
+    for name in own {
+        assert!(Path::new(&at(&format!("a.{name}.png"))).exists(), "no {name}");
     }
     let csv = std::fs::read_to_string(at("photons.csv")).expect("a table");
     let of = |map: &str| csv.lines().filter(|l| l.starts_with(map)).count();
