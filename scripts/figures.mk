@@ -20,12 +20,14 @@ WIDE := $(call q,160x90,640x360)
 # The folder of the figure that is made.
 D = $(FIGURES_OUT)/$(@:figure-%=%)
 RUN = --size $(SIZE) --quiet
+# Drawings over pictures need room, not samples.
+OVER = --size $(call q,384x384,512x512) --quiet
 
 BOX := scenes/cornell-box.xml
 SPHERES := scenes/cornell-spheres.xml
 GLOSSY := scenes/cornell-glossy.xml
 
-SLIDES := 3 8 9 12 13 14 15 16 17 18 22 23 24 25 26 27 29 31 32 33 35 39 41 43 47 49 51
+SLIDES := 3 8 9 12 13 14 15 16 17 18 19 22 23 24 25 26 27 29 31 32 33 35 36 39 41 43 47 49 51
 .PHONY: figures programs $(SLIDES:%=figure-%)
 
 figures: $(SLIDES:%=figure-%)
@@ -58,19 +60,20 @@ figure-3:
 
 # ------------------------------------------------------------------ 8 to 14: irradiance caching
 IRR = $(BIN)/irrcache $(BOX) $(RUN) --component indirect --spp $(call q,4,16)
+IRR_OVER = $(BIN)/irrcache $(BOX) $(OVER) --component indirect --spp $(call q,1,4)
 figure-8:
 	mkdir -p $D
-	$(IRR) --rays $(call q,100,1000) --error split-sphere --show octree,octree-slice -o $D/cache.exr
+	$(IRR_OVER) --rays $(call q,100,1000) --error split-sphere --show octree,octree-slice -o $D/cache.exr
 	$(DRAW) figure $D --slide 8 --columns 2 --title "The octree of records" \
 	  --caption "A cell is divided until it holds fewer than 3 records. Records crowd where surfaces are close: in corners and round the blocks." \
 	  cache.octree-slice.png="a slice through the octree, its records as dots" cache.octree.png="its cells over the picture"
 
 figure-9:
 	mkdir -p $D
-	$(IRR) --rays $(call q,100,1000) --error split-sphere --weights lecture --show weights,validity -o $D/cache.exr
+	$(IRR_OVER) --rays $(call q,100,1000) --error split-sphere --weights lecture --show weights,validity -o $D/cache.exr
 	$(DRAW) figure $D --slide 9-11 --columns 2 --title "How far a record is good for" \
 	  --caption "The weight w of one record falls with distance, in units of its harmonic mean distance, and with the angle between normals. Where w exceeds 10 (an error of 0.1) the record is used." \
-	  cache.weights.png="w over distance (right) and angle (up); the line is w = 10" cache.validity.png="the discs in which records are used"
+	  cache.weights.png="w of the record nearest to the middle, over all that is seen; the line is w = 10" cache.validity.png="the discs in which records are used"
 
 figure-12: $(REFERENCES)/cornell-box.indirect.exr
 	mkdir -p $D
@@ -78,14 +81,14 @@ figure-12: $(REFERENCES)/cornell-box.indirect.exr
 	$(IRR) --rays $(call q,200,1000) --error split-sphere --weights lecture --gradients both -o $D/with.exr
 	$(DRAW) difference $D/without-error.svg $D/without.exr --reference $< --most 0.2
 	$(DRAW) difference $D/with-error.svg $D/with.exr --reference $< --most 0.2
-	$(DRAW) figure $D --slide 12 --columns 2 --title "Irradiance gradients" --reference $< \
+	$(DRAW) figure $D --slide 12 --columns 2 --exposure 1.5 --title "Irradiance gradients" --reference $< \
 	  --caption "The same records, interpolated without and with gradients (1000 rays a record at full quality, w > 10). Without them every record shows as a step." \
 	  without.png="without gradients" with.png="with gradients" without-error.svg="relative error, without" with-error.svg="relative error, with"
 
 figure-13:
 	mkdir -p $D
-	$(IRR) --rays $(call q,200,1000) --error split-sphere --show records -o $D/records.exr
-	$(IRR) --rays $(call q,200,1000) --show records -o $D/hessian.exr
+	$(IRR_OVER) --rays $(call q,200,1000) --error split-sphere --show records -o $D/records.exr
+	$(IRR_OVER) --rays $(call q,200,1000) --show records -o $D/hessian.exr
 	$(DRAW) figure $D --slide 13 --columns 2 --title "Cache positions" \
 	  --caption "Where records were made, coloured by how far they are good for (dark: near, bright: far)." \
 	  records.records.png="the slides' split sphere, w > 10" hessian.records.png="error by Hessians with occlusion (the default)"
@@ -100,7 +103,7 @@ figure-14: $(REFERENCES)/cornell-box.indirect.exr
 	$(DRAW) measure $D/accuracy.csv --reference $< $(foreach a,$(ACCURACIES),$a=$D/accuracy-$a.exr)
 	$(DRAW) plot $D/rays.svg --title "Error against rays of a record" --x "rays" --y "relMSE" --log xy "split sphere, w > 10"=$D/rays.csv:x:relmse
 	$(DRAW) plot $D/accuracy.svg --title "Error against accuracy" --x "accuracy a (w > 1/a)" --y "relMSE" --log xy "split sphere"=$D/accuracy.csv:x:relmse
-	$(DRAW) figure $D --slide 14 --columns 3 --title "More rays" --reference $< \
+	$(DRAW) figure $D --slide 14 --columns 3 --exposure 1.5 --title "More rays" --reference $< \
 	  --caption "More rays make better records; what is left after that is interpolation, which the accuracy bounds." \
 	  rays-$(lastword $(RAYS)).png="$(lastword $(RAYS)) rays" rays.svg="error against rays" accuracy.svg="error against accuracy"
 
@@ -111,7 +114,7 @@ figure-15: $(REFERENCES)/cornell-glossy.indirect.exr
 	$(RAD) --mode rho-e --spp $(call q,8,64) -o $D/naive.exr
 	$(RAD) --spp $(call q,8,64) -o $D/cached.exr
 	cp $< $D/reference.exr && cp $(<:.exr=.png) $D/reference.png
-	$(DRAW) figure $D --slide 15 --columns 3 --title "Glossy surfaces are not a product" --reference $< \
+	$(DRAW) figure $D --slide 15 --columns 3 --exposure 1.5 --title "Glossy surfaces are not a product" --reference $< \
 	  --caption "Indirect light on a plastic floor and a copper block. The product of hemispherical reflectance and irradiance forgets from where light comes: highlights are missing." \
 	  naive.png="rho_hd(w) E, the naive product" cached.png="radiance caching" reference.png="path tracing, the reference"
 
@@ -121,7 +124,7 @@ figure-16: $(REFERENCES)/cornell-glossy.indirect.exr
 	$(BIN)/pathtrace $(GLOSSY) $(RUN) --component indirect --spp $(call q,64,128) -o $D/paths.exr
 	$(DRAW) difference $D/cached-error.svg $D/cached.exr --reference $< --most 0.5
 	$(DRAW) difference $D/paths-error.svg $D/paths.exr --reference $< --most 0.5
-	$(DRAW) figure $D --slide 16,20 --columns 2 --title "Radiance caching against path tracing" --reference $< \
+	$(DRAW) figure $D --slide 16,20 --columns 2 --exposure 1.5 --title "Radiance caching against path tracing" --reference $< \
 	  --caption "Indirect light in about the same time (below each picture). The silver ball is too sharp for the cache and is path-traced in both." \
 	  cached.png="radiance caching" paths.png="path tracing" cached-error.svg="relative error, cached" paths-error.svg="relative error, paths"
 
@@ -129,14 +132,14 @@ figure-17:
 	mkdir -p $D
 	$(RAD) --spp $(call q,8,32) --cache-out $D/box.cache -o $D/first.exr
 	$(RAD) --spp $(call q,8,32) --cache-in $D/box.cache --origin=-0.6,1.5,3.6 --target=0,0.9,0 --up=0,1,0 -o $D/second.exr
-	$(DRAW) figure $D --slide 17 --columns 2 --title "View dependence" \
+	$(DRAW) figure $D --slide 17 --columns 2 --exposure 1.5 --title "View dependence" \
 	  --caption "One cache, two views: records keep where light comes from, each view asks its own BRDF. The second view adds only the records of what the first did not see." \
 	  first.png="the view that filled the cache" second.png="another view from the same cache"
 
 ORDERS := $(call q,1 2 4 8,1 2 3 4 6 8 10 12)
 figure-18: $(REFERENCES)/cornell-glossy.indirect.exr
 	mkdir -p $D
-	$(RAD) --spp 1 --show basis,brdf -o $D/sh.exr
+	$(BIN)/radcache $(GLOSSY) $(OVER) --rays 100 --glossy-rays 200 --spp 1 --show basis,brdf -o $D/sh.exr
 	for n in $(ORDERS); do $(RAD) --order $$n --spp $(call q,8,32) -o $D/order-$$n.exr; done
 	$(DRAW) measure $D/order.csv --reference $< $(foreach n,$(ORDERS),$n=$D/order-$n.exr)
 	$(DRAW) plot $D/order.svg --title "Error against order" --x "order n (n^2 functions)" --y "relMSE" --log y "spherical harmonics"=$D/order.csv:x:relmse
@@ -144,21 +147,31 @@ figure-18: $(REFERENCES)/cornell-glossy.indirect.exr
 	  --caption "The basis to l = 4; a rough BRDF times cosine and its expansions of orders 1 to 10; the error of the whole picture against the order, which ends in the noise of the records." \
 	  sh.basis.png="the basis functions" sh.brdf.png="a BRDF and its expansions" order.svg="error against order"
 
+figure-19: $(REFERENCES)/cornell-glossy.indirect.exr
+	mkdir -p $D
+	$(BIN)/radcache $(GLOSSY) $(OVER) --rays 100 --glossy-rays 200 --spp 1 --show samples -o $D/lobe.exr
+	for n in 4 64; do $(BIN)/pathtrace $(GLOSSY) $(RUN) --component indirect --spp $$n -o $D/paths-$$n.exr; done
+	$(DRAW) figure $D --slide 19 --columns 3 --title "Monte Carlo with importance sampling" --exposure 1.5 --reference $< \
+	  --caption "Directions drawn as the BRDF times cosine scatters crowd where it is large (blue), those of a cosine do not (orange). Even so a path asks one direction a scattering: noise falls as one over the root of the samples." \
+	  lobe.samples.png="300 directions by cosine, and 300 by BRDF" paths-4.png="4 paths a pixel" paths-64.png="64"
+
 # ------------------------------------------------------------------ 22 to 32: photon mapping
 PHOTONS := $(call q,20000,100000)
 # A pixel of the floor where the glass sphere's caustic falls, and one of the ring's cardioid.
+SPOT_OVER := $(if $(filter quick,$(QUALITY)),264$(,)342,352$(,)456)
 SPOT := $(if $(filter quick,$(QUALITY)),88$(,)114,352$(,)456)
 CUSP := $(if $(filter quick,$(QUALITY)),65$(,)75,260$(,)300)
 PM = $(BIN)/photonmap $(SPHERES) $(RUN) --photons $(PHOTONS) --caustic-photons $(PHOTONS)
+PM_OVER = $(BIN)/photonmap $(SPHERES) $(OVER) --photons $(PHOTONS) --caustic-photons $(PHOTONS) --spp $(call q,1,16)
 figure-22:
 	mkdir -p $D
-	$(PM) --gather direct --spp $(call q,4,16) --show paths -o $D/photons.exr
+	$(PM_OVER) --gather direct --show paths -o $D/photons.exr
 	$(DRAW) figure $D --slide 22 --columns 1 --title "Photon tracing" \
 	  --caption "The first photon paths from the lamp, over the picture: reflected by walls and mirror, refracted by glass, absorbed." photons.paths.png="photon paths"
 
 figure-23:
 	mkdir -p $D
-	$(PM) --gather direct --spp $(call q,4,16) --show photons -o $D/photons.exr
+	$(PM_OVER) --gather direct --show photons -o $D/photons.exr
 	$(DRAW) figure $D --slide 23 --columns 1 --title "Photon density" \
 	  --caption "Every photon of the global map as a dot: irradiance is their density." photons.photons.png="$(PHOTONS) photons"
 
@@ -172,20 +185,20 @@ figure-24: $(REFERENCES)/cornell-spheres.exr
 
 figure-25:
 	mkdir -p $D
-	$(PM) --gather direct --spp $(call q,4,16) --show cells -o $D/tree.exr
+	$(PM_OVER) --gather direct --show cells -o $D/tree.exr
 	$(DRAW) figure $D --slide 25 --columns 1 --title "The balanced kd-tree" \
 	  --caption "Cells of the tree over real photons. A photon takes 20 bytes: float position, power as RGBE, direction as two bytes, the split plane." tree.cells.png="cells of the tree"
 
 figure-26:
 	mkdir -p $D
-	$(PM) --spp $(call q,4,16) --show photons -o $D/photons.exr
+	$(PM_OVER) --show photons -o $D/photons.exr
 	$(DRAW) figure $D --slide 26 --columns 2 --title "Two photon maps" \
 	  --caption "The global map holds what any surface received; the caustic map only what came through mirrors and glass, many more photons in few places." \
 	  photons.photons.png="global map" photons.caustic-photons.png="caustic map"
 
 figure-27:
 	mkdir -p $D
-	$(PM) --spp $(call q,4,16) --gather-rays 48 --show gathering --probe $(SPOT) -o $D/gathering.exr
+	$(PM_OVER) --gather-rays 48 --show gathering --probe $(SPOT_OVER) -o $D/gathering.exr
 	$(DRAW) figure $D --slide 27-28 --columns 2 --title "Caustics at the first bounce, indirect light at the second" \
 	  --caption "At the first diffuse surface that the eye's path meets, the caustic map is read (left: its photons and the last way that each came). For the rest of the light rays gather from there, and the global map is read where they land (right)." \
 	  gathering.caustic-gather.png="photons of the caustic estimate" gathering.final-gather.png="gather rays to the second bounce"
@@ -243,6 +256,21 @@ figure-39:
 	  --caption "Of N photons N^beta are read. With beta = 1 the radius stays and the error ends at its bias; smaller beta trade noise for bias. The reference is a long run with beta 2/3." \
 	  error.svg="error against passes" $(foreach b,0.5 1,beta-$b-$(lastword $(LADDER)).png="beta $b$(,) $(lastword $(LADDER)) passes")
 
+figure-36:
+	mkdir -p $D
+	$(PM) --spp $(call q,4,16) --stats $D/photonmap.json -o $D/photonmap.exr
+	$(BIN)/ppm $(SPHERES) $(RUN) --method ppm --passes $(call q,16,64) --stats $D/ppm.json -o $D/ppm.exr
+	$(DRAW) flow $D/photonmap.svg --title "Photon mapping" --stats $D/photonmap.json \
+	  "{technique.global_paths} photon paths|{technique.caustic_paths} aimed at glass and mirror" \
+	  "{technique.global_photons} photons stored|and {technique.caustic_photons} for caustics" "kd-trees|{technique.global_bytes} and|{technique.caustic_bytes} bytes" \
+	  "{passes} paths a pixel|from the eye|read both maps"
+	$(DRAW) flow $D/ppm.svg --title "Progressive photon mapping" --stats $D/ppm.json --again 2,3 \
+	  "{size.0} x {size.1} hit points|of paths from the eye|first R {technique.initial_radius_mean} (mean)" "{technique.photon_paths} photon paths|in {passes} passes|none is kept" \
+	  "{technique.photons_contributed} contributions|R and tau of every|hit point anew" "L = tau / (pi R^2 n)"
+	$(DRAW) figure $D --slide 36-37 --columns 1 --title "Two passes, and many" \
+	  --caption "Photon mapping stores all photons, then looks. Progressive photon mapping looks once, keeps the hit points, and lets photons pass by, as many as one has time for. Numbers are of real runs." \
+	  photonmap.svg="photon mapping" ppm.svg="progressive photon mapping"
+
 PASSES := $(call q,64,512)
 ALPHAS := 0.5 0.7 0.9
 figure-41:
@@ -274,7 +302,7 @@ figure-47:
 
 figure-49:
 	mkdir -p $D
-	$(VPL) --vpls 64 --spp 4 --show vpls,connections -o $D/vpls.exr
+	$(BIN)/instant-radiosity $(BOX) $(OVER) --vpls 64 --spp $(call q,2,16) --show vpls,connections -o $D/vpls.exr
 	$(DRAW) figure $D --slide 49-50 --columns 2 --title "Virtual point lights" \
 	  --caption "Every vertex of a light path becomes a point light; a point that the eye sees is connected with all of them by shadow rays." \
 	  vpls.vpls.png="where the lights are" vpls.connections.png="shadow rays of one point: those in red are stopped"
@@ -296,7 +324,7 @@ figure-51: $(REFERENCES)/cornell-box.indirect.exr
 	$(VPL) --component indirect --vpls 1024 --spp 1 --clamp inf -o $D/whole.exr
 	$(DRAW) measure $D/clamp.csv --reference $D/whole.exr $(foreach c,$(CLAMPS),$c=$D/clamp-$c.exr)
 	$(DRAW) plot $D/clamp.svg --title "Light that is left" --x "bound of the geometric term (1 / squared scene radius)" --y "mean of the clamped picture / unclamped" --log x "red"=$D/clamp.csv:x:ratio_r "green"=$D/clamp.csv:x:ratio_g "blue"=$D/clamp.csv:x:ratio_b
-	$(DRAW) figure $D --slide 51-52 --columns 4 --title "Instant radiosity: bright spots, dark corners, and repairs" --reference $< \
+	$(DRAW) figure $D --slide 51-52 --columns 4 --exposure 1.5 --title "Instant radiosity: bright spots, dark corners, and repairs" --reference $< \
 	  --caption "Indirect light from more and more lights. Without a bound every light burns a spot near itself; with a bound corners are too dark; paths bring back what was cut off; spheres blur instead." \
 	  $(foreach n,$(COUNTS),$(foreach k,unclamped clamped compensated spheres,$k-$n.png="$n lights: $k" )) \
 	  $(foreach n,$(lastword $(COUNTS)),$(foreach k,unclamped clamped compensated spheres,$k-$n.svg="$n lights: error, $k" )) \

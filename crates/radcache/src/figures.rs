@@ -6,7 +6,9 @@ use gi_core::cache::figures::Figure;
 use gi_core::canvas::Canvas;
 use gi_core::film::Film;
 use gi_core::math::Rgb;
+use gi_core::sampler::Sampler;
 use gi_core::technique::Picture;
+use gi_core::warp;
 use glam::{Vec2, Vec3};
 
 use crate::RadianceCaching;
@@ -18,10 +20,12 @@ use crate::sh::{Basis, MAX_FUNCTIONS, Window, index};
 pub enum Show {
     /// Where records of each kind are, coloured by how far they are good for [slide 13].
     Records,
-    /// The functions of the basis to l = 4 as lobes, green where they are positive [slide 18].
+    /// The functions of the basis to l = 4 as lobes, blue where they are positive, orange where negative [slide 18].
     Basis,
     /// The BRDF of the first tabulated material in the plane of incidence, for orders 1 to 10 [slide 18].
     Brdf,
+    /// Directions drawn for that BRDF, by cosine and by the BRDF itself [slide 19].
+    Samples,
 }
 
 impl Show {
@@ -32,6 +36,10 @@ impl Show {
             Show::Basis => vec![named("basis", basis(technique.params.basis, film.size()))],
             Show::Brdf => {
                 brdf(technique, film.size()).map(|view| named("brdf", view)).into_iter().collect()
+            }
+            Show::Samples => {
+                let view = samples(technique, film.size());
+                view.map(|view| named("samples", view)).into_iter().collect()
             }
         }
     }
@@ -48,8 +56,9 @@ fn records(technique: &RadianceCaching, film: &Film) -> Vec<Picture> {
     vec![diffuse, Picture { name: "glossy-records".into(), ..glossy }]
 }
 
-const POSITIVE: Rgb = Rgb::new(0.05, 0.5, 0.15);
-const NEGATIVE: Rgb = Rgb::new(0.7, 0.08, 0.05);
+/// Blue and orange: eyes that do not tell red from green tell them apart.
+const POSITIVE: Rgb = Rgb::new(0.02, 0.15, 0.6);
+const NEGATIVE: Rgb = Rgb::new(0.85, 0.3, 0.02);
 /// Bands that are drawn.
 const BANDS: usize = 5;
 
@@ -119,7 +128,7 @@ fn body(
 const OUT: Vec3 = Vec3::new(std::f32::consts::FRAC_1_SQRT_2, 0.0, std::f32::consts::FRAC_1_SQRT_2);
 
 /// f_r cos over the incoming direction in the plane of the outgoing one, as polar curves: black is the BRDF, blue
-/// the orders 1 to 10, one a cell; red where they are below zero.
+/// the orders 1 to 10, one a cell; orange where they are below zero.
 fn brdf(technique: &RadianceCaching, [w, h]: [usize; 2]) -> Option<Vec<Rgb>> {
     let params = &technique.params;
     let (material, _) = technique.surfaces().tables().next()?;
@@ -150,7 +159,7 @@ fn brdf(technique: &RadianceCaching, [w, h]: [usize; 2]) -> Option<Vec<Rgb>> {
             let (a, b) = (direction(k), direction(k + 1));
             canvas.line(at(a, exact(a)), at(b, exact(b)), 1.0, Rgb::BLACK);
             let (va, vb) = (approximated(a), approximated(b));
-            let colour = if va >= 0.0 { Rgb::new(0.02, 0.15, 0.8) } else { NEGATIVE };
+            let colour = if va >= 0.0 { POSITIVE } else { NEGATIVE };
             canvas.line(at(a, va), at(b, vb), 1.5, colour);
         }
     }
@@ -159,3 +168,47 @@ fn brdf(technique: &RadianceCaching, [w, h]: [usize; 2]) -> Option<Vec<Rgb>> {
 
 /// Steps of a curve.
 const STEPS: usize = 360;
+
+/// Directions of a drawing.
+const DIRECTIONS: u32 = 300;
+
+/// The BRDF of [`brdf`] from the side, and directions drawn for it: by cosine to the left, by itself to the right.
+fn samples(technique: &RadianceCaching, [w, h]: [usize; 2]) -> Option<Vec<Rgb>> {
+    let scene = technique.setting.scene;
+    let (material, _) = technique.surfaces().tables().next()?;
+    let lobe = scene.glossy_lobe(material)?;
+    let mut canvas = Canvas::over([w, h], vec![Rgb::WHITE; w * h]);
+    let reach = (0.22 * w as f32).min(0.42 * h as f32);
+    let exact = |d: Vec3| lobe.f_cos(OUT, d).mean();
+    let elevation = |k: usize| {
+        let (sin, cos) = (PI * k as f32 / STEPS as f32).sin_cos();
+        Vec3::new(cos, 0.0, sin)
+    };
+    let largest = (0..STEPS).map(|k| exact(elevation(k))).fold(f32::MIN_POSITIVE, f32::max);
+    for (side, colour) in [NEGATIVE, POSITIVE].into_iter().enumerate() {
+        let middle = Vec2::new((0.25 + 0.5 * side as f32) * w as f32, 0.5 * h as f32 + 0.5 * reach);
+        let at = |d: Vec3| middle + Vec2::new(d.x, -d.z) * reach;
+        canvas.line(at(-Vec3::X), at(Vec3::X), 1.0, Rgb::grey(0.6));
+        canvas.line(at(Vec3::ZERO), at(OUT), 1.5, Rgb::grey(0.3));
+        for k in 0..DIRECTIONS {
+            let u = Sampler::new(technique.setting.seed, side as u32, k).next_2d();
+            let drawn = match side {
+                0 => Some(warp::cosine_hemisphere(u)),
+                _ => lobe.sample(OUT, u).map(|(d, _)| d),
+            };
+            if let Some(d) = drawn.filter(|d| d.z > 0.0) {
+                canvas.line(at(0.94 * d), at(d), 1.2, colour);
+            }
+        }
+        for k in 0..STEPS {
+            let (a, b) = (elevation(k), elevation(k + 1));
+            canvas.line(
+                at(a * (exact(a) / largest)),
+                at(b * (exact(b) / largest)),
+                1.5,
+                Rgb::BLACK,
+            );
+        }
+    }
+    Some(canvas.into_pixels())
+}

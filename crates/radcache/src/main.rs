@@ -112,6 +112,8 @@ enum ShowFlag {
     Basis,
     /// The first tabulated BRDF (black) and its approximations of orders 1 to 10 (blue, negative red) [slide 18]
     Brdf,
+    /// Directions drawn for that BRDF, by cosine and by itself [slide 19]
+    Samples,
 }
 
 fn parse_accuracy(text: &str) -> Result<f32, String> {
@@ -199,6 +201,7 @@ impl ShowFlag {
             ShowFlag::Records => Show::Records,
             ShowFlag::Basis => Show::Basis,
             ShowFlag::Brdf => Show::Brdf,
+            ShowFlag::Samples => Show::Samples,
         }
     }
 }

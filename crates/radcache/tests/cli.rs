@@ -30,7 +30,7 @@ fn a_run_leaves_its_pictures_its_cache_and_its_records() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
     let (out, cache, ply, csv) = (at("a.exr"), at("a.cache"), at("a.ply"), at("a.csv"));
-    let show = "records,basis,brdf";
+    let show = "records,basis,brdf,samples";
     let output = run(&["-o", &out, "--show", show, "--cache-out", &cache, "--records-out", &ply]);
     assert!(output.status.success(), "{}", text(&output));
     let expected = [
@@ -42,6 +42,7 @@ fn a_run_leaves_its_pictures_its_cache_and_its_records() {
         "a.ply",
         "a.png",
         "a.records.png",
+        "a.samples.png",
     ];
     assert_eq!(files(folder.path()), expected);
     // The cache serves a second run, which makes no record and the same picture.

@@ -111,8 +111,10 @@ fn drawing([w, h]: [usize; 2], png: &[u8], most: f32) -> String {
         (0.5, "0".to_string()),
         (0.0, format!("\u{2212}{:.0} %", 100.0 * most)),
     ] {
-        let y =
-            (1.0 - share) * h as f32 + text as f32 * (0.9 * share + 0.35 * (1.0 - share) - 0.25);
+        // The ends' labels stay inside.
+        let (full, text_height) = (h as f32, text as f32);
+        let y = ((1.0 - share) * full + 0.35 * text_height)
+            .clamp(0.9 * text_height, full - 0.2 * text_height);
         let _ = writeln!(
             out,
             "<text x=\"{}\" y=\"{y:.1}\" font-family=\"{FONT}\" font-size=\"{text}\" fill=\"#222\">{label}</text>",

@@ -29,6 +29,9 @@ pub(crate) struct Args {
     /// Layer in which they are compared: Direct, Indirect, Caustic [default: the whole]
     #[arg(long)]
     layer: Option<String>,
+    /// Show pictures brighter by this power of two than the programs' views
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    exposure: f32,
     /// Pictures (.png) and drawings (.svg) with what stands below them
     #[arg(value_name = "FILE=CAPTION", required = true)]
     panels: Vec<Panel>,
@@ -97,6 +100,10 @@ fn describe(args: &Args, panel: &Panel, reference: Option<&Picture>) -> anyhow::
             }
         }
         let own = file.file_stem() == data.file_stem();
+        if own && args.exposure != 0.0 {
+            picture.save_view(&file, args.exposure)?;
+            told.insert("exposure".into(), json!(args.exposure));
+        }
         if let Some(reference) = reference.filter(|r| own && r.size == picture.size) {
             let errors = Picture::read(&data, args.layer.as_deref())?.errors(reference)?;
             told.insert("relmse".into(), json!(errors.rel_mse));

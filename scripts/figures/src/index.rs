@@ -131,6 +131,9 @@ fn facts(panel: &Value) -> String {
     if let Some(seconds) = panel["seconds"].as_str().and_then(|s| s.parse::<f64>().ok()) {
         facts.push(format!("{seconds:.1} s"));
     }
+    if let Some(stops) = panel["exposure"].as_f64() {
+        facts.push(format!("shown {stops:+} stops"));
+    }
     if let Some(e) = panel["relmse"].as_f64().filter(|e| *e > 0.0) {
         facts.push(format!("relMSE {e:.2e}"));
         let mean = panel["mean_ratio"].as_array().map_or(1.0, |r| {

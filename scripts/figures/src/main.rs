@@ -6,6 +6,7 @@
 
 mod difference;
 mod figure;
+mod flow;
 mod index;
 mod measure;
 mod picture;
@@ -33,6 +34,8 @@ enum Command {
     Plot(plot::Args),
     /// Where a picture is too bright or too dark, in false colours with a legend
     Difference(difference::Args),
+    /// The steps of a program, with numbers of a real run
+    Flow(flow::Args),
     /// One figure: its panels checked, and its sidecar figure.json written
     Figure(figure::Args),
     /// All figures on one self-contained page
@@ -63,6 +66,7 @@ fn main() -> ExitCode {
         Command::Measure(args) => measure::run(&args),
         Command::Plot(args) => plot::run(&args),
         Command::Difference(args) => difference::run(&args),
+        Command::Flow(args) => flow::run(&args),
         Command::Figure(args) => figure::run(&args),
         Command::Index(args) => index::run(&args),
         Command::Thumbs(args) => index::thumbs(&args),

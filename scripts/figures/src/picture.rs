@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context, anyhow, bail};
-use gi_core::image_io::{Layers, read_exr};
+use gi_core::image_io::{ImageFile, Layers, read_exr, write_file};
 use gi_stats::metrics::{Metrics, compare};
 
 /// A layer of an EXR.
@@ -38,6 +38,20 @@ impl Picture {
     pub(crate) fn said(&self, name: &str) -> Option<&str> {
         let (_, value) = self.layers.metadata.iter().find(|(n, _)| *n == format!("gi.{name}"))?;
         Some(value)
+    }
+
+    /// Write a view, brighter by a power of two than radiance itself.
+    pub(crate) fn save_view(&self, path: &Path, exposure: f32) -> anyhow::Result<()> {
+        let scale = exposure.exp2();
+        let channel = |k: usize| self.rgb.iter().skip(k).step_by(3).map(|v| v * scale).collect();
+        let names = ["R", "G", "B"].iter().enumerate();
+        let layers = Layers {
+            width: self.size[0],
+            height: self.size[1],
+            channels: names.map(|(k, n)| (n.to_string(), channel(k))).collect(),
+            metadata: Vec::new(),
+        };
+        write_file(path, ImageFile::Png, &layers).map_err(|e| anyhow!("{}: {e}", path.display()))
     }
 
     /// Errors against a reference.
