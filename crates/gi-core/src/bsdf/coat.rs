@@ -30,6 +30,8 @@ struct RoughCoat {
     facets: Microfacets,
     /// Power that enters from a direction with cosine i / (TABLE - 1).
     transmittance: [f32; TABLE],
+    /// The largest of them up to each.
+    most: [f32; TABLE],
 }
 
 impl Coat {
@@ -43,6 +45,8 @@ impl Coat {
         let facets = Microfacets::new(distribution, Vec2::splat(alpha));
         let cosine = |i: usize| (i as f32 / (TABLE - 1) as f32).max(1e-4);
         let transmittance = std::array::from_fn(|i| transmitted_power(&facets, cosine(i), eta));
+        let mut most = transmittance;
+        (1..TABLE).for_each(|i| most[i] = most[i].max(most[i - 1]));
         // 2 int R(c) c dc from inside, as Mitsuba sums it: both ends of the table count fully, which reads 1.5 % less
         // than the integral. Plastics then have Mitsuba's albedo.
         let inside = |i: usize| reflected_power(&facets, cosine(i), 1.0 / eta) * cosine(i);
@@ -58,7 +62,7 @@ impl Coat {
             nonlinear,
             internal_reflectance,
             mean_entering,
-            rough: Some(RoughCoat { facets, transmittance }),
+            rough: Some(RoughCoat { facets, transmittance, most }),
         }
     }
 
@@ -97,6 +101,31 @@ impl Coat {
         let thrown_back =
             |albedo: f32| if self.nonlinear { albedo } else { 1.0 } * self.internal_reflectance;
         diffuse.map(|albedo| albedo / ((1.0 - thrown_back(albedo)) * sqr(self.eta)))
+    }
+
+    /// Upper bound of the base's f for `wi` with cosines up to `cos`.
+    #[inline]
+    pub(crate) fn base_bound(&self, wo: Vec3, cos: f32, diffuse: Rgb) -> Rgb {
+        let entering = match &self.rough {
+            None => self.entering(cos.max(0.0)),
+            Some(rough) => {
+                let i = (cos.clamp(0.0, 1.0) * (TABLE - 1) as f32).ceil() as usize;
+                rough.most[i.min(TABLE - 1)]
+            }
+        };
+        self.base(diffuse) * (INV_PI * self.entering(wo.z) * entering)
+    }
+
+    /// Facets of a rough coat.
+    #[inline]
+    pub(crate) fn facets(&self) -> Option<&Microfacets> {
+        self.rough.as_ref().map(|r| &r.facets)
+    }
+
+    /// What the coat reflects at this cosine.
+    #[inline]
+    pub(crate) fn fresnel(&self, cos: f32) -> f32 {
+        fresnel::dielectric(cos, self.eta).reflectance
     }
 
     /// Density of [`Coat::sample`], both directions above.

@@ -46,6 +46,27 @@ pub(crate) fn conductor(cos_i: f32, eta: Rgb, k: Rgb) -> Rgb {
     })
 }
 
+/// Upper bound of [`conductor`] for cosines from `cos_i` to 1: toward grazing angles the s polarised share only rises, and
+/// the p polarised one falls to one minimum and rises to 1, so that it is largest at an end.
+pub(crate) fn conductor_bound(cos_i: f32, eta: Rgb, k: Rgb) -> Rgb {
+    let [s, p] = conductor_polarised(cos_i, eta, k);
+    let normal = conductor(1.0, eta, k);
+    (s + p.zip(normal, f32::max)) * 0.5
+}
+
+/// Fresnel's equations for a metal, s and p polarised.
+fn conductor_polarised(cos_i: f32, eta: Rgb, k: Rgb) -> [Rgb; 2] {
+    let (cos2, sin2) = (sqr(cos_i), 1.0 - sqr(cos_i));
+    let s = eta.zip(k, |eta, k| {
+        let t0 = eta * eta - k * k - sin2;
+        let a2_b2 = (t0 * t0 + 4.0 * eta * eta * k * k).sqrt();
+        let t2 = 2.0 * safe_sqrt(0.5 * (a2_b2 + t0)) * cos_i;
+        (a2_b2 + cos2 - t2) / (a2_b2 + cos2 + t2)
+    });
+    let unpolarised = conductor(cos_i, eta, k);
+    [s, unpolarised * 2.0 - s]
+}
+
 /// Hemispherical reflectance under uniform light from the side where `cos_i > 0`: 2 int F(c) c dc.
 pub(crate) fn dielectric_hemispherical(eta: f32) -> f32 {
     const N: usize = 4096; // midpoint rule; the kink at the critical angle costs less than 1e-6

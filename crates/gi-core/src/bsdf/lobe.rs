@@ -293,6 +293,11 @@ fn oren_nayar_constant(sigma_sq: f32) -> f32 {
     1.0 - 0.5 * sigma_sq / (sigma_sq + 0.33)
 }
 
+/// The factors A and B of Oren-Nayar's model.
+pub(super) fn oren_nayar_factors(sigma_sq: f32) -> [f32; 2] {
+    [oren_nayar_constant(sigma_sq), 0.45 * sigma_sq / (sigma_sq + 0.09)]
+}
+
 /// Oren-Nayar's qualitative model, the factor on Lambert's.
 fn oren_nayar(wo: Vec3, wi: Vec3, sigma_sq: f32) -> f32 {
     let (sin_o, sin_i) = ((1.0 - sqr(wo.z)).max(0.0).sqrt(), (1.0 - sqr(wi.z)).max(0.0).sqrt());
@@ -301,8 +306,7 @@ fn oren_nayar(wo: Vec3, wi: Vec3, sigma_sq: f32) -> f32 {
     } else {
         0.0
     };
-    let a = oren_nayar_constant(sigma_sq);
-    let b = 0.45 * sigma_sq / (sigma_sq + 0.09);
+    let [a, b] = oren_nayar_factors(sigma_sq);
     // sin(larger angle) tan(smaller angle)
     let (sin_tan, cos) = (sin_o * sin_i, wo.z.max(wi.z));
     a + b * cos_delta.max(0.0) * sin_tan / cos

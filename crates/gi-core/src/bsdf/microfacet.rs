@@ -70,6 +70,64 @@ impl Microfacets {
         }
     }
 
+    /// Upper bound of [`Microfacets::d`] over unnormalised facet normals, of either sign, in a ball.
+    #[inline]
+    pub(crate) fn d_bound(&self, center: Vec3, radius: f32) -> f32 {
+        let (low, high) = (self.alpha.min_element(), self.alpha.max_element());
+        // Least squared tangent of the ball's normals: of the angle of its middle less that of the cone round it.
+        let length = center.length();
+        let mut stretched = 0.0f32;
+        if radius < length {
+            let (sin_cone, sin, cos) =
+                (radius / length, center.truncate().length() / length, center.z.abs() / length);
+            let cos_cone = safe_sqrt(1.0 - sqr(sin_cone));
+            let sin_least = sin * cos_cone - cos * sin_cone;
+            if sin_least > 0.0 {
+                stretched = sqr(sin_least / (cos * cos_cone + sin * sin_cone) / high);
+            }
+        }
+        if low < high {
+            // The same axis by axis, which knows that the axes differ.
+            let across = ((center.truncate().abs() - radius).max(Vec2::ZERO)) / self.alpha;
+            stretched = stretched.max(across.length_squared() / sqr(center.z.abs() + radius));
+        }
+        // With q the stretched tangent squared, 1 / cos^2 is at most 1 + q alpha^2.
+        let (area, a) = (PI * self.alpha.x * self.alpha.y, sqr(high));
+        match self.distribution {
+            Distribution::Ggx if a < 1.0 => sqr((1.0 + a * stretched) / (1.0 + stretched)) / area,
+            Distribution::Ggx => sqr(a) / area,
+            Distribution::Beckmann => {
+                let q = stretched.max(2.0 - 1.0 / a);
+                (-q).exp() * sqr(1.0 + a * q) / area
+            }
+        }
+    }
+
+    /// [`Microfacets::g1`] of a facet that `w` sees.
+    #[inline]
+    pub(crate) fn g1_seen(&self, w: Vec3) -> f32 {
+        self.g1(w, Vec3::Z)
+    }
+
+    /// Upper bounds of G1, and of G1 over the cosine, for directions whose cosine is at most `cos`.
+    #[inline]
+    pub(crate) fn g1_bounds(&self, cos: f32) -> [f32; 2] {
+        let (low, high) = (self.alpha.min_element(), self.alpha.max_element());
+        let g1 = match cos {
+            c if c <= 0.0 => 0.0,
+            c => {
+                let grazing = Vec3::new(safe_sqrt(1.0 - c * c) * low / self.alpha.x, 0.0, c);
+                self.g1_seen(grazing)
+            }
+        };
+        // Toward grazing directions G1 falls as the cosine: both models' slopes there, and no more elsewhere.
+        let slope = match self.distribution {
+            Distribution::Ggx => 2.0 / low.min(1.0),
+            Distribution::Beckmann => 3.535 / low * (1.0 + 2.56 * sqr(high)).sqrt(),
+        };
+        [g1, slope]
+    }
+
     /// Shadowing and masking, uncorrelated.
     #[inline]
     pub(crate) fn g(&self, wo: Vec3, wi: Vec3, m: Vec3) -> f32 {

@@ -5,6 +5,7 @@
 //! shading normal in it. (A blend may join lobes whose normals were bent differently, so there is no
 //! one cosine to multiply afterwards; walks use `f_cos`.)
 
+mod bound;
 mod coat;
 mod fresnel;
 mod glossy;
@@ -15,6 +16,7 @@ mod resolve;
 use glam::Vec3;
 
 use crate::math::{Frame, Rgb, sqr};
+pub use bound::{ScatterBound, Toward};
 pub(crate) use coat::Coat;
 pub use glossy::{GlossyLobe, Kind, LobeView};
 use lobe::Lobe;

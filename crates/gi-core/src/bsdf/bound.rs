@@ -1,0 +1,254 @@
+//! Upper bounds of what is scattered toward a box: how much a cluster of lights may matter at a point [Walter05, 3.3].
+//!
+//! All light from a box comes from a cone of directions round it. Each lobe bounds its factors over that cone one by one:
+//! cosines as the box allows, the density of facets by the half vectors' own cone, shadowing by its value at the largest
+//! cosine. What is bounded is what [`Bsdf::f`] and [`Bsdf::f_cos`] return, rounding included.
+
+use glam::Vec3;
+
+use super::fresnel::{self, reflect_z};
+use super::lobe::{Lobe, oren_nayar_factors};
+use super::microfacet::Microfacets;
+use super::{Bsdf, Component, Transport};
+use crate::math::{Bounds, Frame, INV_PI, Rgb, safe_sqrt, sqr};
+
+/// The directions from a point to all points of a box.
+#[derive(Clone, Copy, Debug)]
+pub struct Toward {
+    /// Middle and half the extent of the box, the point being the origin.
+    middle: Vec3,
+    half: Vec3,
+    /// Unit axis of the cone round the directions, and its half angle; the whole sphere has a sine of 1 and a cosine of 0.
+    axis: Vec3,
+    sin: f32,
+    cos: f32,
+}
+
+/// Share by which every bound is raised, against rounding here and in what is bounded.
+const SAFETY: f32 = 1.0 + 5e-4;
+/// Rounding of a coordinate, relative.
+const ROUNDING: f32 = 5e-7;
+/// Rounding of a unit vector.
+const UNIT_ROUNDING: f32 = 2e-6;
+
+impl Toward {
+    /// Directions from `p` into a box.
+    #[inline]
+    pub fn new(p: Vec3, bounds: &Bounds) -> Self {
+        let (low, high) = (bounds.min - p, bounds.max - p);
+        let middle = 0.5 * (low + high);
+        let half = 0.5 * (high - low) + (p.abs() + middle.abs()) * ROUNDING;
+        let distance_sq = middle.length_squared();
+        let radius_sq = half.length_squared();
+        if radius_sq >= distance_sq {
+            return Toward { middle, half, axis: Vec3::Z, sin: 1.0, cos: 0.0 };
+        }
+        let sin_sq = radius_sq / distance_sq;
+        Toward {
+            middle,
+            half,
+            axis: middle / distance_sq.sqrt(),
+            sin: sin_sq.sqrt(),
+            cos: (1.0 - sin_sq).sqrt(),
+        }
+    }
+
+    /// All directions.
+    pub fn anywhere() -> Self {
+        Toward::new(Vec3::ZERO, &Bounds { min: Vec3::NEG_ONE, max: Vec3::ONE })
+    }
+
+    /// Least squared distance to the box.
+    #[inline]
+    pub fn min_distance_sq(&self) -> f32 {
+        (self.middle.abs() - self.half).max(Vec3::ZERO).length_squared()
+    }
+
+    /// Squared distance to the middle of the box, and its squared radius.
+    #[inline]
+    pub fn middle_and_radius_sq(&self) -> [f32; 2] {
+        [self.middle.length_squared(), self.half.length_squared()]
+    }
+
+    /// The largest cosine of a direction with the frame's normal [Walter05, eq. 4]: of the box's own box in that frame.
+    #[inline]
+    pub fn max_cos(&self, frame: &Frame) -> f32 {
+        let extent = |axis: Vec3| axis.abs().dot(self.half);
+        let z = self.middle.dot(frame.n) + extent(frame.n);
+        let across = [frame.s, frame.t].map(|t| (self.middle.dot(t).abs(), extent(t)));
+        let across_sq = if z > 0.0 {
+            across.iter().map(|(m, h)| sqr((m - h).max(0.0))).sum::<f32>()
+        } else {
+            across.iter().map(|(m, h)| sqr(m + h)).sum::<f32>()
+        };
+        let length_sq = across_sq + z * z;
+        if length_sq > 0.0 { (z / length_sq.sqrt() + UNIT_ROUNDING).min(1.0) } else { 1.0 }
+    }
+
+    /// The largest cosine of a direction with unit `d`, by the cone.
+    #[inline]
+    fn max_cos_cone(&self, d: Vec3) -> f32 {
+        if self.sin >= 1.0 {
+            return 1.0;
+        }
+        let cos = self.axis.dot(d);
+        if cos >= self.cos {
+            return 1.0;
+        }
+        (cos * self.cos + safe_sqrt(1.0 - cos * cos) * self.sin + UNIT_ROUNDING).min(1.0)
+    }
+
+    /// The smallest cosine of a direction with unit `d`.
+    #[inline]
+    fn min_cos_cone(&self, d: Vec3) -> f32 {
+        -self.max_cos_cone(-d)
+    }
+}
+
+/// What is scattered toward a cone at most, by channel.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ScatterBound {
+    /// Of [`Bsdf::f`].
+    pub f: Rgb,
+    /// Of [`Bsdf::f_cos`].
+    pub f_cos: Rgb,
+}
+
+impl Bsdf<'_> {
+    /// Bound what is scattered between `wo` and any of these directions, delta lobes apart.
+    #[inline]
+    pub fn bound(&self, wo: Vec3, toward: &Toward) -> ScatterBound {
+        let mut sum = ScatterBound::default();
+        for c in self.components() {
+            let bound = c.bound(wo, toward, self.transport);
+            sum.f += bound.f * (c.weight * SAFETY);
+            sum.f_cos += bound.f_cos * (c.weight * SAFETY);
+        }
+        sum
+    }
+
+    /// Whether the cosines of all lobes are taken with this normal, or its opposite.
+    #[inline]
+    pub fn has_normal(&self, n: Vec3) -> bool {
+        self.components().iter().all(|c| c.frame.n == n || c.frame.n == -n)
+    }
+}
+
+/// What a lobe bounds its factors with. Directions are local.
+struct Cap {
+    wo: Vec3,
+    /// Largest cosine of `wi` above.
+    cos: f32,
+    /// All `wi` lie in a ball: the cap of their cone.
+    center: Vec3,
+    radius: f32,
+    /// Smallest cosine between `wo` and `wi`.
+    min_cos_wo: f32,
+}
+
+impl Component<'_> {
+    #[inline]
+    fn bound(&self, world_wo: Vec3, toward: &Toward, transport: Transport) -> ScatterBound {
+        let wo = self.frame.to_local(world_wo);
+        let cos = toward.max_cos(&self.frame);
+        let lambert = |albedo: Rgb| ScatterBound {
+            f: albedo * INV_PI,
+            f_cos: albedo * (INV_PI * cos.max(0.0)),
+        };
+        let two_sided = matches!(self.lobe, Lobe::RoughDielectric { .. });
+        if !two_sided && (wo.z <= 0.0 || cos <= 0.0) {
+            return ScatterBound::default();
+        }
+        let cap = || {
+            let axis = self.frame.to_local(toward.axis);
+            Cap {
+                wo,
+                cos,
+                center: axis * toward.cos,
+                radius: toward.sin + UNIT_ROUNDING,
+                min_cos_wo: toward.min_cos_cone(world_wo),
+            }
+        };
+        match self.lobe {
+            Lobe::Diffuse { albedo } => lambert(albedo),
+            Lobe::OrenNayar { albedo, sigma_sq } => {
+                // sin sin' / max(cos, cos') is at most sin / cos, and times cos' at most sin.
+                let ([a, b], sin) = (oren_nayar_factors(sigma_sq), safe_sqrt(1.0 - sqr(wo.z)));
+                let albedo = albedo * INV_PI;
+                let f_cos = a * cos + b * sin * (cos / wo.z).min(1.0);
+                ScatterBound { f: albedo * (a + b * sin / wo.z), f_cos: albedo * f_cos }
+            }
+            Lobe::Phong { diffuse, specular, exponent } => {
+                let mirrored = self.frame.to_world(reflect_z(wo));
+                let peak = toward.max_cos_cone(mirrored).max(0.0).powf(exponent);
+                let f = diffuse * INV_PI + specular * ((exponent + 2.0) * 0.5 * INV_PI * peak);
+                ScatterBound { f, f_cos: f * cos }
+            }
+            Lobe::RoughConductor { eta, k, tint, facets } => {
+                let cap = cap();
+                let fresnel = fresnel::conductor_bound(cap.min_cos_half(), eta, k) * tint;
+                cap.reflected(&facets, fresnel)
+            }
+            Lobe::Plastic { coat, diffuse, specular } => {
+                let base = coat.base_bound(wo, cos, diffuse);
+                let mut bound = ScatterBound { f: base, f_cos: base * cos };
+                if let Some(facets) = coat.facets() {
+                    let cap = cap();
+                    let fresnel = coat.fresnel(cap.min_cos_half());
+                    let shine = cap.reflected(facets, specular * fresnel);
+                    bound.f += shine.f;
+                    bound.f_cos += shine.f_cos;
+                }
+                bound
+            }
+            Lobe::RoughDielectric { eta, reflect, transmit, facets } => {
+                cap().through(&facets, (eta, reflect, transmit), transport)
+            }
+            Lobe::Conductor { .. }
+            | Lobe::Dielectric { .. }
+            | Lobe::ThinDielectric { .. }
+            | Lobe::Null => ScatterBound::default(),
+        }
+    }
+}
+
+impl Cap {
+    /// The smallest cosine of `wo` with a half vector: of half the angle between `wo` and `wi`.
+    #[inline]
+    fn min_cos_half(&self) -> f32 {
+        (safe_sqrt(0.5 * (1.0 + self.min_cos_wo)) - UNIT_ROUNDING).clamp(0.0, 1.0)
+    }
+
+    /// F D G / (4 cos cos'), and times cos', for directions on one side.
+    #[inline]
+    fn reflected(&self, facets: &Microfacets, fresnel: Rgb) -> ScatterBound {
+        let d = facets.d_bound(self.wo + self.center, self.radius);
+        let shared = d * facets.g1_seen(self.wo) / (4.0 * self.wo.z.abs());
+        let [g1, g1_over_cos] = facets.g1_bounds(self.cos);
+        ScatterBound { f: fresnel * (shared * g1_over_cos), f_cos: fresnel * (shared * g1) }
+    }
+
+    /// Both sides of a rough dielectric [Walter07, eqs. 20 and 21].
+    fn through(
+        &self,
+        facets: &Microfacets,
+        (eta, reflect, transmit): (f32, Rgb, Rgb),
+        transport: Transport,
+    ) -> ScatterBound {
+        // From either side: no cosine is left out.
+        let both = Cap { cos: 1.0, ..*self };
+        let fresnel = fresnel::dielectric(self.min_cos_half().copysign(self.wo.z), eta).reflectance;
+        let mut bound = both.reflected(facets, reflect * fresnel);
+        let eta = if self.wo.z > 0.0 { eta } else { 1.0 / eta };
+        let (h, radius) = (self.wo + self.center * eta, self.radius * eta);
+        let shortest = (h.length() - radius).max((1.0 - eta).abs() - UNIT_ROUNDING).max(1e-9);
+        let jacobian = sqr(eta / shortest);
+        let d = facets.d_bound(h, radius);
+        let shared =
+            d * jacobian * facets.g1_seen(self.wo) / self.wo.z.abs() * transport.refraction(eta);
+        let [g1, g1_over_cos] = facets.g1_bounds(1.0);
+        bound.f += transmit * (shared * g1_over_cos);
+        bound.f_cos += transmit * (shared * g1);
+        bound
+    }
+}
