@@ -20,6 +20,11 @@ impl Canvas {
         Canvas { size, pixels }
     }
 
+    /// Pixels across and down.
+    pub fn size(&self) -> [usize; 2] {
+        self.size
+    }
+
     /// The pixels, row by row.
     pub fn into_pixels(self) -> Vec<Rgb> {
         self.pixels

@@ -17,7 +17,6 @@
 
 #![forbid(unsafe_code)]
 
-pub mod energy;
 pub mod figures;
 pub mod sphere;
 
@@ -28,9 +27,8 @@ use gi_core::film::Film;
 use gi_core::math::Rgb;
 use gi_core::sampler::Sampler;
 use gi_core::technique::{Picture, Setting, Technique};
-use vpl::{Pilot, Prepared, Receiver, Shooting, Termination, Vpls, shoot};
+use vpl::{Energy, Pilot, Prepared, Receiver, Shooting, Termination, Vpls, shoot};
 
-use energy::Energy;
 use figures::Figure;
 use sphere::Spheres;
 

@@ -48,6 +48,8 @@ impl<'r, 'a> Receiver<'r, 'a> {
 pub struct Connection {
     /// Radiance toward the eye, the geometric term unbounded.
     pub radiance: Rgb,
+    /// Irradiance across `wi`, nothing in between: what `radiance` was scattered from.
+    pub arriving: Rgb,
     /// The geometric term cos cos' / d^2 with the geometric normals, per squared world unit; 0 for lights that are no
     /// surfaces, which no other way of sampling finds.
     pub geometry: f32,
@@ -87,6 +89,7 @@ pub(crate) fn connect(
         let radiance = at.f_cos(wi) * vpl.power;
         return (!radiance.is_black()).then(|| Connection {
             radiance,
+            arriving: vpl.power,
             geometry: 0.0,
             wi,
             shadow: scene.spawn(x, wi),
@@ -117,5 +120,5 @@ pub(crate) fn connect(
     }
     let geometry = x.ng.dot(wi).abs() * cos_light * inverse_sq;
     let shadow = scene.tree().shadow_ray(x.p, x.ng, vpl.p);
-    Some(Connection { radiance, geometry, wi, shadow })
+    Some(Connection { radiance, arriving: intensity * inverse_sq, geometry, wi, shadow })
 }

@@ -5,7 +5,9 @@
 
 #![forbid(unsafe_code)]
 
+mod energy;
 mod illuminate;
+mod points;
 mod prepared;
 mod shoot;
 
@@ -14,7 +16,9 @@ use gi_core::light::PointSource;
 use gi_core::math::Rgb;
 use glam::Vec3;
 
+pub use energy::Energy;
 pub use illuminate::{Connection, Receiver};
+pub use points::{LightNumbers, points};
 pub use prepared::Prepared;
 pub use shoot::{Pilot, Shooting, Termination, shoot};
 

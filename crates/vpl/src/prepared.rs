@@ -91,6 +91,18 @@ impl<'v, 'a> Prepared<'v, 'a> {
         }
     }
 
+    /// Connect a point with light `k`, as if its power were one in every channel.
+    #[inline]
+    pub fn connect_unit(&self, k: usize, at: &Receiver) -> Option<Connection> {
+        let vpl = Vpl { power: Rgb::WHITE, ..self.set.lights[k] };
+        connect(self.scene, &vpl, at, |k, d| self.scattered(k, d))
+    }
+
+    /// The lights.
+    pub fn set(&self) -> &'v Vpls {
+        self.set
+    }
+
     /// The lights of a batch that turn toward the point, and it toward them. Without branches: many are looked at together, and
     /// nothing is guessed.
     #[inline]

@@ -61,6 +61,17 @@ impl Lights {
         emission: impl Fn(u32, u32, &EmitterPoint) -> Rgb,
     ) -> Option<Emission> {
         let (light, probability, _) = self.choose(u_light)?;
+        self.emit_from((light, probability), u_p, u_d, emission)
+    }
+
+    /// Begin a light path at a light that was chosen with this probability.
+    pub(crate) fn emit_from(
+        &self,
+        (light, probability): (usize, f32),
+        u_p: [f32; 2],
+        u_d: [f32; 2],
+        emission: impl Fn(u32, u32, &EmitterPoint) -> Rgb,
+    ) -> Option<Emission> {
         let start = |p, ng, d, power: Rgb, source: fn(Rgb) -> PointSource, seen: Rgb| {
             let (light, power) = (light as u32, power / probability);
             Some(Emission { light, p, ng, d, power, source: source(seen / probability) })

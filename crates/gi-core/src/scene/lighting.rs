@@ -62,6 +62,16 @@ impl Scene {
         self.lights.emit(u_light, u_p, u_d, |s, k, point| self.emission_at(s, k, point))
     }
 
+    /// Begin a light path at a light that the caller chose, with the probability that it says.
+    pub fn emit_from(
+        &self,
+        chosen: (usize, f32),
+        u_p: [f32; 2],
+        u_d: [f32; 2],
+    ) -> Option<Emission> {
+        self.lights.emit_from(chosen, u_p, u_d, |s, k, point| self.emission_at(s, k, point))
+    }
+
     /// Begin a light path toward targets, see [`Targets`].
     pub fn emit_toward(
         &self,

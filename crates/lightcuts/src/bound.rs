@@ -1,0 +1,217 @@
+//! Upper bounds of what the lights of a cluster bring to a point [slide 61, Walter05, 3.3]: of the geometric term by the
+//! least distance, of the cosine at the lights by box and cone, of the material as [`gi_core::bsdf::Bsdf::bound`] has it.
+//! Visibility is bounded by 1.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use gi_core::bsdf::{Bsdf, ScatterBound, Toward, Transport};
+use gi_core::geometry::Surface;
+use gi_core::math::{Bounds, Frame, Rgb, safe_sqrt};
+use gi_core::scene::Scene;
+use glam::Vec3;
+use vpl::LitSurface;
+
+use crate::cone::Cone;
+use crate::tree::{Family, Node, Tree};
+
+/// A point that is lit.
+#[derive(Clone, Copy)]
+pub struct Site<'s, 'a> {
+    /// Position, world.
+    pub p: Vec3,
+    /// Unit direction back to the eye.
+    pub wo: Vec3,
+    /// How it scatters.
+    pub bsdf: &'s Bsdf<'a>,
+    /// Bound of the geometric term of lights of surfaces, per squared world unit.
+    pub most: f32,
+    /// Whether light is shaded by the geometric normal: what the bound of the geometric term leaves is then f times it.
+    flat: bool,
+}
+
+impl<'s, 'a> Site<'s, 'a> {
+    /// A point of a surface.
+    pub fn new(surface: &Surface, wo: Vec3, bsdf: &'s Bsdf<'a>, most: f32) -> Self {
+        Site { p: surface.p, wo, bsdf, most, flat: bsdf.has_normal(surface.ng) }
+    }
+}
+
+/// What a cluster's lights bring at most, factor by factor.
+pub struct Terms {
+    /// Directions to the lights.
+    pub toward: Toward,
+    /// What the point scatters.
+    pub scatter: ScatterBound,
+    /// Cosine at the lights, or how much they send of what arrives at them: times `scatter.f_cos` and over the squared
+    /// distance it is the bound.
+    pub emitted: f32,
+    /// The same over the cosine at the lights, for the bounded geometric term.
+    pub emitted_over_cos: f32,
+}
+
+impl Terms {
+    /// Bound the factors of a node's lights; `None` where none of them can bring anything.
+    #[inline]
+    pub fn new(tree: &Tree, k: u32, site: &Site) -> Option<Self> {
+        let node = tree.node(k);
+        // Parallel light comes from a box of directions.
+        let p = if tree.family == Family::Directional { Vec3::ZERO } else { site.p };
+        let toward = Toward::new(p, &node.bounds);
+        let (emitted, emitted_over_cos) = match tree.family {
+            Family::Omni | Family::Directional => (1.0, f32::INFINITY),
+            Family::Oriented => (max_cos(&toward, &node.cone, 1.0), 1.0),
+            Family::Glossy => {
+                let gain = tree.gain(k);
+                let cos = max_cos(&toward, &node.cone, 1.0).max(max_cos(&toward, &node.cone, -1.0));
+                (gain.most.min(gain.over_cos * cos), gain.over_cos)
+            }
+        };
+        if emitted <= 0.0 {
+            return None;
+        }
+        let scatter = site.bsdf.bound(site.wo, &toward);
+        let some = !scatter.f_cos.is_black();
+        some.then_some(Terms { toward, scatter, emitted, emitted_over_cos })
+    }
+
+    /// The bound of what the node's lights bring, by channel.
+    #[inline]
+    pub fn bound(&self, tree: &Tree, node: &Node, site: &Site) -> Rgb {
+        let falloff = match tree.family {
+            Family::Directional => 1.0,
+            _ => 1.0 / self.toward.min_distance_sq().max(LEAST_DISTANCE_SQ),
+        };
+        let mut bound = self.scatter.f_cos * (self.emitted * falloff);
+        let bounded = !tree.is_direct() && site.flat && site.most < f32::INFINITY;
+        if bounded && self.emitted_over_cos < f32::INFINITY {
+            let left = self.scatter.f * (self.emitted_over_cos * site.most);
+            bound = bound.zip(left, f32::min);
+        }
+        node.power * bound * SAFETY
+    }
+}
+
+/// Against rounding in the sum of powers, and in what is bounded.
+const SAFETY: f32 = 1.0 + 1e-4;
+/// Keeps the bound finite where the point lies in the box.
+const LEAST_DISTANCE_SQ: f32 = 1e-30;
+
+/// The largest cosine at lights whose normals lie in a cone (or, with `side` -1, in its opposite), seen from the point.
+#[inline]
+fn max_cos(toward: &Toward, cone: &Cone, side: f32) -> f32 {
+    // Light leaves against the directions in which the point sees it.
+    let cos = toward.max_cos(&Frame::from_normal(cone.axis * -side));
+    if cone.angle == 0.0 {
+        return cos.max(0.0);
+    }
+    let (sin_cone, cos_cone) = cone.angle.sin_cos();
+    if cos >= cos_cone {
+        return 1.0;
+    }
+    (cos * cos_cone + safe_sqrt(1.0 - cos * cos) * sin_cone + COS_ROUNDING).max(0.0)
+}
+
+/// Rounding of the cosine of a difference of angles.
+const COS_ROUNDING: f32 = 1e-6;
+
+/// How far a node's estimate may be from the truth, as luminance: both lie between nothing and the bound. (The paper takes
+/// the bound itself, which is up to twice as much.)
+#[inline]
+pub fn error(estimate: Rgb, bound: Rgb) -> f32 {
+    let (estimate, bound) = (estimate.luminance(), bound.luminance());
+    // Nothing times infinity: nothing is known.
+    let bound = if bound.is_nan() { f32::MAX } else { bound };
+    estimate.max(bound - estimate)
+}
+
+/// How much of what arrives at glossy lights they send in a direction at most, per solid angle, in the largest channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gain {
+    /// The share.
+    pub most: f32,
+    /// The share over the cosine with the geometric normal.
+    pub over_cos: f32,
+}
+
+impl Gain {
+    /// The larger of both.
+    pub fn max(self, o: Gain) -> Gain {
+        Gain { most: self.most.max(o.most), over_cos: self.over_cos.max(o.over_cos) }
+    }
+}
+
+/// Pieces of the sphere of directions that are looked at for a glossy light, beyond the first ones.
+const PIECES: usize = 48;
+
+/// A piece of the sphere, by its bound.
+struct Piece(f32, Bounds);
+
+impl PartialEq for Piece {
+    fn eq(&self, o: &Self) -> bool {
+        self.cmp(o) == Ordering::Equal
+    }
+}
+impl Eq for Piece {}
+impl PartialOrd for Piece {
+    fn partial_cmp(&self, o: &Self) -> Option<Ordering> {
+        Some(self.cmp(o))
+    }
+}
+impl Ord for Piece {
+    fn cmp(&self, o: &Self) -> Ordering {
+        self.0.total_cmp(&o.0)
+    }
+}
+
+/// The gain of a glossy light: the largest bound over pieces of the sphere, the worst of which is split again and again.
+pub fn gain(scene: &Scene, lit: &LitSurface) -> Gain {
+    let bsdf = scene.bsdf(&lit.surface, lit.wo, Transport::Power);
+    // Where another normal shades, power changes by |cos(wo, ns) cos(wi, ng)| / |cos(wo, ng) cos(wi, ns)|, the cosine of f_cos
+    // goes, and one with the geometric normal comes.
+    let (ns, ng) = (lit.surface.ns(), lit.surface.ng);
+    let bent = ns != ng || !bsdf.has_normal(ng);
+    let turned = if bent { (lit.wo.dot(ns) / lit.wo.dot(ng)).abs().min(f32::MAX) } else { 1.0 };
+    let over_cos = worst(|toward| bsdf.bound(lit.wo, toward).f.max()) * turned;
+    let most = if bent { over_cos } else { worst(|toward| bsdf.bound(lit.wo, toward).f_cos.max()) };
+    // A bent normal of one lobe and not of another: nothing is known of the cosines' ratio.
+    if bsdf.has_normal(ns) { Gain { most, over_cos } } else { gain_of_bumps(&bsdf, lit) }
+}
+
+/// The gain where lobes have normals of their own: the cosine with the shading normal that the correction divides by may
+/// be anything.
+fn gain_of_bumps(bsdf: &Bsdf, lit: &LitSurface) -> Gain {
+    let (ns, ng) = (lit.surface.ns(), lit.surface.ng);
+    if ns == ng {
+        let most = worst(|toward| bsdf.bound(lit.wo, toward).f_cos.max());
+        return Gain { most, over_cos: f32::INFINITY };
+    }
+    Gain { most: 1e30, over_cos: f32::INFINITY }
+}
+
+/// Bound a bound over all directions.
+fn worst(bound: impl Fn(&Toward) -> f32) -> f32 {
+    let piece = |b: Bounds| Piece(bound(&Toward::new(Vec3::ZERO, &b)), b);
+    let mut pieces = BinaryHeap::with_capacity(PIECES + 8);
+    for axis in 0..3 {
+        for side in [-1.0, 1.0] {
+            let mut face = Bounds { min: Vec3::NEG_ONE, max: Vec3::ONE };
+            (face.min[axis], face.max[axis]) = (side, side);
+            pieces.push(piece(face));
+        }
+    }
+    for _ in 0..PIECES {
+        let Some(Piece(_, b)) = pieces.pop() else { break };
+        let extent = b.extent();
+        let axis = extent.max_position();
+        let middle = b.center()[axis];
+        let (mut low, mut high) = (b, b);
+        (low.max[axis], high.min[axis]) = (middle, middle);
+        pieces.push(piece(low));
+        pieces.push(piece(high));
+    }
+    pieces.peek().map_or(0.0, |p| p.0)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,342 @@
+//! Lightcuts [slides 58-61]: a partition of all lights into clusters, chosen for one point.
+
+use std::cell::RefCell;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use gi_core::math::Rgb;
+use gi_core::scene::Scene;
+use vpl::{Prepared, Receiver};
+
+use crate::bound::{Site, Terms, error};
+use crate::reconstruct::Record;
+use crate::tree::Forest;
+
+/// What a cut may cost and how far it may be wrong.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Error that a cluster may have, relative to the whole.
+    pub error: f32,
+    /// Most clusters of a cut.
+    pub max_cut: u32,
+}
+
+/// Lights ready to light points.
+pub struct Lights<'l, 'a> {
+    /// The world.
+    pub scene: &'a Scene,
+    /// The lights.
+    pub prepared: &'l Prepared<'l, 'a>,
+    /// Their trees.
+    pub forest: &'l Forest,
+}
+
+/// A cluster of a cut, and what its representative says of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Cluster {
+    /// How far its estimate may be wrong, as luminance; 0 for a light.
+    pub error: f32,
+    /// Which tree.
+    pub tree: u32,
+    /// Which node.
+    pub node: u32,
+    /// What the representative would bring if its power were one: shadows and the bound of the geometric term included.
+    pub unit: Rgb,
+    /// The share of it that the bound of the geometric term has left.
+    pub kept: f32,
+    /// Where its record is, if cuts are recorded.
+    pub slot: u32,
+}
+
+impl PartialEq for Cluster {
+    fn eq(&self, o: &Self) -> bool {
+        self.cmp(o) == Ordering::Equal
+    }
+}
+impl Eq for Cluster {}
+impl PartialOrd for Cluster {
+    fn partial_cmp(&self, o: &Self) -> Option<Ordering> {
+        Some(self.cmp(o))
+    }
+}
+impl Ord for Cluster {
+    /// The worst first; of equal ones the first in the forest.
+    fn cmp(&self, o: &Self) -> Ordering {
+        self.error.total_cmp(&o.error).then((o.tree, o.node).cmp(&(self.tree, self.node)))
+    }
+}
+
+/// Light that a cut brings, and what it cost.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Lit {
+    /// Radiance from points of lights.
+    pub direct: Rgb,
+    /// Radiance from lights of surfaces.
+    pub indirect: Rgb,
+    /// Luminance of indirect light that the bound of the geometric term cut off.
+    pub cut_off: f32,
+    /// Clusters, those that cannot bring anything left out.
+    pub size: u32,
+    /// Shadow rays.
+    pub rays: u32,
+    /// Whether the cut ended at the most clusters, and not at its error.
+    pub at_most: bool,
+}
+
+impl Lit {
+    /// All of it.
+    pub fn all(&self) -> Rgb {
+        self.direct + self.indirect
+    }
+}
+
+/// A cut while it is refined.
+#[derive(Default)]
+pub struct Cut {
+    /// Clusters that may be refined, the worst on top.
+    pub open: BinaryHeap<Cluster>,
+    /// Lights.
+    pub done: Vec<Cluster>,
+    /// Estimate of the whole, as luminance.
+    pub total: f64,
+    rays: u32,
+}
+
+thread_local! {
+    /// A cut that is used again and again: choosing one allocates nothing.
+    static CUT: RefCell<Cut> = RefCell::default();
+}
+
+/// A point and everything that is asked about it.
+pub struct At<'r, 's, 'a> {
+    /// As connections want it.
+    pub receiver: Receiver<'r, 'a>,
+    /// As bounds want it.
+    pub site: Site<'s, 'a>,
+    /// Only trees whose lights have at most so many scatterings.
+    pub deepest: u32,
+    /// Whether points of lights count.
+    pub direct: bool,
+}
+
+impl At<'_, '_, '_> {
+    /// The share of a light that the bound of the geometric term leaves: of points of lights all.
+    #[inline]
+    pub fn kept(&self, geometry: f32, direct: bool) -> f32 {
+        let most = self.site.most;
+        if !direct && geometry > most { most / geometry } else { 1.0 }
+    }
+
+    /// Whether a tree's lights count here.
+    pub fn counts(&self, tree: &crate::tree::Tree) -> bool {
+        if tree.is_direct() { self.direct } else { tree.depth[1] <= self.deepest }
+    }
+}
+
+impl<'a> Lights<'_, 'a> {
+    /// Light a point by a cut.
+    pub fn light(&self, at: &At<'_, '_, 'a>, limits: &Limits) -> Lit {
+        CUT.with_borrow_mut(|cut| {
+            cut.clear();
+            self.choose(at, limits, cut, &mut None);
+            self.add_up(cut, limits)
+        })
+    }
+
+    /// Choose the cut of a point, from the roots [slide 61].
+    pub fn choose(
+        &self,
+        at: &At<'_, '_, 'a>,
+        limits: &Limits,
+        cut: &mut Cut,
+        record: &mut Option<&mut Record>,
+    ) {
+        for (t, tree) in self.forest.trees.iter().enumerate() {
+            let slot = record.as_mut().map_or(0, |r| r.root());
+            if at.counts(tree) {
+                self.add(at, cut, (t as u32, 0), slot, record);
+            }
+        }
+        self.refine(at, limits, cut, record);
+    }
+
+    /// Refine the worst cluster until none is worse than it may be, or there are too many.
+    pub fn refine(
+        &self,
+        at: &At<'_, '_, 'a>,
+        limits: &Limits,
+        cut: &mut Cut,
+        record: &mut Option<&mut Record>,
+    ) {
+        while let Some(worst) = cut.open.peek() {
+            let good = f64::from(worst.error) <= f64::from(limits.error) * cut.total;
+            if good || cut.open.len() + cut.done.len() >= limits.max_cut as usize {
+                return;
+            }
+            let worst = cut.open.pop().expect("it was on top");
+            self.split(at, cut, worst, record);
+        }
+    }
+
+    /// Replace a cluster by its children. One of them has the same representative: what it says is known already.
+    fn split(
+        &self,
+        at: &At<'_, '_, 'a>,
+        cut: &mut Cut,
+        parent: Cluster,
+        record: &mut Option<&mut Record>,
+    ) {
+        let tree = &self.forest.trees[parent.tree as usize];
+        let node = tree.node(parent.node);
+        let children = node.children().expect("lights have no error");
+        cut.total -= f64::from((parent.unit * node.power).luminance());
+        let slot = record.as_mut().map_or(0, |r| r.split(parent.slot));
+        for (i, k) in children.into_iter().enumerate() {
+            let slot = slot + i as u32;
+            if tree.node(k).representative == node.representative {
+                if let Some(record) = record {
+                    record.inherit(slot, parent.slot);
+                }
+                let terms = self.terms(at, parent.tree, k);
+                self.weigh(cut, Cluster { node: k, slot, ..parent }, terms, at);
+            } else {
+                self.add(at, cut, (parent.tree, k), slot, record);
+            }
+        }
+    }
+
+    /// Ask a node's representative, and add the node to a cut.
+    pub fn add(
+        &self,
+        at: &At<'_, '_, 'a>,
+        cut: &mut Cut,
+        (tree, node): (u32, u32),
+        slot: u32,
+        record: &mut Option<&mut Record>,
+    ) {
+        let shape = &self.forest.trees[tree as usize];
+        let light = shape.node(node).representative;
+        let mut cluster = Cluster { error: 0.0, tree, node, unit: Rgb::BLACK, kept: 1.0, slot };
+        // What cannot bring anything needs no ray.
+        let is_light = shape.node(node).children().is_none();
+        let terms = self.terms(at, tree, node);
+        if !is_light && terms.is_none() {
+            return;
+        }
+        if let Some(c) = self.prepared.connect_unit(light as usize, &at.receiver) {
+            cut.rays += 1;
+            let open = self.scene.transmittance(c.shadow);
+            cluster.kept = at.kept(c.geometry, shape.is_direct());
+            cluster.unit = c.radiance * open * cluster.kept;
+            if let Some(record) = record {
+                record.note(slot, c.wi, c.arriving * open * cluster.kept);
+            }
+        } else if is_light {
+            return;
+        }
+        self.weigh(cut, cluster, terms, at);
+    }
+
+    /// Bounds of a node that is no light.
+    #[inline]
+    fn terms(&self, at: &At, tree: u32, node: u32) -> Option<Terms> {
+        let tree = &self.forest.trees[tree as usize];
+        tree.node(node).children().and_then(|_| Terms::new(tree, node, &at.site))
+    }
+
+    /// Bound a cluster's error, and put it where it belongs.
+    fn weigh(&self, cut: &mut Cut, mut cluster: Cluster, terms: Option<Terms>, at: &At) {
+        let tree = &self.forest.trees[cluster.tree as usize];
+        let node = tree.node(cluster.node);
+        let estimate = cluster.unit * node.power;
+        cut.total += f64::from(estimate.luminance());
+        if node.children().is_none() {
+            cluster.error = 0.0;
+            cut.done.push(cluster);
+            return;
+        }
+        let Some(terms) = terms else { return };
+        cluster.error = error(estimate, terms.bound(tree, node, &at.site));
+        cut.open.push(cluster);
+    }
+
+    /// The light of a cut.
+    pub fn add_up(&self, cut: &Cut, limits: &Limits) -> Lit {
+        let mut lit = Lit { rays: cut.rays, ..Lit::default() };
+        for cluster in cut.clusters() {
+            let tree = &self.forest.trees[cluster.tree as usize];
+            let light = cluster.unit * tree.node(cluster.node).power;
+            if tree.is_direct() {
+                lit.direct += light;
+            } else {
+                lit.indirect += light;
+                lit.cut_off += light.luminance() * (1.0 / cluster.kept - 1.0);
+            }
+        }
+        lit.size = (cut.open.len() + cut.done.len()) as u32;
+        let worst = cut.open.peek().map_or(0.0, |c| c.error);
+        lit.at_most = f64::from(worst) > f64::from(limits.error) * cut.total;
+        lit
+    }
+
+    /// What one light would bring if its power were one, shadows and the bound of the geometric term included.
+    pub fn one_unit(&self, at: &At<'_, '_, 'a>, light: u32) -> Rgb {
+        let Some(c) = self.prepared.connect_unit(light as usize, &at.receiver) else {
+            return Rgb::BLACK;
+        };
+        let direct = self.prepared.set().lights[light as usize].depth == 0;
+        let kept = at.kept(c.geometry, direct);
+        c.radiance * self.scene.transmittance(c.shadow) * kept
+    }
+
+    /// What one light brings.
+    pub fn one(&self, at: &At<'_, '_, 'a>, light: u32) -> Rgb {
+        self.one_unit(at, light) * self.prepared.set().lights[light as usize].power
+    }
+
+    /// Light a point by all lights, one by one: what cuts are compared with.
+    pub fn light_by_all(&self, at: &At<'_, '_, 'a>) -> Lit {
+        let set = self.prepared.set();
+        let points = set.up_to(0).len();
+        let all = set.up_to(at.deepest).len();
+        let mut lit = Lit::default();
+        let mut add = |range: std::ops::Range<usize>, most: f32, direct: bool| {
+            let mut sum = Rgb::BLACK;
+            self.prepared.for_each_connection(range, &at.receiver, |c| {
+                lit.rays += 1;
+                let light = c.radiance * self.scene.transmittance(c.shadow);
+                let kept = if c.geometry > most { most / c.geometry } else { 1.0 };
+                lit.cut_off += (light * (1.0 - kept)).luminance();
+                sum += light * kept;
+            });
+            if direct {
+                lit.direct = sum;
+            } else {
+                lit.indirect = sum;
+            }
+        };
+        if at.direct {
+            add(0..points, f32::INFINITY, true);
+        }
+        add(points..all.max(points), at.site.most, false);
+        lit.size = lit.rays;
+        lit
+    }
+}
+
+impl Cut {
+    /// Forget everything.
+    pub fn clear(&mut self) {
+        self.open.clear();
+        self.done.clear();
+        (self.total, self.rays) = (0.0, 0);
+    }
+
+    /// All clusters, in no order that means anything, but always the same.
+    pub fn clusters(&self) -> impl Iterator<Item = &Cluster> {
+        self.open.iter().chain(&self.done)
+    }
+}
+
+#[cfg(test)]
+mod tests;

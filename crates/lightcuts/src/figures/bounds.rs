@@ -1,0 +1,111 @@
+//! Bounds of errors against true errors.
+
+use std::fmt::Write;
+
+use gi_core::canvas::Canvas;
+use gi_core::film::Film;
+use gi_core::math::Rgb;
+use gi_core::technique::Picture;
+use glam::Vec2;
+use rayon::prelude::*;
+use vpl::Prepared;
+
+use super::colour;
+use crate::Lightcuts;
+use crate::cut::{At, Cut, Lights};
+
+/// A cluster of a pixel's cut.
+pub(super) struct Checked {
+    pixel: [usize; 2],
+    lights: usize,
+    /// Luminances: of the whole, of the estimate, of the truth; and the bound of their difference.
+    total: f32,
+    estimate: f32,
+    truth: f32,
+    bound: f32,
+}
+
+/// Pixels along the longer side of the grid that is looked at.
+const GRID: usize = 16;
+
+/// Check the clusters of the cuts of a grid of pixels against their lights, one by one.
+fn check<'a>(technique: &Lightcuts<'a>, lights: &Lights<'_, 'a>, size: [usize; 2]) -> Vec<Checked> {
+    let step = size[0].max(size[1]).div_ceil(GRID).max(1);
+    let middles = |n: usize| (step / 2..n).step_by(step);
+    let pixels: Vec<[usize; 2]> =
+        middles(size[1]).flat_map(|y| middles(size[0]).map(move |x| [x, y])).collect();
+    let of_pixel = |pixel: &[usize; 2]| {
+        let look = |at: &At<'_, '_, 'a>| of_cut(technique, lights, at, *pixel);
+        technique.looking_at(*pixel, look).unwrap_or_default()
+    };
+    pixels.par_iter().flat_map_iter(of_pixel).collect()
+}
+
+fn of_cut<'a>(
+    technique: &Lightcuts<'a>,
+    lights: &Lights<'_, 'a>,
+    at: &At<'_, '_, 'a>,
+    pixel: [usize; 2],
+) -> Vec<Checked> {
+    let mut cut = Cut::default();
+    lights.choose(at, &technique.params.cut, &mut cut, &mut None);
+    let check = |c: &crate::cut::Cluster| {
+        let tree = &lights.forest.trees[c.tree as usize];
+        let members = tree.members(c.node);
+        let truth: Rgb = members.iter().map(|&k| lights.one(at, k)).sum();
+        Checked {
+            pixel,
+            lights: members.len(),
+            total: cut.total as f32,
+            estimate: (c.unit * tree.node(c.node).power).luminance(),
+            truth: truth.luminance(),
+            bound: c.error,
+        }
+    };
+    cut.open.iter().map(check).collect()
+}
+
+/// The clusters of the cuts of some pixels, as a table.
+pub fn bounds_csv(technique: &Lightcuts) -> String {
+    let prepared = Prepared::new(&technique.vpls, technique.setting.scene);
+    let checked = check(technique, &technique.lights(&prepared), technique.setting.camera.size());
+    let mut out = String::from("x,y,lights,total,estimate,truth,error,bound\n");
+    for c in checked {
+        let ([x, y], error) = (c.pixel, (c.estimate - c.truth).abs());
+        let numbers = [c.total, c.estimate, c.truth, error, c.bound];
+        let row: Vec<String> = numbers.iter().map(f32::to_string).collect();
+        _ = writeln!(out, "{x},{y},{},{}", c.lights, row.join(",")); // a string takes everything
+    }
+    out
+}
+
+/// Decades of relative error that the plot shows, up to one.
+const DECADES: f32 = 7.0;
+
+/// Errors across, bounds up, both relative to the whole, in decades; above the line bounds hold.
+pub(super) fn picture<'a>(
+    technique: &Lightcuts<'a>,
+    lights: &Lights<'_, 'a>,
+    film: &Film,
+) -> Picture {
+    let [w, h] = film.size();
+    let mut canvas = Canvas::over([w, h], vec![Rgb::BLACK; w * h]);
+    let place = |error: f32, bound: f32| {
+        let along = |v: f32| (1.0 + v.max(1e-30).log10() / DECADES).clamp(0.0, 1.0);
+        Vec2::new(along(error) * w as f32, (1.0 - along(bound)) * h as f32)
+    };
+    for decade in 1..DECADES as i32 {
+        let at = 10f32.powi(-decade);
+        canvas.line(place(at, 1e-9), place(at, 1.0), 0.5, Rgb::grey(0.05));
+        canvas.line(place(1e-9, at), place(1.0, at), 0.5, Rgb::grey(0.05));
+    }
+    canvas.line(place(1e-9, 1e-9), place(1.0, 1.0), 1.0, Rgb::WHITE);
+    let threshold = technique.params.cut.error;
+    canvas.line(place(1e-9, threshold), place(1.0, threshold), 1.0, colour(3));
+    for c in check(technique, lights, [w, h]) {
+        let relative = |v: f32| v / c.total.max(f32::MIN_POSITIVE);
+        let at = place(relative((c.estimate - c.truth).abs()), relative(c.bound));
+        canvas.disc(at, 0.7, Rgb::new(1.0, 0.6, 0.1));
+    }
+    Picture { name: "bounds".into(), channels: Vec::new(), view: canvas.into_pixels() }
+}

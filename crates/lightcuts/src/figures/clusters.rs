@@ -1,0 +1,146 @@
+//! Trees and their clusters.
+
+use gi_core::canvas::{Canvas, seen_at};
+use gi_core::film::Film;
+use gi_core::math::Rgb;
+use gi_core::technique::Picture;
+use glam::Vec2;
+use vpl::{Kind, Vpl};
+
+use super::{background, colour};
+use crate::Lightcuts;
+use crate::cut::{At, Cut, Lights};
+use crate::tree::Tree;
+
+/// Clusters of the levels that are shown.
+const LEVELS: [usize; 4] = [2, 8, 32, 128];
+
+/// The lights over the picture at four levels.
+pub(super) fn clusters(technique: &Lightcuts, lights: &Lights, film: &Film) -> Vec<Picture> {
+    LEVELS.map(|count| level(technique, lights, film, count)).into()
+}
+
+fn level(technique: &Lightcuts, lights: &Lights, film: &Film, count: usize) -> Picture {
+    let mut canvas = background(film);
+    let radius = (film.size()[0] as f32 / 250.0).max(1.0);
+    let set = lights.prepared.set();
+    let mut first = 0;
+    for tree in &lights.forest.trees {
+        let clusters = largest(tree, count);
+        for (k, node) in clusters.iter().enumerate() {
+            for member in tree.members(*node) {
+                if let Some(at) = seen(technique, &set.lights[member as usize]) {
+                    canvas.disc(at, radius, colour(first + k));
+                }
+            }
+        }
+        first += clusters.len();
+    }
+    Picture { name: format!("clusters-{count}"), channels: Vec::new(), view: canvas.into_pixels() }
+}
+
+/// Where the picture shows a light.
+fn seen(technique: &Lightcuts, light: &Vpl) -> Option<Vec2> {
+    let (scene, camera) = (technique.setting.scene, technique.setting.camera);
+    match light.kind {
+        Kind::Directional => None,
+        // Points have no side.
+        Kind::Omni | Kind::Spot(_) => {
+            let c = camera.connect(light.p, [0.5; 2], 0.0)?;
+            seen_at(scene, camera, light.p, c.wi)
+        }
+        _ => seen_at(scene, camera, light.p, light.n),
+    }
+}
+
+/// A cut of so many nodes: the strongest is split again and again.
+fn largest(tree: &Tree, count: usize) -> Vec<u32> {
+    let mut nodes = vec![0];
+    while nodes.len() < count {
+        let strength = |k: &u32| match tree.node(*k).children() {
+            Some(_) => tree.node(*k).power.luminance(),
+            None => -1.0,
+        };
+        let strongest = (0..nodes.len())
+            .max_by(|&a, &b| strength(&nodes[a]).total_cmp(&strength(&nodes[b])).then(b.cmp(&a)));
+        let Some(k) = strongest else { break };
+        let Some([a, b]) = tree.node(nodes[k]).children() else { break };
+        nodes[k] = a;
+        nodes.push(b);
+    }
+    nodes
+}
+
+/// Most leaves that are drawn: of larger trees the branches below so many are cut off.
+const MOST_LEAVES: usize = 64;
+
+/// The first tree, leaves in a row at the bottom, and the cut of a pixel marked in it.
+pub(super) fn tree<'a>(
+    technique: &Lightcuts<'a>,
+    lights: &Lights<'_, 'a>,
+    film: &Film,
+    pixel: Option<[usize; 2]>,
+) -> Picture {
+    let [w, h] = film.size();
+    let mut canvas = Canvas::over([w, h], vec![Rgb::BLACK; w * h]);
+    let pixel = pixel.unwrap_or([w / 2, h / 2]);
+    let mut on_cut = Vec::new();
+    technique.looking_at(pixel, |at: &At<'_, '_, 'a>| {
+        let mut cut = Cut::default();
+        lights.choose(at, &technique.params.cut, &mut cut, &mut None);
+        on_cut = cut.clusters().filter(|c| c.tree == 0).map(|c| c.node).collect();
+    });
+    if let Some(tree) = lights.forest.trees.first() {
+        let ends = largest(tree, MOST_LEAVES);
+        let mut drawing =
+            Drawing { tree, ends: &ends, on_cut: &on_cut, placed: 0, canvas: &mut canvas };
+        drawing.branch(0);
+    }
+    Picture { name: "tree".into(), channels: Vec::new(), view: canvas.into_pixels() }
+}
+
+struct Drawing<'d> {
+    tree: &'d Tree,
+    /// Nodes below which nothing is drawn.
+    ends: &'d [u32],
+    on_cut: &'d [u32],
+    placed: usize,
+    canvas: &'d mut Canvas,
+}
+
+impl Drawing<'_> {
+    /// Draw a node with what is below it; where it is, and its height over the leaves.
+    fn branch(&mut self, k: u32) -> (f32, u32) {
+        let children = if self.ends.contains(&k) { None } else { self.tree.node(k).children() };
+        let (x, height) = match children {
+            None => {
+                self.placed += 1;
+                (self.placed as f32 - 0.5, 0)
+            }
+            Some(children) => {
+                let below = children.map(|c| self.branch(c));
+                let height = 1 + below[0].1.max(below[1].1);
+                let x = 0.5 * (below[0].0 + below[1].0);
+                for (cx, ch) in below {
+                    let (from, to) = (self.place(x, height), self.place(cx, ch));
+                    self.canvas.line(from, to, 1.0, Rgb::grey(0.3));
+                }
+                (x, height)
+            }
+        };
+        let at = self.place(x, height);
+        if self.on_cut.contains(&k) {
+            self.canvas.disc(at, 5.0, Rgb::new(1.0, 0.5, 0.05));
+        }
+        self.canvas.disc(at, 2.5, Rgb::WHITE);
+        (x, height)
+    }
+
+    fn place(&self, x: f32, height: u32) -> Vec2 {
+        let [w, h] = self.canvas.size().map(|n| n as f32);
+        let across = x / self.ends.len() as f32;
+        // Levels draw together with height: trees are deep and thin at places.
+        let up = 1.0 - 1.0 / (1.0 + 0.18 * height as f32);
+        Vec2::new(across * w, h * (0.95 - 0.9 * up))
+    }
+}

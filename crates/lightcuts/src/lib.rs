@@ -1,0 +1,310 @@
+//! Lightcuts [slides 53-61, Walter05]: all illumination becomes point lights, thousands to millions of them, and every
+//! point is lit by a few clusters of them, chosen for it so that no cluster's error can be seen.
+//!
+//! | | |
+//! |---|---|
+//! | estimated | L(x) = sum over clusters C of a cut of f(x) G(x, y) V(x, y) power(C), with y the cluster's representative; passes, each with lights of its own, are averaged |
+//! | `--error` | error that a cluster may have, relative to the whole: Weber's law (0.02) |
+//! | `--max-cut` | most clusters of a cut (1000) |
+//! | `--lights` | points of lights: areas, sky, sun (4096 in all, shared out by power) |
+//! | `--vpls` | about how many virtual point lights indirect light has (16384) |
+//! | `--fixed-lights` | all passes have the lights of the first: what lights' number leaves wrong stays |
+//! | `--clamp`, `--compensation` | bound of the geometric term of indirect lights, and paths that bring back what it cuts off, as in instant radiosity |
+//! | `--method` | `cuts`; `all`: light by light; `stochastic`, `one`: light drawn from the same trees, without bias \[Yuksel19, Conty18\] |
+//! | `--reconstruct` | cuts at corners of blocks of pixels, interpolated between where they agree [Walter05, 5] |
+//! | bias | a cluster's error is bounded by `--error` of the whole; errors of many clusters average out. None with `--error 0` |
+//! | how it fails | lights that are few or near show as such; in the dark, where 2 % is little, cuts reach their limit |
+//! | sources | \[Walter05\], \[Keller97\], \[Kollig04\] |
+
+#![forbid(unsafe_code)]
+
+pub mod bound;
+pub mod cluster;
+pub mod cone;
+pub mod cut;
+pub mod figures;
+mod picture;
+pub mod reconstruct;
+pub mod sample;
+mod tally;
+pub mod tree;
+
+use gi_core::eye::{Answered, EyePath, EyeVertex, PathLimits, Supplied};
+use gi_core::film::{Film, Show};
+use gi_core::sampler::Sampler;
+use gi_core::technique::{Picture, Setting, Technique};
+use vpl::{LightNumbers, Pilot, Prepared, Receiver, Shooting, Termination, Vpls, points, shoot};
+
+use bound::Site;
+use cut::{At, Lights, Limits};
+use figures::Figure;
+use reconstruct::Corners;
+use tally::Tally;
+use tree::Forest;
+
+/// How a point is lit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// By a cut.
+    Cuts,
+    /// By all lights: brute force.
+    All,
+    /// By one light drawn from each of so many clusters.
+    Stochastic(u32),
+    /// By so many lights drawn by importance.
+    Some(u32),
+}
+
+/// Reconstruction cuts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reconstruction {
+    /// Side of a block in pixels.
+    pub block: u32,
+    /// Difference between samples that is interpolated, relative to the whole.
+    pub agree: f32,
+}
+
+/// The knobs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Params {
+    /// How long paths may be.
+    pub limits: PathLimits,
+    /// What a cut may cost and how far it may be wrong.
+    pub cut: Limits,
+    /// How many points lights have.
+    pub lights: LightNumbers,
+    /// Whether points of lights are lights too, instead of direct light being sampled.
+    pub direct_by_points: bool,
+    /// About how many virtual point lights indirect light has.
+    pub vpls: u32,
+    /// Whether all passes have the lights of the first.
+    pub fixed_lights: bool,
+    /// Bound of the geometric term of lights of surfaces, in units of one over the squared radius of the scene.
+    pub clamp: f32,
+    /// Whether paths bring back what the bound cut off.
+    pub compensation: bool,
+    /// How points are lit.
+    pub method: Method,
+    /// Reconstruction cuts, if any.
+    pub reconstruction: Option<Reconstruction>,
+    /// What to draw.
+    pub figures: Vec<Figure>,
+}
+
+impl Default for Params {
+    fn default() -> Self {
+        Params {
+            limits: PathLimits::default(),
+            cut: Limits { error: 0.02, max_cut: 1000 },
+            lights: LightNumbers { total: 4096, area: None, sky: None, sun: None },
+            direct_by_points: true,
+            vpls: 16_384,
+            fixed_lights: false,
+            clamp: 20.0,
+            compensation: true,
+            method: Method::Cuts,
+            reconstruction: None,
+            figures: Vec::new(),
+        }
+    }
+}
+
+/// Lightcuts.
+pub struct Lightcuts<'a> {
+    setting: Setting<'a>,
+    params: Params,
+    pilot: Pilot,
+    /// The lights of the last pass, and their trees.
+    vpls: Vpls,
+    forest: Forest,
+    tally: Tally,
+}
+
+impl<'a> Technique<'a> for Lightcuts<'a> {
+    type Params = Params;
+
+    fn prepare(setting: Setting<'a>, params: &Params) -> Result<Self, String> {
+        let pilot = Pilot::of(setting.scene, setting.seed);
+        let mut technique = Lightcuts {
+            setting,
+            params: params.clone(),
+            pilot,
+            vpls: Vpls::default(),
+            forest: Forest::default(),
+            tally: Tally::default(),
+        };
+        technique.make_lights(0);
+        Ok(technique)
+    }
+
+    /// A set of lights and its trees, and one sample a pixel lit by cuts.
+    fn pass(&mut self, index: u32, film: &mut Film) {
+        if index > 0 && !self.params.fixed_lights {
+            self.make_lights(index);
+        }
+        let this = &*self;
+        let prepared = Prepared::new(&this.vpls, this.setting.scene);
+        let lights = this.lights(&prepared);
+        if let Some(how) = this.params.reconstruction {
+            return picture::add_pass(this, &lights, how, index, film);
+        }
+        film.add_pass(|pixel| this.sample_pixel(&lights, pixel, index, |_| None));
+    }
+
+    fn statistics(&self) -> Vec<(String, f64)> {
+        let mut all = self.tally.statistics();
+        let bytes = self.vpls.memory_bytes() as f64;
+        all.push(("light_bytes".into(), bytes));
+        all.push(("tree_bytes".into(), self.forest.memory_bytes() as f64));
+        all
+    }
+
+    fn reach(&self) -> String {
+        let params = &self.params;
+        let direct = if params.direct_by_points { "direct and indirect" } else { "indirect" };
+        let cut = if params.compensation || params.clamp.is_infinite() {
+            ""
+        } else {
+            "; bounded geometric terms cut light off in corners (biased)"
+        };
+        format!("all paths that path tracing reaches, {direct} light from point lights{cut}")
+    }
+
+    fn pictures(&self, film: &Film) -> Vec<Picture> {
+        let prepared = Prepared::new(&self.vpls, self.setting.scene);
+        let lights = self.lights(&prepared);
+        self.params.figures.iter().flat_map(|f| f.draw(self, &lights, film)).collect()
+    }
+}
+
+impl<'a> Lightcuts<'a> {
+    /// All illumination becomes point lights, and they become trees [slide 61].
+    fn make_lights(&mut self, index: u32) {
+        let Setting { scene, seed, .. } = self.setting;
+        let max_depth = self.params.limits.max_depth;
+        let paths = self.pilot.paths_for(self.params.vpls);
+        let how = Shooting {
+            seed,
+            first_path: index.wrapping_mul(paths),
+            paths,
+            termination: Termination::Roulette,
+            // A path of the eye, the connection, and the light's own way are two segments more.
+            max_scatterings: max_depth.map(|d| d.saturating_sub(2)),
+            lights: false,
+            pilot: self.pilot,
+        };
+        // What nobody will see need not be made.
+        let indirect = !matches!(self.setting.show, Show::Direct | Show::Caustic);
+        let mut set = if indirect { shoot(scene, &how) } else { Vpls::default() };
+        if self.params.direct_by_points {
+            let direct = points(scene, &self.params.lights, seed, index).lights;
+            set.lights.splice(0..0, direct);
+        }
+        let clock = std::time::Instant::now();
+        self.forest = Forest::build(scene, &set, max_depth.is_some(), seed ^ index);
+        self.tally.built(&set, clock.elapsed());
+        self.vpls = set;
+    }
+
+    /// The lights, ready to light points.
+    fn lights<'l>(&'l self, prepared: &'l Prepared<'l, 'a>) -> Lights<'l, 'a> {
+        Lights { scene: self.setting.scene, prepared, forest: &self.forest }
+    }
+
+    /// One path through a pixel. `corners` gives samples to reconstruct its first point from, if there are any.
+    fn sample_pixel<'s>(
+        &self,
+        lights: &Lights<'_, 'a>,
+        pixel: [usize; 2],
+        index: u32,
+        corners: impl Fn(&EyeVertex) -> Option<Corners<'s>>,
+    ) -> gi_core::film::Sample {
+        let Setting { scene, camera, seed, show, .. } = self.setting;
+        let path = EyePath { scene, limits: self.params.limits, show };
+        let mut supply = |v: &EyeVertex<'_, 'a>, sampler: &mut Sampler| {
+            self.gather(lights, v, corners(v).as_ref(), sampler)
+        };
+        path.sample_pixel(camera, seed, pixel, index, &mut supply)
+    }
+
+    /// Light a vertex.
+    fn gather(
+        &self,
+        lights: &Lights<'_, 'a>,
+        v: &EyeVertex<'_, 'a>,
+        corners: Option<&Corners>,
+        sampler: &mut Sampler,
+    ) -> Option<Supplied> {
+        let at = self.at(v.surface, v.wo, v.bsdf, (v.segments, v.rough))?;
+        let params = &self.params;
+        let lit = match (params.method, corners) {
+            (Method::Cuts, Some(corners)) => {
+                let agree = params.reconstruction.map_or(0.0, |r| r.agree);
+                self.tally.reconstructed();
+                lights.reconstruct(&at, corners, &params.cut, agree)
+            }
+            (Method::Cuts, None) => lights.light(&at, &params.cut),
+            (Method::All, _) => lights.light_by_all(&at),
+            (Method::Stochastic(size), _) => lights.light_stochastically(&at, size, sampler),
+            (Method::Some(count), _) => lights.light_by_some(&at, count, sampler),
+        };
+        self.tally.note(&lit, v.rough == 0);
+        Some(Supplied {
+            answered: Answered::Straight { most: self.compensated() },
+            direct: params.direct_by_points.then_some(lit.direct),
+            indirect: lit.indirect,
+            caustic: None,
+        })
+    }
+
+    /// What is asked about a point that a path met after so many segments and rough scatterings; `None` where no light is
+    /// near enough to count.
+    fn at<'s>(
+        &self,
+        surface: &'s gi_core::geometry::Surface,
+        wo: glam::Vec3,
+        bsdf: &'s gi_core::bsdf::Bsdf<'a>,
+        (segments, rough): (u32, u32),
+    ) -> Option<At<'s, 's, 'a>> {
+        // A light after j scatterings has come j + 1 segments, and the connection is one more.
+        let deepest = match self.params.limits.max_depth {
+            None => u32::MAX,
+            Some(most) => most.checked_sub(segments + 1)?,
+        };
+        // Further from the eye all light is indirect.
+        let direct = match self.setting.show {
+            Show::All => true,
+            Show::Direct => rough == 0,
+            Show::Indirect => rough > 0,
+            Show::Caustic => false,
+        };
+        let indirect = matches!(self.setting.show, Show::All | Show::Indirect);
+        Some(At {
+            receiver: Receiver::new(surface, wo, bsdf),
+            site: Site::new(surface, wo, bsdf, self.most()),
+            deepest: if indirect { deepest } else { 0 },
+            direct: direct && self.params.direct_by_points,
+        })
+    }
+
+    /// The bound of the geometric term, per squared world unit.
+    fn most(&self) -> f32 {
+        let radius = self.setting.scene.radius();
+        self.params.clamp / (radius * radius)
+    }
+
+    /// The bound beyond which paths look for light.
+    fn compensated(&self) -> f32 {
+        if self.params.compensation { self.most() } else { f32::INFINITY }
+    }
+
+    /// The lights of the last pass.
+    pub fn vpls(&self) -> &Vpls {
+        &self.vpls
+    }
+
+    /// Their trees.
+    pub fn forest(&self) -> &Forest {
+        &self.forest
+    }
+}

@@ -1,0 +1,248 @@
+//! `lightcuts`: a picture by very many point lights.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Parser, ValueEnum};
+use gi_cli::{Common, Program};
+use gi_core::eye::PathLimits;
+use lightcuts::cut::Limits;
+use lightcuts::figures::{Figure, bounds_csv, cuts_csv};
+use lightcuts::{Lightcuts, Method, Params, Reconstruction};
+use vpl::{LightNumbers, to_csv, to_ply};
+
+/// Lightcuts: all illumination becomes point lights, and every point is lit by a few clusters of them [slides 53-61].
+///
+/// Few --lights or --vpls show as hard shadows and spots of each. A large --error shows as patches where cuts change; a small
+/// --max-cut in the dark and near many lights (at_max_cut in the statistics).
+#[derive(Parser)]
+#[command(name = "lightcuts", version)]
+struct Args {
+    #[command(flatten)]
+    common: Common,
+    /// Error that a cluster may have, relative to the whole (Weber's law) [slides 54, 61]; 0 asks every light
+    #[arg(long, value_name = "E", default_value_t = Params::default().cut.error, value_parser = parse_share)]
+    error: f32,
+    /// Most clusters of a cut
+    #[arg(long, value_name = "N", default_value_t = Params::default().cut.max_cut, value_parser = clap::value_parser!(u32).range(1..))]
+    max_cut: u32,
+    /// Points of lights in a pass, shared out by power; of one kind by name: 4096,sky=1000,sun=64,area=500 [slide 61]
+    #[arg(long, value_name = "N[,KIND=N...]", default_value = "4096", value_parser = parse_lights)]
+    lights: LightNumbers,
+    /// About how many virtual point lights of surfaces a pass has [slide 53]
+    #[arg(long, value_name = "N", default_value_t = Params::default().vpls, value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
+    vpls: u32,
+    /// All passes have the lights of the first, not each its own
+    #[arg(long)]
+    fixed_lights: bool,
+    /// How direct light is found
+    #[arg(long, value_enum, default_value_t = DirectFlag::Vpl)]
+    direct: DirectFlag,
+    /// Bound of the geometric term cos cos'/d^2 of lights of surfaces, in units of one over the squared scene radius; inf is
+    /// none
+    #[arg(long, value_name = "B", default_value_t = Params::default().clamp, value_parser = parse_clamp)]
+    clamp: f32,
+    /// What becomes of the light that the bound cuts off
+    #[arg(long, value_enum, default_value_t = CompensationFlag::Path)]
+    compensation: CompensationFlag,
+    /// How points are lit
+    #[arg(long, value_enum, default_value_t = MethodFlag::Cuts)]
+    method: MethodFlag,
+    /// Lights drawn at a point by --method stochastic or one
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    samples: u32,
+    /// Reconstruction cuts: share cuts over blocks of pixels where they agree
+    #[arg(long)]
+    reconstruct: bool,
+    /// Side of a block, pixels
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=64))]
+    block: u32,
+    /// Difference between cuts that is interpolated, relative to the whole
+    #[arg(long, value_name = "E", default_value_t = 0.01, value_parser = parse_share)]
+    agree: f32,
+    /// Write the last pass's lights to look at: a point cloud (.ply) or a table (.csv)
+    #[arg(long, value_name = "FILE.ply|.csv")]
+    lights_out: Option<PathBuf>,
+    /// Write the clusters of the cuts of some pixels, bounds and true errors
+    #[arg(long, value_name = "FILE.csv")]
+    bounds_out: Option<PathBuf>,
+    /// Write all cuts of a few lights with their errors [slides 59, 60]
+    #[arg(long, value_name = "FILE.csv")]
+    cuts_out: Option<PathBuf>,
+    /// Pictures of cuts and trees, as OUT.NAME.png and as layers
+    #[arg(long, value_enum, value_delimiter = ',')]
+    show: Vec<ShowFlag>,
+    /// Pixel whose cut --show tree marks [default: the middle]
+    #[arg(long, value_name = "X,Y", value_parser = parse_pixel)]
+    pixel: Option<[usize; 2]>,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum DirectFlag {
+    /// By sampling lights
+    Sample,
+    /// By points of lights as point lights
+    Vpl,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum CompensationFlag {
+    /// It is lost
+    None,
+    /// Paths bring it back, without bias
+    Path,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum MethodFlag {
+    /// By a cut
+    Cuts,
+    /// By all lights, one by one: brute force
+    All,
+    /// By a light drawn from each of --samples clusters: stochastic lightcuts
+    Stochastic,
+    /// By --samples lights drawn from the trees by importance
+    One,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum ShowFlag {
+    /// Clusters in the cut of each pixel, dark few, bright many [slide 61]
+    CutSize,
+    /// True errors of clusters (across) and their bounds (up), in decades: above the line bounds hold
+    Bounds,
+    /// Lights over the picture, coloured by cluster, at four levels [slides 55, 56]
+    Clusters,
+    /// The first tree's upper branches, and the cut of a pixel [slides 57, 58]
+    Tree,
+    /// All cuts of a few lights [slides 59, 60]
+    Cuts,
+}
+
+fn parse_clamp(text: &str) -> Result<f32, String> {
+    let wrong = "expected a number above 0, or inf";
+    text.parse().ok().filter(|b: &f32| *b > 0.0).ok_or_else(|| wrong.into())
+}
+
+fn parse_share(text: &str) -> Result<f32, String> {
+    let wrong = "expected a number from 0 to 1";
+    text.parse().ok().filter(|e| (0.0..=1.0).contains(e)).ok_or_else(|| wrong.into())
+}
+
+/// Most points of lights.
+const MOST_LIGHTS: u32 = 100_000_000;
+
+fn parse_lights(text: &str) -> Result<LightNumbers, String> {
+    let mut numbers = Params::default().lights;
+    for part in text.split(',') {
+        let (kind, number) = part.split_once('=').unwrap_or(("", part));
+        let number = number.trim().parse().ok().filter(|n| (1..=MOST_LIGHTS).contains(n));
+        let number = number.ok_or_else(|| format!("expected numbers from 1 to {MOST_LIGHTS}"))?;
+        match kind.trim() {
+            "" => numbers.total = number,
+            "area" => numbers.area = Some(number),
+            "sky" => numbers.sky = Some(number),
+            "sun" => numbers.sun = Some(number),
+            other => return Err(format!("no kind of light is called {other:?}: area, sky or sun")),
+        }
+    }
+    Ok(numbers)
+}
+
+fn parse_pixel(text: &str) -> Result<[usize; 2], String> {
+    let wrong = "expected two pixel coordinates: X,Y";
+    let (x, y) = text.split_once(',').ok_or(wrong)?;
+    let number = |t: &str| t.trim().parse().map_err(|_| wrong.to_string());
+    Ok([number(x)?, number(y)?])
+}
+
+impl Program for Args {
+    type Params = Params;
+    type Technique<'a> = Lightcuts<'a>;
+
+    fn common(&self) -> &Common {
+        &self.common
+    }
+
+    fn params(&self) -> Result<Params, String> {
+        let reconstruction =
+            self.reconstruct.then_some(Reconstruction { block: self.block, agree: self.agree });
+        if self.reconstruct && !matches!(self.method, MethodFlag::Cuts) {
+            return Err("--reconstruct shares cuts: it goes with --method cuts only".into());
+        }
+        Ok(Params {
+            limits: PathLimits { max_depth: self.common.max_depth(), ..PathLimits::default() },
+            cut: Limits { error: self.error, max_cut: self.max_cut },
+            lights: self.lights,
+            direct_by_points: self.direct == DirectFlag::Vpl,
+            vpls: self.vpls,
+            fixed_lights: self.fixed_lights,
+            clamp: self.clamp,
+            compensation: self.compensation == CompensationFlag::Path,
+            method: match self.method {
+                MethodFlag::Cuts => Method::Cuts,
+                MethodFlag::All => Method::All,
+                MethodFlag::Stochastic => Method::Stochastic(self.samples),
+                MethodFlag::One => Method::Some(self.samples),
+            },
+            reconstruction,
+            figures: self.show.iter().map(|f| f.figure(self.pixel)).collect(),
+        })
+    }
+
+    fn outputs(&self) -> Vec<PathBuf> {
+        [&self.lights_out, &self.bounds_out, &self.cuts_out]
+            .into_iter()
+            .flatten()
+            .cloned()
+            .collect()
+    }
+
+    fn export(&self, technique: &Lightcuts<'_>, path: &Path) -> Vec<u8> {
+        if self.bounds_out.as_deref() == Some(path) {
+            return bounds_csv(technique).into_bytes();
+        }
+        if self.cuts_out.as_deref() == Some(path) {
+            return cuts_csv(technique).into_bytes();
+        }
+        let lights = &technique.vpls().lights;
+        match path.extension() {
+            Some(e) if e.eq_ignore_ascii_case("csv") => to_csv(lights).into_bytes(),
+            _ => to_ply(lights),
+        }
+    }
+}
+
+impl ShowFlag {
+    fn figure(self, pixel: Option<[usize; 2]>) -> Figure {
+        match self {
+            ShowFlag::CutSize => Figure::CutSize,
+            ShowFlag::Bounds => Figure::Bounds,
+            ShowFlag::Clusters => Figure::Clusters,
+            ShowFlag::Tree => Figure::Tree { pixel },
+            ShowFlag::Cuts => Figure::Cuts,
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    gi_cli::main::<Args>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_flags_the_parameters_are_the_librarys_defaults() {
+        let args = Args::parse_from(["lightcuts", "scene.xml"]);
+        assert_eq!(args.params(), Ok(Params::default()));
+    }
+
+    #[test]
+    fn numbers_of_lights_by_kind() {
+        let numbers = LightNumbers { total: 100, area: None, sky: Some(7), sun: Some(2) };
+        assert_eq!(parse_lights("sky=7,100, sun=2"), Ok(numbers));
+        assert!(["", "0", "moon=3", "sky=", "sky=-1"].iter().all(|t| parse_lights(t).is_err()));
+    }
+}

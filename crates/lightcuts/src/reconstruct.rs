@@ -1,0 +1,237 @@
+//! Reconstruction cuts [Walter05, 5]: the cuts of a few points of the picture, and for all points between them a walk down the
+//! light tree that takes from those cuts what they agree on.
+//!
+//! 1. A **sample** is the cut of a corner of a block of pixels. It keeps what every node of the cut, and every node above
+//!    it, brings: for nodes above, the sum of what is below.
+//! 2. At each node it has an **impostor**: parallel light that brings the sample just what the node brings. It lights other
+//!    points near by, whatever their texture and normal.
+//! 3. At a point within the block, all trees are walked from the root. At each node the samples' impostors light the
+//!    point, and there are four cases:
+//!    - **discard** what all samples say is dark;
+//!    - **interpolate** what they agree on, to a share of the whole;
+//!    - **descend** where they do not agree, as long as all of them know more;
+//!    - **ask** the representative otherwise, with a shadow ray. What was asked is then refined as any cut is, until no
+//!      cluster's error is above the threshold.
+//!
+//! Only samples on the same material, with nearly the same normal and in nearly the same plane serve; where one of the four
+//! does not, the point gets a cut of its own.
+
+use gi_core::geometry::Surface;
+use gi_core::math::Rgb;
+use gi_core::scene::Scene;
+use glam::Vec3;
+
+use crate::cut::{At, Cut, Lights, Limits, Lit};
+use crate::tree::Forest;
+
+/// A node of a recorded cut, or above it.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    /// Unit direction of the impostor's light.
+    wi: Vec3,
+    /// Irradiance across it: while the cut is chosen, of a unit of power.
+    arriving: Rgb,
+    /// The first of two children; 0 on the cut.
+    child: u32,
+}
+
+/// A cut with all nodes above it.
+#[derive(Clone, Debug, Default)]
+pub struct Record {
+    entries: Vec<Entry>,
+}
+
+impl Record {
+    /// A new root: trees in their order.
+    pub fn root(&mut self) -> u32 {
+        self.push()
+    }
+
+    /// New entries for two children of one; where the first is.
+    pub fn split(&mut self, slot: u32) -> u32 {
+        let first = self.push();
+        self.push();
+        self.entries[slot as usize].child = first;
+        first
+    }
+
+    /// The child has its parent's representative.
+    pub fn inherit(&mut self, child: u32, parent: u32) {
+        let Entry { wi, arriving, .. } = self.entries[parent as usize];
+        self.note(child, wi, arriving);
+    }
+
+    /// What a representative says.
+    pub fn note(&mut self, slot: u32, wi: Vec3, arriving: Rgb) {
+        let entry = &mut self.entries[slot as usize];
+        (entry.wi, entry.arriving) = (wi, arriving);
+    }
+
+    fn push(&mut self) -> u32 {
+        self.entries.push(Entry { wi: Vec3::Z, arriving: Rgb::BLACK, child: 0 });
+        self.entries.len() as u32 - 1
+    }
+
+    /// Turn what representatives said into impostors, from the cut up. Returns what the node brings.
+    fn sum_up(&mut self, forest: &Forest, at: &At, slot: u32, (tree, node): (u32, u32)) -> Rgb {
+        let shape = &forest.trees[tree as usize];
+        let entry = self.entries[slot as usize];
+        if entry.child == 0 {
+            let arriving = entry.arriving * shape.node(node).power;
+            self.entries[slot as usize].arriving = arriving;
+            return if arriving.is_black() {
+                arriving
+            } else {
+                at.receiver.f_cos(entry.wi) * arriving
+            };
+        }
+        let children = shape.node(node).children().expect("it was split");
+        let (mut sum, mut arriving, mut wi) = (Rgb::BLACK, Rgb::BLACK, Vec3::ZERO);
+        for (i, k) in children.into_iter().enumerate() {
+            let below = entry.child + i as u32;
+            let brings = self.sum_up(forest, at, below, (tree, k));
+            let Entry { wi: from, arriving: part, .. } = self.entries[below as usize];
+            sum += brings;
+            arriving += part;
+            wi += from * brings.luminance();
+        }
+        let wi = wi.try_normalize().unwrap_or(entry.wi);
+        // From the mean direction, as much as brings the same.
+        let f_cos = at.receiver.f_cos(wi);
+        let scale = f_cos.zip(sum, |f, s| if f > 0.0 { s / f } else { -1.0 });
+        let arriving = scale.zip(arriving, |exact, sum| if exact < 0.0 { sum } else { exact });
+        self.note(slot, wi, if sum.is_black() { Rgb::BLACK } else { arriving });
+        sum
+    }
+}
+
+/// The cut of a corner of a block.
+pub struct Sample {
+    record: Record,
+    surface: Surface,
+    material: usize,
+    /// Estimate of the whole, as luminance.
+    total: f32,
+    /// Shadow rays that it took.
+    pub rays: u32,
+}
+
+/// Cosine between normals, and sine of the angle out of the plane, of points that are alike.
+const ALIKE_COS: f32 = 0.95;
+const ALIKE_SIN: f32 = 0.15;
+
+impl Sample {
+    /// Choose and record the cut of a point.
+    pub fn take<'a>(
+        lights: &Lights<'_, 'a>,
+        surface: &Surface,
+        at: &At<'_, '_, 'a>,
+        limits: &Limits,
+    ) -> Self {
+        let (mut record, mut cut) = (Record::default(), Cut::default());
+        lights.choose(at, limits, &mut cut, &mut Some(&mut record));
+        let lit = lights.add_up(&cut, limits);
+        for t in 0..lights.forest.trees.len() as u32 {
+            record.sum_up(lights.forest, at, t, (t, 0));
+        }
+        Sample {
+            record,
+            surface: *surface,
+            material: lights.scene.shapes()[surface.shape as usize].material,
+            total: lit.all().luminance(),
+            rays: lit.rays,
+        }
+    }
+
+    /// Whether what this sample says is worth something at a point.
+    pub fn serves(&self, scene: &Scene, surface: &Surface) -> bool {
+        let to = self.surface.p - surface.p;
+        let out_of_plane = to.dot(surface.ng).abs().max(to.dot(self.surface.ng).abs());
+        self.material == scene.shapes()[surface.shape as usize].material
+            && self.surface.ns().dot(surface.ns()) > ALIKE_COS
+            && self.surface.ng.dot(surface.ng) > ALIKE_COS
+            && out_of_plane <= ALIKE_SIN * to.length()
+    }
+
+    /// What a node's impostor brings to a point.
+    fn impostor(&self, at: &At, slot: u32) -> Rgb {
+        let Entry { wi, arriving, .. } = self.record.entries[slot as usize];
+        if arriving.is_black() { arriving } else { at.receiver.f_cos(wi) * arriving }
+    }
+
+    fn child(&self, slot: u32) -> Option<u32> {
+        let child = self.record.entries[slot as usize].child;
+        (child != 0).then_some(child)
+    }
+
+    /// What it occupies.
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(&self.record.entries[..])
+    }
+}
+
+/// Four samples round a point, with bilinear weights.
+pub type Corners<'s> = [(&'s Sample, f32); 4];
+
+impl<'a> Lights<'_, 'a> {
+    /// Light a point by a reconstruction cut. Differences between samples of up to `agree` of the whole are interpolated.
+    pub fn reconstruct(
+        &self,
+        at: &At<'_, '_, 'a>,
+        corners: &Corners,
+        limits: &Limits,
+        agree: f32,
+    ) -> Lit {
+        let mut cut = Cut::default();
+        let mut between = Lit::default();
+        let whole: f32 = corners.iter().map(|(s, w)| s.total * w).sum();
+        let mut open: Vec<(u32, u32, [u32; 4])> = (0..self.forest.trees.len() as u32)
+            .rev()
+            .filter(|&t| at.counts(&self.forest.trees[t as usize]))
+            .map(|t| (t, 0, [t; 4]))
+            .collect();
+        while let Some((tree, node, slots)) = open.pop() {
+            let brings: [Rgb; 4] = std::array::from_fn(|k| corners[k].0.impostor(at, slots[k]));
+            let (mut low, mut high) = (f32::INFINITY, 0.0f32);
+            brings
+                .iter()
+                .for_each(|b| (low, high) = (low.min(b.luminance()), high.max(b.luminance())));
+            let shape = &self.forest.trees[tree as usize];
+            // Discard what all say is dark.
+            if high == 0.0 {
+                continue;
+            }
+            // Interpolate what they agree on.
+            if high - low <= agree * whole {
+                let light = brings.iter().zip(corners).map(|(b, (_, w))| *b * *w).sum::<Rgb>();
+                let part =
+                    if shape.is_direct() { &mut between.direct } else { &mut between.indirect };
+                *part += light;
+                cut.total += f64::from(light.luminance());
+                between.size += 1;
+                continue;
+            }
+            let below: [Option<u32>; 4] = std::array::from_fn(|k| corners[k].0.child(slots[k]));
+            match (below, shape.node(node).children()) {
+                // Descend where all know more.
+                ([Some(a), Some(b), Some(c), Some(d)], Some([first, second])) => {
+                    open.push((tree, second, [a + 1, b + 1, c + 1, d + 1]));
+                    open.push((tree, first, [a, b, c, d]));
+                }
+                // Ask the representative.
+                _ => self.add(at, &mut cut, (tree, node), 0, &mut None),
+            }
+        }
+        self.refine(at, limits, &mut cut, &mut None);
+        let asked = self.add_up(&cut, limits);
+        Lit {
+            direct: between.direct + asked.direct,
+            indirect: between.indirect + asked.indirect,
+            size: between.size + asked.size,
+            ..asked
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

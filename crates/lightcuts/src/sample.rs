@@ -1,0 +1,140 @@
+//! Today's relatives on the same trees, without bias: one light drawn by a walk down the tree \[Conty18\], and stochastic
+//! lightcuts, which draw a light from each cluster of a cut \[Yuksel19\].
+//!
+//! A walk goes to a child in proportion to what it may bring: the bounds of [`crate::bound`], but with the distance to the
+//! middle of the box, which keeps the estimate steady near lights. A child that may bring something is never left out.
+
+use gi_core::rng::Pcg;
+use gi_core::sampler::Sampler;
+
+use crate::bound::{Site, Terms};
+use crate::cut::{At, Lights, Lit};
+use crate::tree::{Family, Tree};
+
+/// What a node may bring, roughly: 0 only where it can bring nothing.
+fn importance(tree: &Tree, k: u32, site: &Site) -> f32 {
+    let Some(terms) = Terms::new(tree, k, site) else { return 0.0 };
+    let [distance_sq, radius_sq] = terms.toward.middle_and_radius_sq();
+    let falloff = match tree.family {
+        Family::Directional => 1.0,
+        _ => 1.0 / distance_sq.max(radius_sq).max(f32::MIN_POSITIVE),
+    };
+    let brings = (tree.node(k).power * terms.scatter.f_cos).luminance() * terms.emitted * falloff;
+    brings.clamp(f32::MIN_POSITIVE, 1e30)
+}
+
+impl<'a> Lights<'_, 'a> {
+    /// Light a point by `count` lights drawn from all trees.
+    pub fn light_by_some(&self, at: &At<'_, '_, 'a>, count: u32, sampler: &mut Sampler) -> Lit {
+        let mut rng = numbers(sampler);
+        let mut roots = Vec::new();
+        for (t, tree) in self.forest.trees.iter().enumerate().filter(|(_, t)| at.counts(t)) {
+            roots.push((t as u32, importance(tree, 0, &at.site)));
+        }
+        let all: f32 = roots.iter().map(|r| r.1).sum();
+        let mut lit = Lit::default();
+        if all <= 0.0 {
+            return lit;
+        }
+        for _ in 0..count {
+            // Choose a tree, then walk down.
+            let mut u = rng.next_f32() * all;
+            let chosen = roots.iter().find(|(_, w)| {
+                let here = u < *w;
+                u -= *w;
+                here
+            });
+            let (tree, weight) = *chosen.unwrap_or(&roots[roots.len() - 1]);
+            if weight > 0.0 {
+                self.draw(at, (tree, 0), count as f32 * weight / all, &mut rng, &mut lit);
+            }
+        }
+        lit
+    }
+
+    /// Light a point by one light drawn from each of `size` clusters. The cut is chosen by what clusters may bring, not by
+    /// what was drawn: that would be biased.
+    pub fn light_stochastically(
+        &self,
+        at: &At<'_, '_, 'a>,
+        size: u32,
+        sampler: &mut Sampler,
+    ) -> Lit {
+        let mut rng = numbers(sampler);
+        let mut open = std::collections::BinaryHeap::new();
+        let mut lights = Vec::new();
+        let mut lit = Lit::default();
+        let add =
+            |open: &mut std::collections::BinaryHeap<_>, lights: &mut Vec<_>, t: u32, k: u32| {
+                let tree = &self.forest.trees[t as usize];
+                if tree.node(k).children().is_none() {
+                    lights.push((t, k));
+                    return;
+                }
+                if let Some(terms) = Terms::new(tree, k, &at.site) {
+                    let bound = terms.bound(tree, tree.node(k), &at.site).luminance().min(f32::MAX);
+                    // Bounds are not negative: their bits are in their order.
+                    open.push((bound.to_bits(), std::cmp::Reverse((t, k))));
+                }
+            };
+        for (t, _) in self.forest.trees.iter().enumerate().filter(|(_, t)| at.counts(t)) {
+            add(&mut open, &mut lights, t as u32, 0);
+        }
+        while open.len() + lights.len() < size as usize {
+            let Some((_, std::cmp::Reverse((t, k)))) = open.pop() else { break };
+            for child in self.forest.trees[t as usize].node(k).children().into_iter().flatten() {
+                add(&mut open, &mut lights, t, child);
+            }
+        }
+        let mut clusters: Vec<(u32, u32)> =
+            open.into_iter().map(|(_, r)| r.0).chain(lights).collect();
+        clusters.sort_unstable();
+        for start in clusters {
+            self.draw(at, start, 1.0, &mut rng, &mut lit);
+        }
+        lit
+    }
+
+    /// Draw a light below a node and add what it brings, over the probability of having drawn it and over `pdf`.
+    fn draw(
+        &self,
+        at: &At<'_, '_, 'a>,
+        (tree, mut node): (u32, u32),
+        mut pdf: f32,
+        rng: &mut Pcg,
+        lit: &mut Lit,
+    ) {
+        let shape = &self.forest.trees[tree as usize];
+        while let Some([a, b]) = shape.node(node).children() {
+            let [first, second] = [a, b].map(|k| importance(shape, k, &at.site));
+            let share = first / (first + second);
+            // Neither can bring anything.
+            if share.is_nan() {
+                return;
+            }
+            let to_first = rng.next_f32() < share;
+            node = if to_first { a } else { b };
+            pdf *= if to_first { share } else { 1.0 - share };
+        }
+        let node = shape.node(node);
+        lit.size += 1;
+        let Some(c) = self.prepared.connect_unit(node.representative as usize, &at.receiver) else {
+            return;
+        };
+        lit.rays += 1;
+        let kept = at.kept(c.geometry, shape.is_direct());
+        let light = c.radiance * node.power * self.scene.transmittance(c.shadow) * (1.0 / pdf);
+        let part = if shape.is_direct() { &mut lit.direct } else { &mut lit.indirect };
+        *part += light * kept;
+        lit.cut_off += (light * (1.0 - kept)).luminance();
+    }
+}
+
+/// As many numbers as a walk wants, from two of the path's.
+fn numbers(sampler: &mut Sampler) -> Pcg {
+    let [a, b] = sampler.next_2d().map(|u| u64::from(u.to_bits()));
+    Pcg::new(a << 32 | b, 0)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,215 @@
+//! The light tree [slide 57]: leaves are lights, inner nodes are clusters of what lies below.
+//!
+//! Built bottom-up: of all pairs of clusters the one that is cheapest to represent by one light is joined, until one is
+//! left [Walter05, 3.2]. Which pairs are joined is found in rounds, many at a time, see [`crate::cluster`].
+
+use gi_core::math::{Bounds, Rgb};
+use gi_core::scene::Scene;
+use glam::Vec3;
+use vpl::{Kind, Vpl, Vpls};
+
+use crate::bound::{Gain, gain};
+use crate::cluster::{Cluster, join_all};
+use crate::cone::Cone;
+
+/// How the lights of a tree shine: a tree a kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// Alike in all directions, or less in some (spots).
+    Omni,
+    /// As the cosine.
+    Oriented,
+    /// In parallel. Positions of such a tree are unit directions toward the lights.
+    Directional,
+    /// As a BSDF scatters.
+    Glossy,
+}
+
+/// A light or a cluster of lights.
+#[derive(Clone, Copy, Debug)]
+pub struct Node {
+    /// The box round the lights' positions.
+    pub bounds: Bounds,
+    /// The cone round their normals.
+    pub cone: Cone,
+    /// Sum of their powers.
+    pub power: Rgb,
+    /// The light that stands for all: drawn in proportion to power, and one of the children's.
+    pub representative: u32,
+    /// The first of two children, the second follows it; 0 for a light.
+    child: u32,
+}
+
+impl Node {
+    /// The two children; `None` for a light.
+    #[inline]
+    pub fn children(&self) -> Option<[u32; 2]> {
+        (self.child != 0).then_some([self.child, self.child + 1])
+    }
+}
+
+/// A tree of lights of one kind.
+#[derive(Clone, Debug)]
+pub struct Tree {
+    /// How its lights shine.
+    pub family: Family,
+    /// Scatterings on the paths of its lights, at most and at least; all 0 or none.
+    pub depth: [u32; 2],
+    /// The root first; parents before children.
+    nodes: Vec<Node>,
+    /// Of glossy lights, a node each: how much they send in a direction at most.
+    gains: Vec<Gain>,
+}
+
+impl Tree {
+    /// A node.
+    #[inline]
+    pub fn node(&self, k: u32) -> &Node {
+        &self.nodes[k as usize]
+    }
+
+    /// All nodes.
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// How much the lights of a node send in a direction at most, of what arrives at them; only of a glossy tree.
+    #[inline]
+    pub fn gain(&self, k: u32) -> Gain {
+        self.gains[k as usize]
+    }
+
+    /// Whether its lights are points of lights: what they bring is direct light.
+    #[inline]
+    pub fn is_direct(&self) -> bool {
+        self.depth[0] == 0
+    }
+
+    /// The lights below a node.
+    pub fn members(&self, k: u32) -> Vec<u32> {
+        let (mut members, mut open) = (Vec::new(), vec![k]);
+        while let Some(k) = open.pop() {
+            match self.node(k).children() {
+                Some(children) => open.extend(children),
+                None => members.push(self.node(k).representative),
+            }
+        }
+        members
+    }
+
+    /// Build the tree over some lights of a set.
+    fn build(scene: &Scene, set: &Vpls, family: Family, lights: &[u32], seed: u32) -> Option<Self> {
+        // Directions count in proportion to half the diagonal of the scene [Walter05, 3.2].
+        let c = if family == Family::Oriented || family == Family::Glossy {
+            scene.radius()
+        } else {
+            0.0
+        };
+        let leaves = lights.iter().map(|&k| leaf(&set.lights[k as usize], k)).collect();
+        let joined = join_all(leaves, c, seed)?;
+        let depths = || lights.iter().map(|&k| set.lights[k as usize].depth);
+        let depth = [depths().max().unwrap_or(0), depths().min().unwrap_or(0)];
+        let mut tree = Tree { family, depth, nodes: lay_out(&joined), gains: Vec::new() };
+        if family == Family::Glossy {
+            tree.gains = tree.gains(scene, set);
+        }
+        Some(tree)
+    }
+
+    /// Gains of all nodes: those of lights, and the larger of two children.
+    fn gains(&self, scene: &Scene, set: &Vpls) -> Vec<Gain> {
+        use rayon::prelude::*;
+        let of_light = |node: &Node| match set.lights[node.representative as usize].kind {
+            Kind::Glossy(k) if node.child == 0 => gain(scene, &set.surfaces[k as usize]),
+            _ => Gain::default(),
+        };
+        let mut gains: Vec<Gain> = self.nodes.par_iter().map(of_light).collect();
+        for k in (0..self.nodes.len()).rev() {
+            if let Some([a, b]) = self.nodes[k].children() {
+                gains[k] = gains[a as usize].max(gains[b as usize]);
+            }
+        }
+        gains
+    }
+}
+
+fn leaf(light: &Vpl, k: u32) -> Cluster {
+    let p = if light.kind == Kind::Directional { -light.n } else { light.p };
+    Cluster::light(p, light.n, light.power, k)
+}
+
+/// Put nodes in order: parents before children, siblings side by side.
+fn lay_out(joined: &[Cluster]) -> Vec<Node> {
+    let node = |c: &Cluster| Node {
+        bounds: c.bounds,
+        cone: c.cone,
+        power: c.power,
+        representative: c.representative,
+        child: 0,
+    };
+    let root = joined.len() - 1;
+    let mut nodes = Vec::with_capacity(joined.len());
+    nodes.push(node(&joined[root]));
+    let mut open = vec![(root, 0usize)];
+    while let Some((from, to)) = open.pop() {
+        let Some([a, b]) = joined[from].children() else { continue };
+        let first = nodes.len();
+        nodes[to].child = first as u32;
+        nodes.extend([node(&joined[a]), node(&joined[b])]);
+        // Down the first child: what is refined together lies together.
+        open.extend([(b, first + 1), (a, first)]);
+    }
+    nodes
+}
+
+/// All lights as trees.
+#[derive(Clone, Debug, Default)]
+pub struct Forest {
+    /// The trees: of points of lights, then of lights of surfaces.
+    pub trees: Vec<Tree>,
+}
+
+impl Forest {
+    /// Build all trees of a set. Where paths have a limit, lights of each number of scatterings have trees of their own,
+    /// since not every point may see them all.
+    pub fn build(scene: &Scene, set: &Vpls, by_depth: bool, seed: u32) -> Self {
+        let deepest = set.lights.iter().map(|v| v.depth).max().unwrap_or(0);
+        let groups: Vec<[u32; 2]> = match by_depth {
+            true => (0..=deepest).map(|d| [d, d]).collect(),
+            false => vec![[0, 0], [1, u32::MAX]],
+        };
+        let mut trees = Vec::new();
+        for [low, high] in groups {
+            for family in [Family::Oriented, Family::Omni, Family::Directional, Family::Glossy] {
+                let is = |v: &Vpl| family_of(v) == family && (low..=high).contains(&v.depth);
+                let lights: Vec<u32> =
+                    (0..set.lights.len() as u32).filter(|&k| is(&set.lights[k as usize])).collect();
+                trees.extend(Tree::build(scene, set, family, &lights, seed));
+            }
+        }
+        Forest { trees }
+    }
+
+    /// What the trees occupy.
+    pub fn memory_bytes(&self) -> usize {
+        let bytes = |t: &Tree| size_of_val(&t.nodes[..]) + size_of_val(&t.gains[..]);
+        self.trees.iter().map(bytes).sum()
+    }
+}
+
+fn family_of(v: &Vpl) -> Family {
+    match v.kind {
+        Kind::Oriented => Family::Oriented,
+        Kind::Omni | Kind::Spot(_) => Family::Omni,
+        Kind::Directional => Family::Directional,
+        Kind::Glossy(_) => Family::Glossy,
+    }
+}
+
+/// Where a light is in the space of its tree.
+pub fn place(light: &Vpl) -> Vec3 {
+    leaf(light, 0).bounds.min
+}
+
+#[cfg(test)]
+mod tests;

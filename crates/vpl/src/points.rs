@@ -1,0 +1,81 @@
+//! Points of lights as virtual point lights: direct light by many point lights [slides 53, 61].
+
+use gi_core::light::{Discrete, Light};
+use gi_core::sampler::Sampler;
+use gi_core::scene::Scene;
+
+use crate::{Vpl, Vpls};
+
+/// How many points lights of extent are sampled with. Lights without extent are one point each, whatever is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LightNumbers {
+    /// Points of all kinds that have no number of their own, shared out by power.
+    pub total: u32,
+    /// Points of surfaces that shine.
+    pub area: Option<u32>,
+    /// Directions of environments.
+    pub sky: Option<u32>,
+    /// Directions of discs at infinity.
+    pub sun: Option<u32>,
+}
+
+/// What keeps the numbers of points apart from those of paths.
+const SALT: u32 = 0x706f_696e;
+
+/// Lights of one kind: which, and with which weights they are drawn.
+struct Group {
+    lights: Vec<usize>,
+    by_power: Discrete,
+    asked: Option<u32>,
+}
+
+impl Group {
+    fn new(scene: &Scene, asked: Option<u32>, is: impl Fn(&Light) -> bool) -> Self {
+        let all = scene.lights();
+        let kind = all.all().iter().enumerate().filter(|(_, l)| is(l));
+        let lights: Vec<usize> = kind.map(|(k, _)| k).collect();
+        let by_power = Discrete::new(lights.iter().map(|&k| all.probability(k)));
+        Group { lights, by_power, asked }
+    }
+
+    /// Draw points `first..first + count` of the sequence, each with the power of one in `count`.
+    fn draw(&self, scene: &Scene, (seed, first, count): (u32, u32, u32), out: &mut Vec<Vpl>) {
+        for i in 0..count {
+            let mut sampler = Sampler::new(seed ^ SALT, 0, first.wrapping_add(i));
+            let (u, u_p, u_d) = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
+            // One in each part of the unit interval: as many points as equal lights leave none out.
+            let u = ((i as f32 + u) / count as f32).min(1.0 - f32::EPSILON);
+            let Some((k, probability, _)) = self.by_power.sample(u) else { return };
+            let emission = scene.emit_from((self.lights[k], probability), u_p, u_d);
+            out.extend(emission.map(|e| Vpl::of_emission(&e, count as f32)));
+        }
+    }
+}
+
+/// Draw points of all lights, those of set `index`: sets go together as one sequence.
+pub fn points(scene: &Scene, numbers: &LightNumbers, seed: u32, index: u32) -> Vpls {
+    let groups = [
+        Group::new(scene, numbers.area, |l| matches!(l, Light::Area { .. })),
+        Group::new(scene, numbers.sky, |l| {
+            matches!(l, Light::Environment(_) | Light::Constant { .. })
+        }),
+        Group::new(scene, numbers.sun, |l| matches!(l, Light::DistantDisc { .. })),
+    ];
+    let power = |g: &Group| if g.asked.is_none() { g.by_power.total() } else { 0.0 };
+    let shared: f64 = groups.iter().map(power).sum();
+    let mut set = Vpls::default();
+    for group in groups.iter().filter(|g| g.by_power.total() > 0.0) {
+        let share = || (f64::from(numbers.total) * power(group) / shared).round().max(1.0) as u32;
+        let count = group.asked.unwrap_or_else(share);
+        group.draw(scene, (seed, index.wrapping_mul(count), count), &mut set.lights);
+    }
+    let without_extent = |l: &Light| {
+        matches!(l, Light::Point { .. } | Light::Spot { .. } | Light::Directional { .. })
+    };
+    for (k, _) in scene.lights().all().iter().enumerate().filter(|(_, l)| without_extent(l)) {
+        let emission = scene.emit_from((k, 1.0), [0.5; 2], [0.5; 2]);
+        set.lights.extend(emission.map(|e| Vpl::of_emission(&e, 1.0)));
+    }
+    set.lights.retain(|v| !v.power.is_black());
+    set
+}
