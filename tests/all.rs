@@ -10,6 +10,8 @@ mod determinism;
 mod instant_radiosity_facts;
 /// What irradiance caching is held to.
 mod irrcache_facts;
+/// What lightcuts are held to.
+mod lightcuts_facts;
 /// Photon mapping.
 mod photonmap;
 /// What progressive photon mapping is held to.

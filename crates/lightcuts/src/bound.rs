@@ -12,8 +12,7 @@ use gi_core::scene::Scene;
 use glam::Vec3;
 use vpl::LitSurface;
 
-use crate::cone::Cone;
-use crate::tree::{Family, Node, Tree};
+use crate::tree::{Family, Node, NormalCone, Tree};
 
 /// A point that is lit.
 #[derive(Clone, Copy)]
@@ -99,17 +98,17 @@ const LEAST_DISTANCE_SQ: f32 = 1e-30;
 
 /// The largest cosine at lights whose normals lie in a cone (or, with `side` -1, in its opposite), seen from the point.
 #[inline]
-fn max_cos(toward: &Toward, cone: &Cone, side: f32) -> f32 {
+fn max_cos(toward: &Toward, cone: &NormalCone, side: f32) -> f32 {
     // Light leaves against the directions in which the point sees it.
     let cos = toward.max_cos(&Frame::from_normal(cone.axis * -side));
-    if cone.angle == 0.0 {
+    if cone.cos == 1.0 {
         return cos.max(0.0);
     }
-    let (sin_cone, cos_cone) = cone.angle.sin_cos();
-    if cos >= cos_cone {
+    if cos >= cone.cos {
         return 1.0;
     }
-    (cos * cos_cone + safe_sqrt(1.0 - cos * cos) * sin_cone + COS_ROUNDING).max(0.0)
+    let sines = safe_sqrt((1.0 - cos * cos) * (1.0 - cone.cos * cone.cos));
+    (cos * cone.cos + sines + COS_ROUNDING).max(0.0)
 }
 
 /// Rounding of the cosine of a difference of angles.

@@ -339,4 +339,4 @@ impl Cut {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

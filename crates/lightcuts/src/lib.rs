@@ -27,6 +27,8 @@ mod picture;
 pub mod reconstruct;
 pub mod sample;
 mod tally;
+#[cfg(test)]
+mod test_scenes;
 pub mod tree;
 
 use gi_core::eye::{Answered, EyePath, EyeVertex, PathLimits, Supplied};

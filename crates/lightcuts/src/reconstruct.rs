@@ -86,23 +86,38 @@ impl Record {
             };
         }
         let children = shape.node(node).children().expect("it was split");
-        let (mut sum, mut arriving, mut wi) = (Rgb::BLACK, Rgb::BLACK, Vec3::ZERO);
-        for (i, k) in children.into_iter().enumerate() {
-            let below = entry.child + i as u32;
-            let brings = self.sum_up(forest, at, below, (tree, k));
-            let Entry { wi: from, arriving: part, .. } = self.entries[below as usize];
-            sum += brings;
-            arriving += part;
-            wi += from * brings.luminance();
-        }
-        let wi = wi.try_normalize().unwrap_or(entry.wi);
-        // From the mean direction, as much as brings the same.
-        let f_cos = at.receiver.f_cos(wi);
-        let scale = f_cos.zip(sum, |f, s| if f > 0.0 { s / f } else { -1.0 });
-        let arriving = scale.zip(arriving, |exact, sum| if exact < 0.0 { sum } else { exact });
-        self.note(slot, wi, if sum.is_black() { Rgb::BLACK } else { arriving });
-        sum
+        let below = [entry.child, entry.child + 1];
+        let brings = [0, 1].map(|i| self.sum_up(forest, at, below[i], (tree, children[i])));
+        let parts = below.map(|k| self.entries[k as usize]);
+        self.entries[slot as usize] = Entry { child: entry.child, ..impostor(at, parts, brings) };
+        brings[0] + brings[1]
     }
+}
+
+/// Parallel light that brings what two others bring: from their mean direction, or, where the lobes of the surface are too
+/// sharp for that, from the direction of the stronger.
+fn impostor(at: &At, parts: [Entry; 2], brings: [Rgb; 2]) -> Entry {
+    let sum = brings[0] + brings[1];
+    if sum.is_black() {
+        return Entry { arriving: Rgb::BLACK, ..parts[0] };
+    }
+    let arriving = parts[0].arriving + parts[1].arriving;
+    let [a, b] = brings.map(Rgb::luminance);
+    let mean = (parts[0].wi * a + parts[1].wi * b).try_normalize();
+    let stronger = parts[usize::from(b > a)].wi;
+    let from = |wi: Vec3| {
+        let scale = at.receiver.f_cos(wi).zip(sum, |f, s| if f > 0.0 { s / f } else { -1.0 });
+        let arriving = scale.zip(arriving, |exact, sum| if exact < 0.0 { sum } else { exact });
+        let lost = scale.zip(sum, |exact, s| if exact < 0.0 { s } else { 0.0 });
+        (Entry { wi, arriving, child: 0 }, !lost.is_black())
+    };
+    if let Some((entry, lost)) = mean.map(from) {
+        let strange = entry.arriving.luminance() / arriving.luminance();
+        if !lost && (0.5..2.0).contains(&strange) {
+            return entry;
+        }
+    }
+    from(stronger).0
 }
 
 /// The cut of a corner of a block.

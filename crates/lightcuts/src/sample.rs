@@ -4,12 +4,17 @@
 //! A walk goes to a child in proportion to what it may bring: the bounds of [`crate::bound`], but with the distance to the
 //! middle of the box, which keeps the estimate steady near lights. A child that may bring something is never left out.
 
+use std::f32::consts::PI;
+
 use gi_core::rng::Pcg;
 use gi_core::sampler::Sampler;
 
 use crate::bound::{Site, Terms};
 use crate::cut::{At, Lights, Lit};
 use crate::tree::{Family, Tree};
+
+/// Glossy lights of whose peak nothing is known must not keep walks from all others.
+const MOST_EMITTED: f32 = 10.0;
 
 /// What a node may bring, roughly: 0 only where it can bring nothing.
 fn importance(tree: &Tree, k: u32, site: &Site) -> f32 {
@@ -19,7 +24,11 @@ fn importance(tree: &Tree, k: u32, site: &Site) -> f32 {
         Family::Directional => 1.0,
         _ => 1.0 / distance_sq.max(radius_sq).max(f32::MIN_POSITIVE),
     };
-    let brings = (tree.node(k).power * terms.scatter.f_cos).luminance() * terms.emitted * falloff;
+    let emitted = terms.emitted.min(MOST_EMITTED);
+    // A lobe's peak is narrow: over a cone the mean of f cos is at most one over its solid angle. (Lambert is below that.)
+    let mean = 1.0 / terms.toward.solid_angle().clamp(f32::MIN_POSITIVE, PI);
+    let scattered = terms.scatter.f_cos.map(|f| f.min(mean));
+    let brings = (tree.node(k).power * scattered).luminance() * emitted * falloff;
     brings.clamp(f32::MIN_POSITIVE, 1e30)
 }
 

@@ -10,7 +10,6 @@ use vpl::{Kind, Vpl, Vpls};
 
 use crate::bound::{Gain, gain};
 use crate::cluster::{Cluster, join_all};
-use crate::cone::Cone;
 
 /// How the lights of a tree shine: a tree a kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,13 +24,22 @@ pub enum Family {
     Glossy,
 }
 
+/// A cone as bounds want it.
+#[derive(Clone, Copy, Debug)]
+pub struct NormalCone {
+    /// Unit axis.
+    pub axis: Vec3,
+    /// Cosine of the half angle: 1 for one direction, -1 for all.
+    pub cos: f32,
+}
+
 /// A light or a cluster of lights.
 #[derive(Clone, Copy, Debug)]
 pub struct Node {
     /// The box round the lights' positions.
     pub bounds: Bounds,
     /// The cone round their normals.
-    pub cone: Cone,
+    pub cone: NormalCone,
     /// Sum of their powers.
     pub power: Rgb,
     /// The light that stands for all: drawn in proportion to power, and one of the children's.
@@ -142,7 +150,7 @@ fn leaf(light: &Vpl, k: u32) -> Cluster {
 fn lay_out(joined: &[Cluster]) -> Vec<Node> {
     let node = |c: &Cluster| Node {
         bounds: c.bounds,
-        cone: c.cone,
+        cone: NormalCone { axis: c.cone.axis, cos: c.cone.angle.cos() },
         power: c.power,
         representative: c.representative,
         child: 0,

@@ -4,6 +4,8 @@
 //! cosines as the box allows, the density of facets by the half vectors' own cone, shadowing by its value at the largest
 //! cosine. What is bounded is what [`Bsdf::f`] and [`Bsdf::f_cos`] return, rounding included.
 
+use std::f32::consts::PI;
+
 use glam::Vec3;
 
 use super::fresnel::{self, reflect_z};
@@ -68,6 +70,12 @@ impl Toward {
     #[inline]
     pub fn middle_and_radius_sq(&self) -> [f32; 2] {
         [self.middle.length_squared(), self.half.length_squared()]
+    }
+
+    /// Solid angle of the cone round the directions.
+    #[inline]
+    pub fn solid_angle(&self) -> f32 {
+        if self.sin >= 1.0 { 4.0 * PI } else { 2.0 * PI * (1.0 - self.cos) }
     }
 
     /// The largest cosine of a direction with the frame's normal [Walter05, eq. 4]: of the box's own box in that frame.

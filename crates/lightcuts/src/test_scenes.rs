@@ -1,0 +1,126 @@
+//! Scenes and lights that tests throw at bounds and cuts: every material, every kind of light, normals that are bent.
+
+use gi_core::bsdf::Transport;
+use gi_core::geometry::{Geometry, Mesh, Shape, Surface};
+use gi_core::light::LightSource;
+use gi_core::material::{Distribution, Material, Roughness};
+use gi_core::math::Rgb;
+use gi_core::ray::Ray;
+use gi_core::rng::Pcg;
+use gi_core::scene::{Scene, SceneParts};
+use gi_core::texture::Texture;
+use gi_core::warp;
+use glam::Vec3;
+use vpl::{Kind, LitSurface, Vpl, Vpls};
+
+fn rough(distribution: Distribution, u: f32, v: f32) -> Option<Roughness> {
+    Some(Roughness { distribution, alpha_u: Texture::grey(u), alpha_v: Texture::grey(v) })
+}
+
+/// One of each, sharp and wide; those that stand on others after them.
+pub(crate) fn materials() -> Vec<Material> {
+    use Distribution::{Beckmann, Ggx};
+    let metal = |roughness| Material::Conductor {
+        eta: Rgb::new(0.2, 0.9, 1.1),
+        k: Rgb::new(3.9, 2.4, 2.2),
+        reflectance: Texture::grey(1.0),
+        roughness,
+    };
+    let plastic = |roughness| Material::Plastic {
+        eta: 1.49,
+        diffuse: Texture::Constant(Rgb::new(0.7, 0.4, 0.0)),
+        specular: Texture::grey(1.0),
+        nonlinear: true,
+        roughness,
+    };
+    let phong = |exponent| Material::Phong {
+        diffuse: Texture::grey(0.3),
+        specular: Texture::grey(0.5),
+        exponent: Texture::grey(exponent),
+    };
+    let glass = |roughness| Material::Dielectric {
+        eta: 1.5,
+        reflectance: Texture::grey(1.0),
+        transmittance: Texture::grey(1.0),
+        roughness,
+    };
+    vec![
+        Material::Diffuse { reflectance: Texture::Constant(Rgb::new(0.8, 0.5, 0.0)) },
+        metal(rough(Ggx, 0.2, 0.2)),
+        Material::RoughDiffuse { reflectance: Texture::grey(0.8), alpha: Texture::grey(0.4) },
+        metal(rough(Ggx, 0.02, 0.02)),
+        metal(rough(Beckmann, 0.4, 0.1)),
+        plastic(None),
+        plastic(rough(Ggx, 0.2, 0.2)),
+        plastic(rough(Beckmann, 0.1, 0.1)),
+        phong(10.0),
+        phong(300.0),
+        glass(rough(Ggx, 0.3, 0.3)),
+        Material::Blend { weight: Texture::grey(0.4), first: 0, second: 1 },
+        Material::NormalMap { normals: Texture::Constant(Rgb::new(0.6, 0.45, 0.95)), inner: 0 },
+        Material::TwoSided { front: 6, back: 0 },
+        Material::TwoSided { front: 12, back: 11 },
+    ]
+}
+
+fn in_cube(rng: &mut Pcg) -> Vec3 {
+    Vec3::from_array([0; 3].map(|_| 2.0 * rng.next_f32() - 1.0))
+}
+
+/// Triangles all over the place, every third one shaded by bent normals; a light, so that it is a scene.
+pub(crate) fn rubble(seed: u64) -> Scene {
+    let mut rng = Pcg::new(seed, 77);
+    let materials = materials();
+    let triangle = |k: usize| {
+        let middle = in_cube(&mut rng);
+        let positions: Vec<Vec3> = (0..3).map(|_| middle + 0.6 * in_cube(&mut rng)).collect();
+        let n = (positions[1] - positions[0]).cross(positions[2] - positions[0]);
+        let n = n.try_normalize().unwrap_or(Vec3::Z);
+        let mut bent = || (n + 0.6 * in_cube(&mut rng)).normalize();
+        let normals = if k.is_multiple_of(3) { vec![bent(), bent(), bent()] } else { Vec::new() };
+        let mesh = Mesh { positions, triangles: vec![[0, 1, 2]], normals, ..Mesh::default() };
+        Shape::new("shard", Geometry::Mesh(mesh), k % materials.len())
+    };
+    let shapes = (0..60).map(triangle).collect();
+    let lights = vec![LightSource::Point { position: Vec3::ZERO, intensity: Rgb::WHITE }];
+    Scene::new(SceneParts { shapes, materials, lights, ..SceneParts::default() }).expect("a scene")
+}
+
+/// A point of the scene, and the direction that it was seen from.
+pub(crate) fn point(scene: &Scene, rng: &mut Pcg) -> (Surface, Vec3) {
+    loop {
+        let ray = Ray::new(1.5 * in_cube(rng), warp::sphere(rng.next_2d()));
+        if let Some((surface, _)) = scene.intersect(&ray) {
+            let delta = scene.bsdf(&surface, -ray.d, Transport::Radiance).is_delta();
+            if !delta {
+                return (surface, -ray.d);
+            }
+        }
+    }
+}
+
+/// Lights of all kinds, some near each other, direct and indirect.
+pub(crate) fn lights(scene: &Scene, count: u32, rng: &mut Pcg) -> Vpls {
+    let mut set = Vpls::default();
+    for _ in 0..count {
+        let (surface, wo) = point(scene, rng);
+        let toward = |n: Vec3| n * 1f32.copysign(n.dot(wo));
+        let power = Rgb::from([0; 3].map(|_| rng.next_f32().powi(3)));
+        let depth = rng.next_below(3);
+        let n = toward(surface.ng);
+        let (p, n, kind) = match rng.next_below(8) {
+            0 => (in_cube(rng), Vec3::Z, Kind::Omni),
+            1 => (Vec3::ZERO, warp::sphere(rng.next_2d()), Kind::Directional),
+            2..=4 if depth > 0 => {
+                set.surfaces.push(LitSurface { surface, wo });
+                (surface.p, n, Kind::Glossy(set.surfaces.len() as u32 - 1))
+            }
+            _ => (surface.p, n, Kind::Oriented),
+        };
+        let on_surface = matches!(kind, Kind::Oriented | Kind::Glossy(_));
+        let ns = if on_surface { toward(surface.ns()) } else { n };
+        set.lights.push(Vpl { p, n, ns, power, kind, depth });
+    }
+    set.lights.sort_by_key(|v| v.depth);
+    set
+}

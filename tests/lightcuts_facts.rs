@@ -1,0 +1,217 @@
+//! Lightcuts against brute force, instant radiosity, the truth, and themselves.
+
+use gi_core::eye::PathLimits;
+use gi_core::film::{Film, Show};
+use gi_core::technique::Technique;
+use gi_stats::{Running, sidak, welch_t_test};
+use gi_tests::{World, furnace, mean_and_variance};
+use instant_radiosity::InstantRadiosity;
+use lightcuts::cut::Limits;
+use lightcuts::{Lightcuts, Method, Params, Reconstruction};
+use pathtrace::PathTracer;
+
+use crate::agreement::blocks;
+
+fn render(world: &World, params: &Params, passes: u32, seed: u32, show: Show) -> Film {
+    world.render::<Lightcuts>(params, passes, seed, show)
+}
+
+fn few_lights() -> Params {
+    let mut params = Params { vpls: 300, ..Params::default() };
+    params.lights.total = 200;
+    params
+}
+
+/// Luminance of each pixel's error relative to the other picture's pixel, sorted.
+fn relative_errors(a: &Film, b: &Film) -> Vec<f32> {
+    let pairs = a.radiance().into_iter().zip(b.radiance());
+    let lit = pairs.filter(|(_, b)| b.luminance() > 0.0);
+    let mut errors: Vec<f32> =
+        lit.map(|(a, b)| ((a - b).luminance() / b.luminance()).abs()).collect();
+    errors.sort_unstable_by(f32::total_cmp);
+    errors
+}
+
+#[test]
+fn without_error_it_is_brute_force_and_instant_radiosity() {
+    for (scene, size) in
+        [("cornell-box.xml", [24, 24]), ("gallery.xml", [24, 18]), ("patio.xml", [24, 18])]
+    {
+        let world = World::load(scene, size, &[]);
+        let cut = Limits { error: 0.0, max_cut: u32::MAX };
+        let exact = Params { cut, ..few_lights() };
+        let by_cuts = render(&world, &exact, 2, 5, Show::All);
+        let all = Params { method: Method::All, ..exact.clone() };
+        let brute = render(&world, &all, 2, 5, Show::All);
+        // Sums of some hundred terms in another order. Paths that bring back what was cut off are the same.
+        let errors = relative_errors(&by_cuts, &brute);
+        assert!(errors[errors.len() - 1] < 1e-4, "{scene}: {:?}", errors.last());
+
+        // The same lights of surfaces, direct light sampled by the same numbers.
+        let indirect = Params { direct_by_points: false, clamp: 4.0, ..exact };
+        let by_cuts = render(&world, &indirect, 2, 5, Show::All);
+        let params = instant_radiosity::Params {
+            vpls: indirect.vpls,
+            clamp: 4.0,
+            ..instant_radiosity::Params::default()
+        };
+        let instant = world.render::<InstantRadiosity>(&params, 2, 5, Show::All);
+        let errors = relative_errors(&by_cuts, &instant);
+        assert!(errors[errors.len() - 1] < 1e-4, "{scene}: {:?}", errors.last());
+    }
+}
+
+#[test]
+fn errors_stay_below_the_threshold_and_cuts_shrink_as_it_rises() {
+    for (scene, defines) in [("gallery.xml", &[("lights", "1024")][..]), ("patio.xml", &[])] {
+        let world = World::load(scene, [40, 30], defines);
+        let mut params = Params { vpls: 3000, compensation: false, ..Params::default() };
+        params.lights.total = 1024;
+        let all = Params { method: Method::All, ..params.clone() };
+        let brute = render(&world, &all, 1, 5, Show::All);
+        let mut last = f64::INFINITY;
+        for error in [0.01, 0.02, 0.08] {
+            let cut = Limits { error, max_cut: 3000 };
+            let with = Params { cut, ..params.clone() };
+            let (technique, film) = world.run::<Lightcuts>(&with, 1, 5, Show::All);
+            let errors = relative_errors(&film, &brute);
+            let of = |share: f32| errors[(share * errors.len() as f32) as usize];
+            assert!(of(0.99) < error, "{scene}: {} for {error}", of(0.99));
+            let size = statistic(&technique, "mean_cut");
+            assert!(size < 0.9 * last, "{scene}: cuts of {size} for {error}, {last} before");
+            last = size;
+        }
+    }
+}
+
+fn statistic(technique: &Lightcuts, name: &str) -> f64 {
+    let all = technique.statistics();
+    all.iter().find(|(n, _)| n == name).unwrap_or_else(|| panic!("no {name}")).1
+}
+
+/// Means of the blocks of pictures by seed: pixels of one picture share their lights.
+fn by_seed(seeds: u32, film: impl Fn(u32) -> Film) -> Vec<Vec<f64>> {
+    (0..seeds).map(|seed| blocks(&film(seed), 8).into_iter().map(|b| b.0).collect()).collect()
+}
+
+#[test]
+fn drawn_lights_make_the_path_tracers_picture_in_the_mean() {
+    for (scene, size) in [("cornell-glossy.xml", [16, 16]), ("patio.xml", [16, 16])] {
+        let world = World::load(scene, size, &[]);
+        let path = by_seed(16, |seed| {
+            world.render::<PathTracer>(&pathtrace::Params::default(), 64, seed, Show::All)
+        });
+        for method in [Method::Some(4), Method::Stochastic(8)] {
+            let params = Params { method, clamp: 4.0, ..few_lights() };
+            let drawn = by_seed(24, |seed| render(&world, &params, 8, 100 + seed, Show::All));
+            let level = sidak(1e-3, path[0].len());
+            for k in 0..path[0].len() {
+                let column = |p: &[Vec<f64>]| p.iter().map(|p| p[k]).collect::<Running>();
+                let (a, b) = (column(&drawn), column(&path));
+                let p = welch_t_test(&a, &b);
+                assert!(
+                    p > level,
+                    "{scene}, {method:?}, block {k}: {} against {}, p = {p:.1e}",
+                    a.mean(),
+                    b.mean()
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn cuts_and_reconstruction_cuts_make_the_path_tracers_picture_nearly() {
+    let world = World::load("gallery.xml", [32, 24], &[]);
+    let path = world.render::<PathTracer>(&pathtrace::Params::default(), 512, 3, Show::All);
+    let params = Params { vpls: 4000, ..Params::default() };
+    let how = Reconstruction { block: 4, agree: 0.01 };
+    let with = Params { reconstruction: Some(how), ..params.clone() };
+    for params in [params, with] {
+        let film = render(&world, &params, 4, 5, Show::All);
+        for layer in ["Direct.G", "Indirect.G"] {
+            let sum = |film: &Film| -> f64 {
+                let layers = film.layers();
+                layers.channel(layer).expect("a layer").iter().map(|v| f64::from(*v)).sum()
+            };
+            let ratio = sum(&film) / sum(&path);
+            // Four sets of 4096 points and 4000 lights: a percent of noise, and of bias up to the threshold.
+            assert!((ratio - 1.0).abs() < 0.03, "{layer}: {ratio}, {:?}", params.reconstruction);
+        }
+    }
+}
+
+#[test]
+fn a_furnace_cut_at_k_bounces_reads_the_geometric_sum() {
+    let a = 0.6f64;
+    let (parts, camera) = furnace(a as f32);
+    let world = World::new(parts, &camera);
+    for depth in [2u32, 3, 4] {
+        let limits = PathLimits { max_depth: Some(depth), ..PathLimits::default() };
+        let cut = Limits { error: 0.001, max_cut: 10_000 };
+        let mut params = Params { limits, cut, clamp: 3.0, vpls: 300, ..Params::default() };
+        params.lights.total = 300;
+        // Lights without extent near the walls that they lie on: direct light by points has no mean error there, only noise.
+        params.direct_by_points = false;
+        let means: Running = (0..16)
+            .map(|seed| mean_and_variance(&render(&world, &params, 4, seed, Show::All)).0)
+            .collect();
+        let error = (means.variance() / 16.0).sqrt();
+        let expected = (1.0 - a.powi(depth as i32)) / (1.0 - a);
+        // t with 15 degrees of freedom exceeds 4.1 once in a thousand; cuts may be off by a thousandth.
+        assert!(
+            (means.mean() - expected).abs() < 4.1 * error + 1e-3 * expected,
+            "{depth} segments: {} +- {error} is not {expected}",
+            means.mean()
+        );
+    }
+}
+
+#[test]
+fn a_scene_ten_times_as_large_makes_the_same_picture() {
+    let film = |scale: f32| {
+        let world = World::load_scaled("cornell-box.xml", [16, 16], scale);
+        render(&world, &few_lights(), 2, 5, Show::Indirect)
+    };
+    let mean = |film: &Film| mean_and_variance(film).0;
+    let (one, ten) = (mean(&film(1.0)), mean(&film(8.0)));
+    // By a power of two everything scales exactly; only the order of equals could differ.
+    assert!((one / ten - 1.0).abs() < 1e-3, "{one} and {ten}");
+}
+
+#[test]
+fn reconstruction_saves_rays() {
+    let world = World::load("gallery.xml", [64, 48], &[("lights", "1024")]);
+    let mut params = Params { vpls: 3000, ..Params::default() };
+    params.lights.total = 1024;
+    let rays = |reconstruction| {
+        let with = Params { reconstruction, ..params.clone() };
+        let (technique, _) = world.run::<Lightcuts>(&with, 1, 5, Show::All);
+        statistic(&technique, "seen_rays_a_point")
+    };
+    let (plain, shared) = (rays(None), rays(Some(Reconstruction { block: 4, agree: 0.01 })));
+    assert!(shared < 0.7 * plain, "{shared} rays, {plain} without");
+}
+
+#[test]
+fn the_same_bits_for_any_number_of_threads() {
+    let bits = |threads: usize, params: &Params| -> Vec<u32> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| {
+            let world = World::load("cornell-glossy.xml", [40, 30], &[]);
+            let layers = render(&world, params, 2, 7, Show::All).layers();
+            layers.channels.into_iter().flat_map(|(_, v)| v.into_iter().map(f32::to_bits)).collect()
+        })
+    };
+    let how = Some(Reconstruction { block: 4, agree: 0.01 });
+    let variants = [
+        few_lights(),
+        Params { reconstruction: how, ..few_lights() },
+        Params { method: Method::Stochastic(8), ..few_lights() },
+        Params { method: Method::Some(4), ..few_lights() },
+    ];
+    for params in variants {
+        let one = bits(1, &params);
+        assert!([2, 4].into_iter().all(|threads| bits(threads, &params) == one), "{params:?}");
+    }
+}
