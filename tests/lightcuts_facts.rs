@@ -6,7 +6,7 @@ use gi_core::technique::Technique;
 use gi_stats::{Running, sidak, welch_t_test};
 use gi_tests::{World, furnace, mean_and_variance};
 use instant_radiosity::InstantRadiosity;
-use lightcuts::cut::Limits;
+use lightcuts::cut::{Limits, Rule};
 use lightcuts::{Lightcuts, Method, Params, Reconstruction};
 use pathtrace::PathTracer;
 
@@ -38,7 +38,7 @@ fn without_error_it_is_brute_force_and_instant_radiosity() {
         [("cornell-box.xml", [24, 24]), ("gallery.xml", [24, 18]), ("patio.xml", [24, 18])]
     {
         let world = World::load(scene, size, &[]);
-        let cut = Limits { error: 0.0, max_cut: u32::MAX };
+        let cut = Limits { error: 0.0, rule: Rule::Whole, max_cut: u32::MAX };
         let exact = Params { cut, ..few_lights() };
         let by_cuts = render(&world, &exact, 2, 5, Show::All);
         let all = Params { method: Method::All, ..exact.clone() };
@@ -71,7 +71,7 @@ fn errors_stay_below_the_threshold_and_cuts_shrink_as_it_rises() {
         let brute = render(&world, &all, 1, 5, Show::All);
         let mut last = f64::INFINITY;
         for error in [0.01, 0.02, 0.08] {
-            let cut = Limits { error, max_cut: 3000 };
+            let cut = Limits { error, rule: Rule::Whole, max_cut: 3000 };
             let with = Params { cut, ..params.clone() };
             let (technique, film) = world.run::<Lightcuts>(&with, 1, 5, Show::All);
             let errors = relative_errors(&film, &brute);
@@ -148,7 +148,7 @@ fn a_furnace_cut_at_k_bounces_reads_the_geometric_sum() {
     let world = World::new(parts, &camera);
     for depth in [2u32, 3, 4] {
         let limits = PathLimits { max_depth: Some(depth), ..PathLimits::default() };
-        let cut = Limits { error: 0.001, max_cut: 10_000 };
+        let cut = Limits { error: 0.001, rule: Rule::Whole, max_cut: 10_000 };
         let mut params = Params { limits, cut, clamp: 3.0, vpls: 300, ..Params::default() };
         params.lights.total = 300;
         // Lights without extent near the walls that they lie on: direct light by points has no mean error there, only noise.

@@ -62,7 +62,10 @@ impl Terms {
             Family::Oriented => (max_cos(&toward, &node.cone, 1.0), 1.0),
             Family::Glossy => {
                 let gain = tree.gain(k);
-                let cos = max_cos(&toward, &node.cone, 1.0).max(max_cos(&toward, &node.cone, -1.0));
+                let mut cos = max_cos(&toward, &node.cone, 1.0);
+                if gain.both_sides {
+                    cos = cos.max(max_cos(&toward, &node.cone, -1.0));
+                }
                 (gain.most.min(gain.over_cos * cos), gain.over_cos)
             }
         };
@@ -131,12 +134,18 @@ pub struct Gain {
     pub most: f32,
     /// The share over the cosine with the geometric normal.
     pub over_cos: f32,
+    /// Whether some of it may leave behind the surface.
+    pub both_sides: bool,
 }
 
 impl Gain {
     /// The larger of both.
     pub fn max(self, o: Gain) -> Gain {
-        Gain { most: self.most.max(o.most), over_cos: self.over_cos.max(o.over_cos) }
+        Gain {
+            most: self.most.max(o.most),
+            over_cos: self.over_cos.max(o.over_cos),
+            both_sides: self.both_sides || o.both_sides,
+        }
     }
 }
 
@@ -173,19 +182,13 @@ pub fn gain(scene: &Scene, lit: &LitSurface) -> Gain {
     let turned = if bent { (lit.wo.dot(ns) / lit.wo.dot(ng)).abs().min(f32::MAX) } else { 1.0 };
     let over_cos = worst(|toward| bsdf.bound(lit.wo, toward).f.max()) * turned;
     let most = if bent { over_cos } else { worst(|toward| bsdf.bound(lit.wo, toward).f_cos.max()) };
-    // A bent normal of one lobe and not of another: nothing is known of the cosines' ratio.
-    if bsdf.has_normal(ns) { Gain { most, over_cos } } else { gain_of_bumps(&bsdf, lit) }
-}
-
-/// The gain where lobes have normals of their own: the cosine with the shading normal that the correction divides by may
-/// be anything.
-fn gain_of_bumps(bsdf: &Bsdf, lit: &LitSurface) -> Gain {
-    let (ns, ng) = (lit.surface.ns(), lit.surface.ng);
-    if ns == ng {
-        let most = worst(|toward| bsdf.bound(lit.wo, toward).f_cos.max());
-        return Gain { most, over_cos: f32::INFINITY };
+    let both_sides = bent || bsdf.transmits();
+    if bsdf.has_normal(ns) {
+        return Gain { most, over_cos, both_sides };
     }
-    Gain { most: 1e30, over_cos: f32::INFINITY }
+    // Lobes have normals of their own. The cosine that the correction divides by may be anything.
+    let most = if ns == ng { worst(|toward| bsdf.bound(lit.wo, toward).f_cos.max()) } else { 1e30 };
+    Gain { most, over_cos: f32::INFINITY, both_sides }
 }
 
 /// Bound a bound over all directions.

@@ -4,7 +4,8 @@
 //! | | |
 //! |---|---|
 //! | estimated | L(x) = sum over clusters C of a cut of f(x) G(x, y) V(x, y) power(C), with y the cluster's representative; passes, each with lights of its own, are averaged |
-//! | `--error` | error that a cluster may have, relative to the whole: Weber's law (0.02) |
+//! | `--error` | error that may be, relative to the whole: Weber's law (0.02) |
+//! | `--rule` | error of what: `cluster`, each alone, as the lecture has it; `whole`, of 99 of 100 points too (default) |
 //! | `--max-cut` | most clusters of a cut (1000) |
 //! | `--lights` | points of lights: areas, sky, sun (4096 in all, shared out by power) |
 //! | `--vpls` | about how many virtual point lights indirect light has (16384) |
@@ -38,7 +39,7 @@ use gi_core::technique::{Picture, Setting, Technique};
 use vpl::{LightNumbers, Pilot, Prepared, Receiver, Shooting, Termination, Vpls, points, shoot};
 
 use bound::Site;
-use cut::{At, Lights, Limits};
+use cut::{At, Lights, Limits, Rule};
 use figures::Figure;
 use reconstruct::Corners;
 use tally::Tally;
@@ -97,7 +98,7 @@ impl Default for Params {
     fn default() -> Self {
         Params {
             limits: PathLimits::default(),
-            cut: Limits { error: 0.02, max_cut: 1000 },
+            cut: Limits { error: 0.02, rule: Rule::Whole, max_cut: 1000 },
             lights: LightNumbers { total: 4096, area: None, sky: None, sun: None },
             direct_by_points: true,
             vpls: 16_384,

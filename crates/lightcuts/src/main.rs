@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::{Parser, ValueEnum};
 use gi_cli::{Common, Program};
 use gi_core::eye::PathLimits;
-use lightcuts::cut::Limits;
+use lightcuts::cut::{Limits, Rule};
 use lightcuts::figures::{Figure, bounds_csv, cuts_csv};
 use lightcuts::{Lightcuts, Method, Params, Reconstruction};
 use vpl::{LightNumbers, to_csv, to_ply};
@@ -20,9 +20,12 @@ use vpl::{LightNumbers, to_csv, to_ply};
 struct Args {
     #[command(flatten)]
     common: Common,
-    /// Error that a cluster may have, relative to the whole (Weber's law) [slides 54, 61]; 0 asks every light
+    /// Error that may be, relative to the whole (Weber's law) [slides 54, 61]; 0 asks every light
     #[arg(long, value_name = "E", default_value_t = Params::default().cut.error, value_parser = parse_share)]
     error: f32,
+    /// Of what --error is the error
+    #[arg(long, value_enum, default_value_t = RuleFlag::Whole)]
+    rule: RuleFlag,
     /// Most clusters of a cut
     #[arg(long, value_name = "N", default_value_t = Params::default().cut.max_cut, value_parser = clap::value_parser!(u32).range(1..))]
     max_cut: u32,
@@ -75,6 +78,14 @@ struct Args {
     /// Pixel whose cut --show tree marks [default: the middle]
     #[arg(long, value_name = "X,Y", value_parser = parse_pixel)]
     pixel: Option<[usize; 2]>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum RuleFlag {
+    /// Of each cluster alone, as the lecture has it: errors of many add up to more
+    Cluster,
+    /// Of each cluster, and of the whole for about 99 of 100 points
+    Whole,
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
@@ -172,7 +183,14 @@ impl Program for Args {
         }
         Ok(Params {
             limits: PathLimits { max_depth: self.common.max_depth(), ..PathLimits::default() },
-            cut: Limits { error: self.error, max_cut: self.max_cut },
+            cut: Limits {
+                error: self.error,
+                rule: match self.rule {
+                    RuleFlag::Cluster => Rule::Cluster,
+                    RuleFlag::Whole => Rule::Whole,
+                },
+                max_cut: self.max_cut,
+            },
             lights: self.lights,
             direct_by_points: self.direct == DirectFlag::Vpl,
             vpls: self.vpls,

@@ -145,7 +145,7 @@ impl Sample {
     ) -> Self {
         let (mut record, mut cut) = (Record::default(), Cut::default());
         lights.choose(at, limits, &mut cut, &mut Some(&mut record));
-        let lit = lights.add_up(&cut, limits);
+        let lit = lights.add_up(&mut cut, limits);
         for t in 0..lights.forest.trees.len() as u32 {
             record.sum_up(lights.forest, at, t, (t, 0));
         }
@@ -238,7 +238,7 @@ impl<'a> Lights<'_, 'a> {
             }
         }
         self.refine(at, limits, &mut cut, &mut None);
-        let asked = self.add_up(&cut, limits);
+        let asked = self.add_up(&mut cut, limits);
         Lit {
             direct: between.direct + asked.direct,
             indirect: between.indirect + asked.indirect,

@@ -135,6 +135,11 @@ impl Bsdf<'_> {
         sum
     }
 
+    /// Whether a lobe, delta lobes apart, lets light through.
+    pub fn transmits(&self) -> bool {
+        self.components().iter().any(|c| matches!(c.lobe, Lobe::RoughDielectric { .. }))
+    }
+
     /// Whether the cosines of all lobes are taken with this normal, or its opposite.
     #[inline]
     pub fn has_normal(&self, n: Vec3) -> bool {

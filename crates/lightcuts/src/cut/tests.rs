@@ -40,7 +40,7 @@ fn without_error_it_is_brute_force() {
     let mut some = 0;
     at_points(300, 150, |lights, at| {
         let exact = lights.light_by_all(at);
-        let lit = lights.light(at, &Limits { error: 0.0, max_cut: u32::MAX });
+        let lit = lights.light(at, &Limits { error: 0.0, rule: Rule::Whole, max_cut: u32::MAX });
         assert!(close(lit.direct, exact.direct), "{lit:?} is not {exact:?}");
         assert!(close(lit.indirect, exact.indirect), "{lit:?} is not {exact:?}");
         assert!(!lit.at_most);
@@ -56,7 +56,7 @@ fn every_cut_partitions_the_lights_that_can_bring_something() {
     at_points(300, 20, |lights, at| {
         for max_cut in [1, 7, 40, u32::MAX] {
             let mut cut = Cut::default();
-            let limits = Limits { error: 0.02, max_cut };
+            let limits = Limits { error: 0.02, rule: Rule::Whole, max_cut };
             lights.choose(at, &limits, &mut cut, &mut None);
             let mut seen = vec![0; lights.prepared.set().lights.len()];
             for cluster in cut.clusters() {
@@ -68,7 +68,7 @@ fn every_cut_partitions_the_lights_that_can_bring_something() {
                 assert!(n == 1 || n == 0 && !brings, "light {k} stands {n} times");
             }
             let roots = lights.forest.trees.len();
-            assert!(cut.clusters().count() <= (max_cut as usize).max(roots));
+            assert!(cut.clusters().len() <= (max_cut as usize).max(roots));
         }
     });
 }
@@ -79,12 +79,12 @@ fn no_cluster_of_a_finished_cut_is_farther_off_than_allowed_and_cuts_shrink_with
     at_points(500, 60, |lights, at| {
         for (k, error) in [0.005, 0.02, 0.1].into_iter().enumerate() {
             let mut cut = Cut::default();
-            let limits = Limits { error, max_cut: u32::MAX };
+            let limits = Limits { error, rule: Rule::Whole, max_cut: u32::MAX };
             lights.choose(at, &limits, &mut cut, &mut None);
-            let lit = lights.add_up(&cut, &limits);
+            let lit = lights.add_up(&mut cut, &limits);
             sizes[k] += lit.size;
             let allowed = error * lit.all().luminance() * (1.0 + 1e-4) + 1e-9;
-            for cluster in &cut.open {
+            for cluster in cut.clusters().iter().filter(|c| c.error > 0.0) {
                 let tree = &lights.forest.trees[cluster.tree as usize];
                 let members = tree.members(cluster.node);
                 let truth: Rgb = members.iter().map(|&k| lights.one(at, k)).sum();
@@ -104,10 +104,14 @@ fn no_cluster_of_a_finished_cut_is_farther_off_than_allowed_and_cuts_shrink_with
 fn a_limit_of_clusters_is_kept_and_said() {
     let mut at_most = 0;
     at_points(300, 30, |lights, at| {
-        let lit = lights.light(at, &Limits { error: 0.001, max_cut: 12 });
+        let lit = lights.light(at, &Limits { error: 0.001, rule: Rule::Whole, max_cut: 12 });
         assert!(lit.size <= 12);
         at_most += u32::from(lit.at_most);
-        assert!(!lights.light(at, &Limits { error: 0.001, max_cut: u32::MAX }).at_most);
+        assert!(
+            !lights
+                .light(at, &Limits { error: 0.001, rule: Rule::Whole, max_cut: u32::MAX })
+                .at_most
+        );
     });
     assert!(at_most > 30, "{at_most}");
 }

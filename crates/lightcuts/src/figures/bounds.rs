@@ -62,7 +62,7 @@ fn of_cut<'a>(
             bound: c.error,
         }
     };
-    cut.open.iter().map(check).collect()
+    cut.clusters().iter().filter(|c| c.error > 0.0).map(check).collect()
 }
 
 /// The clusters of the cuts of some pixels, as a table.

@@ -88,7 +88,7 @@ pub(super) fn tree<'a>(
     technique.looking_at(pixel, |at: &At<'_, '_, 'a>| {
         let mut cut = Cut::default();
         lights.choose(at, &technique.params.cut, &mut cut, &mut None);
-        on_cut = cut.clusters().filter(|c| c.tree == 0).map(|c| c.node).collect();
+        on_cut = cut.clusters().iter().filter(|c| c.tree == 0).map(|c| c.node).collect();
     });
     if let Some(tree) = lights.forest.trees.first() {
         let ends = largest(tree, MOST_LEAVES);

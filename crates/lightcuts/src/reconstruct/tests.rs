@@ -1,9 +1,10 @@
 use super::*;
+use crate::cut::Rule;
 use crate::cut::tests::at_points;
 use gi_core::bsdf::Transport;
 use gi_core::ray::Ray;
 
-const LIMITS: Limits = Limits { error: 0.02, max_cut: 1000 };
+const LIMITS: Limits = Limits { error: 0.02, rule: Rule::Whole, max_cut: 1000 };
 
 fn close(a: f32, b: f32) -> bool {
     (a - b).abs() <= 1e-3 * (a.abs() + b.abs()) + 1e-7
