@@ -51,7 +51,7 @@ pub struct Terms {
 
 impl Terms {
     /// Bound the factors of a node's lights; `None` where none of them can bring anything.
-    #[inline]
+    #[inline(always)]
     pub fn new(tree: &Tree, k: u32, site: &Site) -> Option<Self> {
         let node = tree.node(k);
         // Parallel light comes from a box of directions.

@@ -20,7 +20,12 @@ pub struct Toward {
     /// Middle and half the extent of the box, the point being the origin.
     middle: Vec3,
     half: Vec3,
-    /// Unit axis of the cone round the directions, and its half angle; the whole sphere has a sine of 1 and a cosine of 0.
+}
+
+/// A cone round such directions.
+#[derive(Clone, Copy, Debug)]
+struct Cone {
+    /// Unit axis, and half angle; the whole sphere has a sine of 1 and a cosine of 0.
     axis: Vec3,
     sin: f32,
     cos: f32,
@@ -40,19 +45,19 @@ impl Toward {
         let (low, high) = (bounds.min - p, bounds.max - p);
         let middle = 0.5 * (low + high);
         let half = 0.5 * (high - low) + (p.abs() + middle.abs()) * ROUNDING;
-        let distance_sq = middle.length_squared();
-        let radius_sq = half.length_squared();
+        Toward { middle, half }
+    }
+
+    /// The cone: of the box's own sphere.
+    #[inline]
+    fn cone(&self) -> Cone {
+        let (distance_sq, radius_sq) = (self.middle.length_squared(), self.half.length_squared());
         if radius_sq >= distance_sq {
-            return Toward { middle, half, axis: Vec3::Z, sin: 1.0, cos: 0.0 };
+            return Cone { axis: Vec3::Z, sin: 1.0, cos: 0.0 };
         }
-        let sin_sq = radius_sq / distance_sq;
-        Toward {
-            middle,
-            half,
-            axis: middle / distance_sq.sqrt(),
-            sin: sin_sq.sqrt(),
-            cos: (1.0 - sin_sq).sqrt(),
-        }
+        let inverse = 1.0 / distance_sq;
+        let sin_sq = radius_sq * inverse;
+        Cone { axis: self.middle * inverse.sqrt(), sin: sin_sq.sqrt(), cos: (1.0 - sin_sq).sqrt() }
     }
 
     /// All directions.
@@ -75,7 +80,8 @@ impl Toward {
     /// Solid angle of the cone round the directions.
     #[inline]
     pub fn solid_angle(&self) -> f32 {
-        if self.sin >= 1.0 { 4.0 * PI } else { 2.0 * PI * (1.0 - self.cos) }
+        let cone = self.cone();
+        if cone.sin >= 1.0 { 4.0 * PI } else { 2.0 * PI * (1.0 - cone.cos) }
     }
 
     /// The largest cosine of a direction with the frame's normal [Walter05, eq. 4]: of the box's own box in that frame.
@@ -92,10 +98,12 @@ impl Toward {
         let length_sq = across_sq + z * z;
         if length_sq > 0.0 { (z / length_sq.sqrt() + UNIT_ROUNDING).min(1.0) } else { 1.0 }
     }
+}
 
-    /// The largest cosine of a direction with unit `d`, by the cone.
+impl Cone {
+    /// The largest cosine of a direction with unit `d`.
     #[inline]
-    fn max_cos_cone(&self, d: Vec3) -> f32 {
+    fn max_cos(&self, d: Vec3) -> f32 {
         if self.sin >= 1.0 {
             return 1.0;
         }
@@ -104,12 +112,6 @@ impl Toward {
             return 1.0;
         }
         (cos * self.cos + safe_sqrt(1.0 - cos * cos) * self.sin + UNIT_ROUNDING).min(1.0)
-    }
-
-    /// The smallest cosine of a direction with unit `d`.
-    #[inline]
-    fn min_cos_cone(&self, d: Vec3) -> f32 {
-        -self.max_cos_cone(-d)
     }
 }
 
@@ -173,13 +175,13 @@ impl Component<'_> {
             return ScatterBound::default();
         }
         let cap = || {
-            let axis = self.frame.to_local(toward.axis);
+            let cone = toward.cone();
             Cap {
                 wo,
                 cos,
-                center: axis * toward.cos,
-                radius: toward.sin + UNIT_ROUNDING,
-                min_cos_wo: toward.min_cos_cone(world_wo),
+                center: self.frame.to_local(cone.axis) * cone.cos,
+                radius: cone.sin + UNIT_ROUNDING,
+                min_cos_wo: -cone.max_cos(-world_wo),
             }
         };
         match self.lobe {
@@ -193,7 +195,7 @@ impl Component<'_> {
             }
             Lobe::Phong { diffuse, specular, exponent } => {
                 let mirrored = self.frame.to_world(reflect_z(wo));
-                let peak = toward.max_cos_cone(mirrored).max(0.0).powf(exponent);
+                let peak = toward.cone().max_cos(mirrored).max(0.0).powf(exponent);
                 let f = diffuse * INV_PI + specular * ((exponent + 2.0) * 0.5 * INV_PI * peak);
                 ScatterBound { f, f_cos: f * cos }
             }
