@@ -7,7 +7,7 @@ use std::collections::BinaryHeap;
 
 use gi_core::bsdf::{Bsdf, ScatterBound, Toward, Transport};
 use gi_core::geometry::Surface;
-use gi_core::math::{Bounds, Frame, Rgb, safe_sqrt};
+use gi_core::math::{Bounds, Frame, INV_PI, Rgb, safe_sqrt};
 use gi_core::scene::Scene;
 use glam::Vec3;
 use vpl::LitSurface;
@@ -27,12 +27,26 @@ pub struct Site<'s, 'a> {
     pub most: f32,
     /// Whether light is shaded by the geometric normal: what the bound of the geometric term leaves is then f times it.
     flat: bool,
+    /// f of a Lambertian surface and the frame round its normal: bounds of nothing else are as cheap.
+    lambert: Option<(Rgb, Frame)>,
 }
 
 impl<'s, 'a> Site<'s, 'a> {
     /// A point of a surface.
     pub fn new(surface: &Surface, wo: Vec3, bsdf: &'s Bsdf<'a>, most: f32) -> Self {
-        Site { p: surface.p, wo, bsdf, most, flat: bsdf.has_normal(surface.ng) }
+        let lambert = bsdf
+            .diffuse_only(wo)
+            .map(|part| (part.albedo * (INV_PI * SAFETY), Frame::from_normal(part.normal)));
+        Site { p: surface.p, wo, bsdf, most, flat: bsdf.has_normal(surface.ng), lambert }
+    }
+
+    /// What is scattered toward a cluster at most.
+    #[inline(always)]
+    fn scatter(&self, toward: &Toward) -> ScatterBound {
+        match &self.lambert {
+            Some((f, frame)) => ScatterBound { f: *f, f_cos: *f * toward.max_cos(frame).max(0.0) },
+            None => self.bsdf.bound(self.wo, toward),
+        }
     }
 }
 
@@ -72,13 +86,13 @@ impl Terms {
         if emitted <= 0.0 {
             return None;
         }
-        let scatter = site.bsdf.bound(site.wo, &toward);
+        let scatter = site.scatter(&toward);
         let some = !scatter.f_cos.is_black();
         some.then_some(Terms { toward, scatter, emitted, emitted_over_cos })
     }
 
     /// The bound of what the node's lights bring, by channel.
-    #[inline]
+    #[inline(always)]
     pub fn bound(&self, tree: &Tree, node: &Node, site: &Site) -> Rgb {
         let falloff = match tree.family {
             Family::Directional => 1.0,

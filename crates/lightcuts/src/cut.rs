@@ -194,9 +194,10 @@ impl<'a> Lights<'_, 'a> {
         if let Some(record) = record {
             record.inherit(slot + inherits, parent.slot);
         }
-        let terms = self.terms(at, parent.tree, same);
-        let heir = Cluster { node: same, slot: slot + inherits, ..parent };
-        self.weigh(cut, heir, Some(number), terms, at);
+        let bound = self.bound(at, parent.tree, same);
+        let heir = &mut cut.clusters[number as usize];
+        (heir.node, heir.slot) = (same, slot + inherits);
+        self.weigh(cut, number, bound);
         self.add(at, cut, (parent.tree, other), slot + 1 - inherits, record);
     }
 
@@ -214,8 +215,8 @@ impl<'a> Lights<'_, 'a> {
         let mut cluster = Cluster { error: 0.0, tree, node, unit: Rgb::BLACK, kept: 1.0, slot };
         // What cannot bring anything needs no ray.
         let is_light = shape.node(node).children().is_none();
-        let terms = self.terms(at, tree, node);
-        if !is_light && terms.is_none() {
+        let bound = self.bound(at, tree, node);
+        if !is_light && bound.is_none() {
             return;
         }
         if let Some(c) = self.prepared.connect_unit(light as usize, &at.receiver) {
@@ -229,44 +230,31 @@ impl<'a> Lights<'_, 'a> {
         } else if is_light {
             return;
         }
-        self.weigh(cut, cluster, None, terms, at);
+        cut.clusters.push(cluster);
+        self.weigh(cut, cut.clusters.len() as u32 - 1, bound);
     }
 
-    /// Bounds of a node that is no light.
+    /// Bound what a node's lights bring; `None` for lights, and where nothing comes from them.
     #[inline]
-    fn terms(&self, at: &At, tree: u32, node: u32) -> Option<Terms> {
+    fn bound(&self, at: &At, tree: u32, node: u32) -> Option<Rgb> {
         let tree = &self.forest.trees[tree as usize];
-        tree.node(node).children().and_then(|_| Terms::new(tree, node, &at.site))
+        tree.node(node).children()?;
+        Some(Terms::new(tree, node, &at.site)?.bound(tree, tree.node(node), &at.site))
     }
 
-    /// Bound a cluster's error, and put it into a cut, in the place of another if there is one to take.
-    fn weigh(
-        &self,
-        cut: &mut Cut,
-        mut cluster: Cluster,
-        place: Option<u32>,
-        terms: Option<Terms>,
-        at: &At,
-    ) {
-        let tree = &self.forest.trees[cluster.tree as usize];
-        let node = tree.node(cluster.node);
-        let estimate = cluster.unit * node.power;
+    /// Say how wrong a cluster may be, and add its estimate to the whole.
+    #[inline]
+    fn weigh(&self, cut: &mut Cut, number: u32, bound: Option<Rgb>) {
+        let cluster = &mut cut.clusters[number as usize];
+        let power = self.forest.trees[cluster.tree as usize].node(cluster.node).power;
+        let estimate = cluster.unit * power;
         cut.total += f64::from(estimate.luminance());
         // Lights have no error, and what cannot bring anything has none.
-        cluster.error = terms.map_or(0.0, |t| error(estimate, t.bound(tree, node, &at.site)));
-        let number = match place {
-            Some(number) => {
-                cut.clusters[number as usize] = cluster;
-                number
-            }
-            None => {
-                cut.clusters.push(cluster);
-                cut.clusters.len() as u32 - 1
-            }
-        };
-        if cluster.error > 0.0 {
-            cut.squares = cut.squares.map(|s| s + f64::from(cluster.error).powi(2));
-            cut.open.push(u64::from(cluster.error.to_bits()) << 32 | u64::from(number));
+        let error = bound.map_or(0.0, |bound| error(estimate, bound));
+        cluster.error = error;
+        if error > 0.0 {
+            cut.squares = cut.squares.map(|s| s + f64::from(error).powi(2));
+            cut.open.push(u64::from(error.to_bits()) << 32 | u64::from(number));
         }
     }
 
