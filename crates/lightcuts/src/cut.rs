@@ -194,10 +194,15 @@ impl<'a> Lights<'_, 'a> {
         if let Some(record) = record {
             record.inherit(slot + inherits, parent.slot);
         }
-        let bound = self.bound(at, parent.tree, same);
         let heir = &mut cut.clusters[number as usize];
-        (heir.node, heir.slot) = (same, slot + inherits);
-        self.weigh(cut, number, bound);
+        (heir.node, heir.slot, heir.error) = (same, slot + inherits, 0.0);
+        if tree.is_pair(same) {
+            cut.total += f64::from((parent.unit * tree.node(same).power).luminance());
+            self.split(at, cut, number, record);
+        } else {
+            let bound = self.bound(at, parent.tree, same);
+            self.weigh(cut, number, bound);
+        }
         self.add(at, cut, (parent.tree, other), slot + 1 - inherits, record);
     }
 
@@ -211,6 +216,12 @@ impl<'a> Lights<'_, 'a> {
         record: &mut Option<&mut Record>,
     ) {
         let shape = &self.forest.trees[tree as usize];
+        // A ray to the other of two lights costs no more than a bound.
+        if record.is_none() && shape.is_pair(node) {
+            let [a, b] = shape.node(node).children().expect("two lights");
+            self.add(at, cut, (tree, a), 0, record);
+            return self.add(at, cut, (tree, b), 0, record);
+        }
         let light = shape.node(node).representative;
         let mut cluster = Cluster { error: 0.0, tree, node, unit: Rgb::BLACK, kept: 1.0, slot };
         // What cannot bring anything needs no ray.

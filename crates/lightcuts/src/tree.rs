@@ -76,6 +76,13 @@ impl Tree {
         &self.nodes[k as usize]
     }
 
+    /// Whether a node is two lights.
+    #[inline]
+    pub fn is_pair(&self, k: u32) -> bool {
+        let is_light = |k: u32| self.node(k).child == 0;
+        self.node(k).children().is_some_and(|[a, b]| is_light(a) && is_light(b))
+    }
+
     /// All nodes.
     pub fn nodes(&self) -> &[Node] {
         &self.nodes
