@@ -42,9 +42,9 @@ pub struct Record {
 }
 
 impl Record {
-    /// A new root: trees in their order.
-    pub fn root(&mut self) -> u32 {
-        self.push()
+    /// Begin with the roots of so many trees, in their order.
+    pub fn begin(&mut self, trees: usize) {
+        (0..trees).for_each(|_| _ = self.push());
     }
 
     /// New entries for two children of one; where the first is.
