@@ -32,6 +32,7 @@ mod tally;
 mod test_scenes;
 pub mod tree;
 
+use gi_core::bytes::{Reader, Writer};
 use gi_core::eye::{Answered, EyePath, EyeVertex, PathLimits, Supplied};
 use gi_core::film::{Film, Show};
 use gi_core::sampler::Sampler;
@@ -120,6 +121,8 @@ pub struct Lightcuts<'a> {
     /// The lights of the last pass, and their trees.
     vpls: Vpls,
     forest: Forest,
+    /// Which pass they were made for.
+    made_for: u32,
     tally: Tally,
 }
 
@@ -134,6 +137,7 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
             pilot,
             vpls: Vpls::default(),
             forest: Forest::default(),
+            made_for: 0,
             tally: Tally::default(),
         };
         technique.make_lights(0);
@@ -142,7 +146,7 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
 
     /// A set of lights and its trees, and one sample a pixel lit by cuts.
     fn pass(&mut self, index: u32, film: &mut Film) {
-        if index > 0 && !self.params.fixed_lights {
+        if index != self.made_for && !self.params.fixed_lights {
             self.make_lights(index);
         }
         let this = &*self;
@@ -152,6 +156,24 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
             return picture::add_pass(this, &lights, how, index, film);
         }
         film.add_pass(|pixel| this.sample_pixel(&lights, pixel, index, |_| None));
+    }
+
+    /// Passes do not build on each other: what is kept are counts.
+    fn save_state(&self) -> Option<Vec<u8>> {
+        let mut w = Writer::default();
+        w.text(&format!("{:?}", self.params));
+        self.tally.save(&mut w);
+        Some(w.into_bytes())
+    }
+
+    fn restore(&mut self, state: &[u8]) -> Result<(), String> {
+        let mut r = Reader::new(state);
+        let params = r.text()?;
+        if params != format!("{:?}", self.params) {
+            return Err(format!("it was made with other parameters: {params}"));
+        }
+        self.tally.restore(&mut r)?;
+        r.end()
     }
 
     fn statistics(&self) -> Vec<(String, f64)> {
@@ -206,7 +228,7 @@ impl<'a> Lightcuts<'a> {
         let clock = std::time::Instant::now();
         self.forest = Forest::build(scene, &set, max_depth.is_some(), seed ^ index);
         self.tally.built(&set, clock.elapsed());
-        self.vpls = set;
+        (self.vpls, self.made_for) = (set, index);
     }
 
     /// The lights, ready to light points.

@@ -27,6 +27,17 @@ impl Energy {
         [&self.kept, &self.cut].map(|n| n.load(Relaxed) as f64 / f64::from(PARTS))
     }
 
+    /// All counts, to go on from with [`Energy::from_parts`].
+    pub fn parts(&self) -> [u64; 3] {
+        [&self.kept, &self.cut, &self.connections].map(|n| n.load(Relaxed))
+    }
+
+    /// Go on counting.
+    pub fn from_parts(parts: [u64; 3]) -> Self {
+        let [kept, cut, connections] = parts.map(AtomicU64::new);
+        Energy { kept, cut, connections }
+    }
+
     /// How many lights were connected with points, turned toward each other.
     pub fn connections(&self) -> u64 {
         self.connections.load(Relaxed)

@@ -1,0 +1,126 @@
+//! The program run as a user runs it: messages, exit status, files.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use gi_core::image_io::read_exr;
+use lightcuts::Params;
+
+/// Run the program on a scene of the repository, small and quick.
+fn run(scene: &str, arguments: &[&str]) -> Output {
+    let scene = format!("{}/../../scenes/{scene}.xml", env!("CARGO_MANIFEST_DIR"));
+    Command::new(env!("CARGO_BIN_EXE_lightcuts"))
+        .args([&scene, "--spp=1", "--size=32x24", "--lights=200", "--vpls=300"])
+        .args(arguments)
+        .output()
+        .expect("it runs")
+}
+
+fn text(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn assert_refused(output: &Output, says: &str) {
+    let text = text(output);
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    assert!(text.contains(says) && !text.contains("panicked"), "\"{says}\" is not in:\n{text}");
+}
+
+#[test]
+fn pictures_and_tables_are_written_and_every_bound_in_them_holds() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let output = run(
+        "gallery",
+        &[
+            "-o",
+            &at("a.exr"),
+            "--show=cut-size,bounds,clusters,tree",
+            "--bounds-out",
+            &at("bounds.csv"),
+            "--lights-out",
+            &at("lights.ply"),
+        ],
+    );
+    assert!(output.status.success(), "{}", text(&output));
+    for name in ["a.cut-size.png", "a.bounds.png", "a.clusters-8.png", "a.tree.png", "lights.ply"] {
+        assert!(Path::new(&at(name)).exists(), "no {name}");
+    }
+    let layers = read_exr(Path::new(&at("a.exr"))).expect("an EXR");
+    let sizes = layers.channel("Cut-size.Clusters").expect("a layer");
+    assert!(sizes.iter().all(|s| *s <= 1000.0) && sizes.iter().any(|s| *s > 10.0));
+    let csv = std::fs::read_to_string(at("bounds.csv")).expect("a table");
+    let mut rows = 0;
+    for line in csv.lines().skip(1) {
+        let numbers: Vec<f32> = line.split(',').map(|t| t.parse().expect("a number")).collect();
+        let [error, bound] = [numbers[6], numbers[7]];
+        assert!(error <= bound, "{line}");
+        rows += 1;
+    }
+    assert!(rows > 1000, "{rows} clusters");
+}
+
+#[test]
+fn four_lights_have_the_cuts_of_the_lecture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let arguments = ["-D", "lights=4", "--lights=4", "--component=direct", "--show=cuts"];
+    let files = ["-o", &at("a.exr"), "--cuts-out", &at("cuts.csv")];
+    let output = run("gallery", &[&arguments[..], &files[..]].concat());
+    assert!(output.status.success(), "{}", text(&output));
+    let csv = std::fs::read_to_string(at("cuts.csv")).expect("a table");
+    let rows: Vec<Vec<&str>> = csv.lines().skip(1).map(|l| l.split(',').collect()).collect();
+    let sizes: Vec<&str> = rows.iter().map(|r| r[1]).collect();
+    // A lamp each; two pairs of neighbours.
+    assert_eq!(sizes, ["4", "3", "3", "2", "1"], "{csv}");
+    let errors: Vec<f32> = rows.iter().map(|r| r[3].parse().expect("a number")).collect();
+    assert!(errors[0] == 0.0 && errors[1] > 0.0 && errors[4] > errors[1], "{csv}");
+    assert!(Path::new(&at("a.cut-4.png")).exists());
+}
+
+#[test]
+fn what_cannot_be_used_is_refused_with_a_way_out() {
+    assert_refused(&run("gallery", &["--error=2"]), "from 0 to 1");
+    assert_refused(&run("gallery", &["--lights=moon=3"]), "area, sky or sun");
+    assert_refused(&run("gallery", &["--clamp=-1"]), "above 0, or inf");
+    assert_refused(&run("gallery", &["--max-cut=0"]), "--max-cut");
+    assert_refused(&run("gallery", &["--pixel=7"]), "X,Y");
+    assert_refused(&run("gallery", &["--reconstruct", "--method=one"]), "--method cuts only");
+}
+
+#[test]
+fn the_help_names_the_librarys_defaults() {
+    let output = Command::new(env!("CARGO_BIN_EXE_lightcuts")).arg("--help").output();
+    let help = String::from_utf8(output.expect("it runs").stdout).expect("UTF-8");
+    let defaults = Params::default();
+    let of = |flag: &str, value: String| {
+        let rest = help.split(&format!("--{flag} <")).nth(1).unwrap_or_else(|| panic!("no {flag}"));
+        let end = rest.find("\n      --").unwrap_or(rest.len());
+        assert!(rest[..end].contains(&format!("[default: {value}]")), "{flag}: {}", &rest[..end]);
+    };
+    of("error", defaults.cut.error.to_string());
+    of("max-cut", defaults.cut.max_cut.to_string());
+    of("lights", defaults.lights.total.to_string());
+    of("vpls", defaults.vpls.to_string());
+    of("clamp", defaults.clamp.to_string());
+}
+
+#[test]
+fn a_resumed_run_makes_the_picture_of_one_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let kept = at("run.state");
+    let render = |name: &str, flags: &[&str]| {
+        let out = at(name);
+        let output = run("cornell-box", &[&["-o", out.as_str()], flags].concat());
+        assert!(output.status.success(), "{}", text(&output));
+        read_exr(Path::new(&out)).expect("an EXR").channels
+    };
+    let whole = render("whole.exr", &["--passes=3"]);
+    let keep = ["--checkpoint", kept.as_str()];
+    render("first.exr", &[&keep[..], &["--passes=1"]].concat());
+    let resumed = render("rest.exr", &[&keep[..], &["--passes=3", "--resume"]].concat());
+    assert!(resumed == whole, "resumed: another picture");
+    let other = [&keep[..], &["--passes=3", "--resume", "--error=0.1"]].concat();
+    assert_refused(&run("cornell-box", &other), "other parameters");
+}
