@@ -24,6 +24,8 @@ pub mod cluster;
 pub mod cone;
 pub mod cut;
 pub mod figures;
+pub mod light;
+mod params;
 mod picture;
 pub mod reconstruct;
 pub mod sample;
@@ -33,85 +35,19 @@ mod test_scenes;
 pub mod tree;
 
 use gi_core::bytes::{Reader, Writer};
-use gi_core::eye::{Answered, EyePath, EyeVertex, PathLimits, Supplied};
+use gi_core::eye::{Answered, EyePath, EyeVertex, Supplied};
 use gi_core::film::{Film, Show};
 use gi_core::sampler::Sampler;
 use gi_core::technique::{Picture, Setting, Technique};
-use vpl::{LightNumbers, Pilot, Prepared, Receiver, Shooting, Termination, Vpls, points, shoot};
+use vpl::{Pilot, Prepared, Receiver, Shooting, Termination, Vpls, points, shoot};
 
 use bound::Site;
-use cut::{At, Lights, Limits, Rule};
-use figures::Figure;
+use light::{At, Lights};
 use reconstruct::Corners;
 use tally::Tally;
 use tree::Forest;
 
-/// How a point is lit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// By a cut.
-    Cuts,
-    /// By all lights: brute force.
-    All,
-    /// By one light drawn from each of so many clusters.
-    Stochastic(u32),
-    /// By so many lights drawn by importance.
-    Some(u32),
-}
-
-/// Reconstruction cuts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reconstruction {
-    /// Side of a block in pixels.
-    pub block: u32,
-    /// Difference between samples that is interpolated, relative to the whole.
-    pub agree: f32,
-}
-
-/// The knobs.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Params {
-    /// How long paths may be.
-    pub limits: PathLimits,
-    /// What a cut may cost and how far it may be wrong.
-    pub cut: Limits,
-    /// How many points lights have.
-    pub lights: LightNumbers,
-    /// Whether points of lights are lights too, instead of direct light being sampled.
-    pub direct_by_points: bool,
-    /// About how many virtual point lights indirect light has.
-    pub vpls: u32,
-    /// Whether all passes have the lights of the first.
-    pub fixed_lights: bool,
-    /// Bound of the geometric term of lights of surfaces, in units of one over the squared radius of the scene.
-    pub clamp: f32,
-    /// Whether paths bring back what the bound cut off.
-    pub compensation: bool,
-    /// How points are lit.
-    pub method: Method,
-    /// Reconstruction cuts, if any.
-    pub reconstruction: Option<Reconstruction>,
-    /// What to draw.
-    pub figures: Vec<Figure>,
-}
-
-impl Default for Params {
-    fn default() -> Self {
-        Params {
-            limits: PathLimits::default(),
-            cut: Limits { error: 0.02, rule: Rule::Whole, max_cut: 1000 },
-            lights: LightNumbers { total: 4096, area: None, sky: None, sun: None },
-            direct_by_points: true,
-            vpls: 16_384,
-            fixed_lights: false,
-            clamp: 20.0,
-            compensation: true,
-            method: Method::Cuts,
-            reconstruction: None,
-            figures: Vec::new(),
-        }
-    }
-}
+pub use params::{Method, Params, Reconstruction};
 
 /// Lightcuts.
 pub struct Lightcuts<'a> {

@@ -6,7 +6,7 @@ use gi_core::film::{Film, Sample as PixelSample};
 use gi_core::rng::{bits_to_unit, hash_words};
 use rayon::prelude::*;
 
-use crate::cut::Lights;
+use crate::light::Lights;
 use crate::reconstruct::{Corners, Sample};
 use crate::{Lightcuts, Reconstruction};
 

@@ -21,7 +21,8 @@ use gi_core::math::Rgb;
 use gi_core::scene::Scene;
 use glam::Vec3;
 
-use crate::cut::{At, Cut, Lights, Limits, Lit};
+use crate::cut::{Cut, Limits, Lit};
+use crate::light::{At, Lights};
 use crate::tree::Forest;
 
 /// A node of a recorded cut, or above it.

@@ -4,13 +4,16 @@
 //! A walk goes to a child in proportion to what it may bring: the bounds of [`crate::bound`], but with the distance to the
 //! middle of the box, which keeps the estimate steady near lights. A child that may bring something is never left out.
 
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 use std::f32::consts::PI;
 
 use gi_core::rng::Pcg;
 use gi_core::sampler::Sampler;
 
 use crate::bound::{Site, Terms};
-use crate::cut::{At, Lights, Lit};
+use crate::cut::Lit;
+use crate::light::{At, Lights};
 use crate::tree::{Family, Tree};
 
 /// Glossy lights of whose peak nothing is known must not keep walks from all others.
@@ -69,39 +72,40 @@ impl<'a> Lights<'_, 'a> {
         size: u32,
         sampler: &mut Sampler,
     ) -> Lit {
-        let mut rng = numbers(sampler);
-        let mut open = std::collections::BinaryHeap::new();
-        let mut lights = Vec::new();
-        let mut lit = Lit::default();
-        let add =
-            |open: &mut std::collections::BinaryHeap<_>, lights: &mut Vec<_>, t: u32, k: u32| {
-                let tree = &self.forest.trees[t as usize];
-                if tree.node(k).children().is_none() {
-                    lights.push((t, k));
-                    return;
-                }
-                if let Some(terms) = Terms::new(tree, k, &at.site) {
-                    let bound = terms.bound(tree, tree.node(k), &at.site).luminance().min(f32::MAX);
-                    // Bounds are not negative: their bits are in their order.
-                    open.push((bound.to_bits(), std::cmp::Reverse((t, k))));
-                }
-            };
-        for (t, _) in self.forest.trees.iter().enumerate().filter(|(_, t)| at.counts(t)) {
-            add(&mut open, &mut lights, t as u32, 0);
-        }
-        while open.len() + lights.len() < size as usize {
-            let Some((_, std::cmp::Reverse((t, k)))) = open.pop() else { break };
-            for child in self.forest.trees[t as usize].node(k).children().into_iter().flatten() {
-                add(&mut open, &mut lights, t, child);
-            }
-        }
-        let mut clusters: Vec<(u32, u32)> =
-            open.into_iter().map(|(_, r)| r.0).chain(lights).collect();
-        clusters.sort_unstable();
-        for start in clusters {
+        let (mut rng, mut lit) = (numbers(sampler), Lit::default());
+        for start in self.clusters_by_bound(at, size) {
             self.draw(at, start, 1.0, &mut rng, &mut lit);
         }
         lit
+    }
+
+    /// A cut of at most so many nodes: that with the largest bound is split again and again.
+    fn clusters_by_bound(&self, at: &At<'_, '_, 'a>, size: u32) -> Vec<(u32, u32)> {
+        let (mut open, mut lights) = (BinaryHeap::new(), Vec::new());
+        let mut next: Vec<(u32, u32)> = Vec::new();
+        let trees = self.forest.trees.iter().enumerate();
+        next.extend(trees.filter(|(_, t)| at.counts(t)).map(|(t, _)| (t as u32, 0)));
+        loop {
+            for (t, k) in next.drain(..) {
+                if self.forest.trees[t as usize].node(k).children().is_none() {
+                    lights.push((t, k));
+                } else if let Some(bound) = self.bound(at, t, k) {
+                    // Bounds are not negative: their bits are in their order.
+                    let bound = bound.luminance().min(f32::MAX);
+                    open.push((bound.to_bits(), Reverse((t, k))));
+                }
+            }
+            if open.len() + lights.len() >= size as usize {
+                break;
+            }
+            let Some((_, Reverse((t, k)))) = open.pop() else { break };
+            let children = self.forest.trees[t as usize].node(k).children();
+            next.extend(children.into_iter().flatten().map(|k| (t, k)));
+        }
+        let mut clusters: Vec<(u32, u32)> =
+            open.into_iter().map(|(_, Reverse(node))| node).chain(lights).collect();
+        clusters.sort_unstable();
+        clusters
     }
 
     /// Draw a light below a node and add what it brings, over the probability of having drawn it and over `pdf`.

@@ -1,5 +1,5 @@
 use super::*;
-use crate::cut::{At, Lights};
+use crate::light::{At, Lights};
 use crate::test_scenes::{lights, point, rubble};
 use crate::tree::Forest;
 use gi_core::rng::Pcg;

@@ -12,7 +12,8 @@ use vpl::Prepared;
 
 use super::colour;
 use crate::Lightcuts;
-use crate::cut::{At, Cut, Lights};
+use crate::cut::{Cluster, Cut};
+use crate::light::{At, Lights};
 
 /// A cluster of a pixel's cut.
 pub(super) struct Checked {
@@ -49,7 +50,7 @@ fn of_cut<'a>(
 ) -> Vec<Checked> {
     let mut cut = Cut::default();
     lights.choose(at, &technique.params.cut, &mut cut, &mut None);
-    let check = |c: &crate::cut::Cluster| {
+    let check = |c: &Cluster| {
         let tree = &lights.forest.trees[c.tree as usize];
         let members = tree.members(c.node);
         let truth: Rgb = members.iter().map(|&k| lights.one(at, k)).sum();

@@ -9,7 +9,8 @@ use vpl::{Kind, Vpl};
 
 use super::{background, colour};
 use crate::Lightcuts;
-use crate::cut::{At, Cut, Lights};
+use crate::cut::Cut;
+use crate::light::{At, Lights};
 use crate::tree::Tree;
 
 /// Clusters of the levels that are shown.

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use vpl::Prepared;
 
 use crate::Lightcuts;
-use crate::cut::{At, Lights};
+use crate::light::{At, Lights};
 
 /// Most cuts that are drawn.
 const MOST_CUTS: usize = 16;

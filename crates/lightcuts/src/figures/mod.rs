@@ -12,7 +12,7 @@ use gi_core::technique::Picture;
 use rayon::prelude::*;
 
 use crate::Lightcuts;
-use crate::cut::{At, Lights};
+use crate::light::{At, Lights};
 
 pub use bounds::bounds_csv;
 pub use cuts::cuts_csv;

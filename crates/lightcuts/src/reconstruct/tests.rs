@@ -1,6 +1,6 @@
 use super::*;
 use crate::cut::Rule;
-use crate::cut::tests::at_points;
+use crate::light::tests::at_points;
 use gi_core::bsdf::Transport;
 use gi_core::ray::Ray;
 

@@ -1,5 +1,5 @@
 use super::*;
-use crate::cut::tests::at_points;
+use crate::light::tests::at_points;
 
 /// Of every light that brings something, what it brings and the probability of drawing it, by walking down all branches.
 fn all_walks(lights: &Lights, at: &At) -> Vec<[f64; 2]> {

@@ -1,4 +1,5 @@
 use super::*;
+use crate::cut::Rule;
 use crate::test_scenes::{lights, point, rubble};
 use gi_core::bsdf::Transport;
 use gi_core::rng::Pcg;
