@@ -43,8 +43,12 @@ impl Cone {
         // Turn the axis of the wider one toward the other.
         let cos = wide.axis.dot(narrow.axis);
         let turn = angle - wide.angle;
-        let Some(across) = (narrow.axis - wide.axis * cos).try_normalize() else {
-            return Cone { axis: wide.axis, angle: PI };
+        let across = narrow.axis - wide.axis * cos;
+        // Of opposite axes only rounding is left, and any way round is as good.
+        let across = if across.length_squared() < ROUNDING * ROUNDING {
+            wide.axis.any_orthonormal_vector()
+        } else {
+            across.normalize()
         };
         let axis = (wide.axis * turn.cos() + across * turn.sin()).normalize();
         Cone { axis, angle: (angle + ROUNDING).min(PI) }
@@ -78,6 +82,27 @@ mod tests {
             let least = (0.5 * (between + a.angle + b.angle)).max(a.angle).max(b.angle);
             assert!(union.angle <= (least + 3.0 * ROUNDING).min(PI), "{union:?} above {least}");
         }
+    }
+
+    #[test]
+    fn a_cone_round_opposite_normals_leaves_neither_out() {
+        let mut rng = Pcg::new(1, 3);
+        for i in 0..10_000 {
+            // Both sides of a wall; nearly so.
+            let n = warp::sphere(rng.next_2d());
+            let beside = n.any_orthonormal_vector() * [0.0, 1e-7, 1e-4, 2e-3][i % 4];
+            let (a, b) = (Cone::new(n), Cone::new((beside - n).normalize()));
+            let union = a.union(&b);
+            for c in [a, b] {
+                let to = union.axis.dot(c.axis).clamp(-1.0, 1.0).acos();
+                assert!(to <= union.angle + 6e-4, "{a:?} {b:?} {union:?}");
+            }
+            assert!(union.angle < 0.5 * PI + 3.0 * ROUNDING, "{union:?}");
+        }
+    }
+
+    #[test]
+    fn a_union_with_itself_is_itself() {
         let same = Cone::new(Vec3::Y).union(&Cone::new(Vec3::Y));
         assert_eq!(same, Cone::new(Vec3::Y));
     }

@@ -2,7 +2,7 @@
 
 use gi_core::bsdf::Transport;
 use gi_core::geometry::{Geometry, Mesh, Shape, Surface};
-use gi_core::light::LightSource;
+use gi_core::light::{Light, LightSource};
 use gi_core::material::{Distribution, Material, Roughness};
 use gi_core::math::Rgb;
 use gi_core::ray::Ray;
@@ -67,7 +67,12 @@ fn in_cube(rng: &mut Pcg) -> Vec3 {
     Vec3::from_array([0; 3].map(|_| 2.0 * rng.next_f32() - 1.0))
 }
 
-/// Triangles all over the place, every third one shaded by bent normals; a light, so that it is a scene.
+/// Which shards are shaded by bent normals: a third of those of each material.
+pub(crate) fn is_bent(k: usize) -> bool {
+    (k + k / materials().len()).is_multiple_of(3)
+}
+
+/// Triangles all over the place, some of each material shaded by bent normals; a lamp and a spot.
 pub(crate) fn rubble(seed: u64) -> Scene {
     let mut rng = Pcg::new(seed, 77);
     let materials = materials();
@@ -77,12 +82,21 @@ pub(crate) fn rubble(seed: u64) -> Scene {
         let n = (positions[1] - positions[0]).cross(positions[2] - positions[0]);
         let n = n.try_normalize().unwrap_or(Vec3::Z);
         let mut bent = || (n + 0.6 * in_cube(&mut rng)).normalize();
-        let normals = if k.is_multiple_of(3) { vec![bent(), bent(), bent()] } else { Vec::new() };
+        let normals = if is_bent(k) { vec![bent(), bent(), bent()] } else { Vec::new() };
         let mesh = Mesh { positions, triangles: vec![[0, 1, 2]], normals, ..Mesh::default() };
         Shape::new("shard", Geometry::Mesh(mesh), k % materials.len())
     };
     let shapes = (0..60).map(triangle).collect();
-    let lights = vec![LightSource::Point { position: Vec3::ZERO, intensity: Rgb::WHITE }];
+    let lights = vec![
+        LightSource::Point { position: Vec3::ZERO, intensity: Rgb::WHITE },
+        LightSource::Spot {
+            position: Vec3::ZERO,
+            direction: Vec3::Z,
+            intensity: Rgb::WHITE,
+            cutoff: 1.2,
+            beam: 0.4,
+        },
+    ];
     Scene::new(SceneParts { shapes, materials, lights, ..SceneParts::default() }).expect("a scene")
 }
 
@@ -102,16 +116,19 @@ pub(crate) fn point(scene: &Scene, rng: &mut Pcg) -> (Surface, Vec3) {
 /// Lights of all kinds, some near each other, direct and indirect.
 pub(crate) fn lights(scene: &Scene, count: u32, rng: &mut Pcg) -> Vpls {
     let mut set = Vpls::default();
+    let is_spot = |l: &Light| matches!(l, Light::Spot { .. });
+    let spot = scene.lights().all().iter().position(is_spot).expect("a spot") as u32;
     for _ in 0..count {
         let (surface, wo) = point(scene, rng);
         let toward = |n: Vec3| n * 1f32.copysign(n.dot(wo));
         let power = Rgb::from([0; 3].map(|_| rng.next_f32().powi(3)));
         let depth = rng.next_below(3);
         let n = toward(surface.ng);
-        let (p, n, kind) = match rng.next_below(8) {
+        let (p, n, kind) = match rng.next_below(9) {
             0 => (in_cube(rng), Vec3::Z, Kind::Omni),
             1 => (Vec3::ZERO, warp::sphere(rng.next_2d()), Kind::Directional),
-            2..=4 if depth > 0 => {
+            2 => (in_cube(rng), Vec3::Z, Kind::Spot(spot)),
+            3..=5 if depth > 0 => {
                 set.surfaces.push(LitSurface { surface, wo });
                 (surface.p, n, Kind::Glossy(set.surfaces.len() as u32 - 1))
             }

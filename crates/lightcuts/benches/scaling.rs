@@ -1,0 +1,210 @@
+//! What a point costs by cuts and by all lights, from 10 to 1,000,000 lights [slides 53, 61].
+//!
+//! `cargo bench -p lightcuts --bench scaling -- [SCENE.xml] [--lights N,N...] [--max-cut N] [--connections N]
+//! [--error E] [--rule cluster|whole] [-D name=value]`. A quarter of the lights are points of lights, the others lie on surfaces. Times are of one
+//! thread, the least of all repetitions of a chunk of points, the two taken in turn. Where all lights at all points would be
+//! more than `--connections`, brute force lights fewer points, and those alone are compared. Memory is that of lights and
+//! trees.
+
+use std::hint::black_box;
+use std::path::Path;
+use std::time::Instant;
+
+use gi_core::bsdf::{Bsdf, Transport};
+use gi_core::camera::Camera;
+use gi_core::geometry::Surface;
+use gi_core::scene::Scene;
+use glam::Vec3;
+use lightcuts::Params;
+use lightcuts::bound::Site;
+use lightcuts::cut::{Limits, Lit, Rule};
+use lightcuts::light::{At, Lights};
+use lightcuts::tree::Forest;
+use rayon::prelude::*;
+use vpl::{LightNumbers, Pilot, Prepared, Receiver, Shooting, Termination, Vpls, points, shoot};
+
+/// Points along the sides of the picture.
+const POINTS: [usize; 2] = [64, 48];
+/// Points that are timed together, and how often.
+const CHUNK: usize = 16;
+const REPETITIONS: usize = 3;
+/// Most points that are timed.
+const TIMED: usize = 512;
+
+/// A point that the picture shows.
+type Point<'a> = (Surface, Vec3, Bsdf<'a>);
+
+/// What was asked for.
+struct Asked {
+    scene: String,
+    defines: Vec<(String, String)>,
+    numbers: Vec<u32>,
+    limits: Limits,
+    connections: usize,
+}
+
+fn main() {
+    let asked = arguments();
+    let options = gi_scene::Options { defines: asked.defines.clone(), ..Default::default() };
+    let loaded = gi_scene::load(Path::new(&asked.scene), &options);
+    let loaded = loaded.unwrap_or_else(|problems| panic!("{problems}"));
+    let (scene, camera) = (Scene::new(loaded.parts).expect("a scene"), Camera::new(&loaded.camera));
+    let seen = seen(&scene, &camera);
+    println!("{}: {} points, {:?}", asked.scene, seen.len(), asked.limits);
+    println!(
+        "   lights  build s   MB | us/point: all   cuts  ratio | mean cut  rays at limit | error: median    99 %  \
+         below (points)"
+    );
+    let mut last: Option<(f64, f64)> = None;
+    for &number in &asked.numbers {
+        let (lights, ratio) = measure(&scene, &seen, number, &asked);
+        if let Some((before, r)) = last.filter(|(_, r)| (*r < 1.0) != (ratio < 1.0)) {
+            let t = r.ln() / (r.ln() - ratio.ln());
+            println!(
+                "-- as fast as brute force at {:.0} lights",
+                before * (lights / before).powf(t)
+            );
+        }
+        last = Some((lights, ratio));
+    }
+}
+
+/// Points spread over the picture, in an order in which the first of them are spread too.
+fn seen<'a>(scene: &'a Scene, camera: &Camera) -> Vec<Point<'a>> {
+    let [w, h] = POINTS;
+    let size = [0, 1].map(|k| camera.size()[k] as f32 / POINTS[k] as f32);
+    // A step that has no factor in common with the number of points.
+    let order = (0..w * h).map(|i| i * 1013 % (w * h));
+    let point = |i: usize| {
+        let film = [((i % w) as f32 + 0.5) * size[0], ((i / w) as f32 + 0.5) * size[1]];
+        let ray = camera.ray(film, [0.5; 2]);
+        let (surface, _) = scene.intersect(&ray)?;
+        let bsdf = scene.bsdf(&surface, -ray.d, Transport::Radiance);
+        // Lamps that scatter nothing are in no need of light.
+        let lit = !bsdf.is_delta() && !bsdf.albedo_hint(-ray.d).is_black();
+        lit.then_some((surface, -ray.d, bsdf))
+    };
+    order.filter_map(point).collect()
+}
+
+/// About so many lights: a quarter points of lights, the rest on surfaces.
+fn make(scene: &Scene, number: u32) -> Vpls {
+    let pilot = Pilot::of(scene, 0);
+    let direct = (number / 4).max(1);
+    let how = Shooting {
+        seed: 0,
+        first_path: 0,
+        paths: pilot.paths_for(number - direct),
+        termination: Termination::Roulette,
+        max_scatterings: None,
+        lights: false,
+        pilot,
+    };
+    let mut set = shoot(scene, &how);
+    let numbers = LightNumbers { total: direct, area: None, sky: None, sun: None };
+    set.lights.splice(0..0, points(scene, &numbers, 0, 0).lights);
+    set
+}
+
+/// Print a line of the table; the number of lights, and by how much cuts are faster.
+fn measure(scene: &Scene, seen: &[Point], number: u32, asked: &Asked) -> (f64, f64) {
+    let set = make(scene, number);
+    let clock = Instant::now();
+    let forest = Forest::build(scene, &set, false, 1);
+    let building = clock.elapsed().as_secs_f64();
+    let prepared = Prepared::new(&set, scene);
+    let lights = Lights { scene, prepared: &prepared, forest: &forest };
+    let radius = scene.radius();
+    let most = Params::default().clamp / (radius * radius);
+    let with = |p: &Point, by_cut: bool| {
+        let (surface, wo, bsdf) = p;
+        let receiver = Receiver::new(surface, *wo, bsdf);
+        let site = Site::new(surface, *wo, bsdf, most);
+        let at = At { receiver, site, deepest: u32::MAX, direct: true };
+        if by_cut { lights.light(&at, &asked.limits) } else { lights.light_by_all(&at) }
+    };
+    let compared = (asked.connections / set.lights.len().max(1)).clamp(16, seen.len());
+    // Those timed take at most a tenth of the connections.
+    let timed = (compared / (3 * REPETITIONS)).clamp(16, TIMED).min(seen.len());
+    let [all, cuts] = race(&seen[..timed], &with).map(|s| s / timed as f64 * 1e6);
+    let lit: Vec<Lit> = seen.par_iter().map(|p| with(p, true)).collect();
+    let relative = |(p, lit): (&Point, &Lit)| {
+        let exact = with(p, false).all().luminance();
+        (exact > 0.0).then(|| ((lit.all().luminance() - exact) / exact).abs())
+    };
+    let pairs = seen[..compared].par_iter().zip(&lit[..compared]);
+    let mut errors: Vec<f32> = pairs.with_max_len(1).filter_map(relative).collect();
+    errors.sort_unstable_by(f32::total_cmp);
+    let of = |share: f64| errors[((errors.len() - 1) as f64 * share).round() as usize] * 100.0;
+    let below = errors.partition_point(|e| *e <= asked.limits.error) as f64;
+    let mean = |f: &dyn Fn(&Lit) -> f64| lit.iter().map(f).sum::<f64>() / lit.len() as f64;
+    println!(
+        "{:9} {building:8.3} {:6.1} | {all:12.1} {cuts:8.1} {:7.2} | {:6.1} {:7.1} {:5.1} % | {:10.2} % {:6.2} % \
+         {:6.2} % ({})",
+        set.lights.len(),
+        (set.memory_bytes() + forest.memory_bytes()) as f64 * 1e-6,
+        all / cuts,
+        mean(&|l| l.size.into()),
+        mean(&|l| l.rays.into()),
+        100.0 * mean(&|l| u32::from(l.at_most).into()),
+        of(0.5),
+        of(0.99),
+        100.0 * below / errors.len() as f64,
+        errors.len()
+    );
+    (set.lights.len() as f64, all / cuts)
+}
+
+/// Least seconds by all lights and by cuts, taken in turn.
+fn race(points: &[Point], with: &impl Fn(&Point, bool) -> Lit) -> [f64; 2] {
+    let mut total = [0.0; 2];
+    for chunk in points.chunks(CHUNK) {
+        let mut best = [f64::INFINITY; 2];
+        for _ in 0..REPETITIONS {
+            for (k, best) in best.iter_mut().enumerate() {
+                let clock = Instant::now();
+                chunk.iter().for_each(|p| _ = black_box(with(p, k == 1)));
+                *best = best.min(clock.elapsed().as_secs_f64());
+            }
+        }
+        total = [0, 1].map(|k| total[k] + best[k]);
+    }
+    total
+}
+
+fn arguments() -> Asked {
+    let mut asked = Asked {
+        scene: concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/gallery.xml").into(),
+        defines: Vec::new(),
+        numbers: vec![10, 20, 50, 100, 1000, 10_000, 100_000, 1_000_000],
+        limits: Limits { max_cut: 20_000, ..Params::default().cut },
+        connections: 400_000_000,
+    };
+    let mut arguments = std::env::args().skip(1).filter(|a| a != "--bench");
+    while let Some(a) = arguments.next() {
+        let mut value = || arguments.next().unwrap_or_else(|| panic!("{a} wants a value"));
+        match a.as_str() {
+            "--lights" => {
+                let number = |n: &str| n.parse().expect("--lights N,N...");
+                asked.numbers = value().split(',').map(number).collect();
+            }
+            "--rule" => {
+                asked.limits.rule = match value().as_str() {
+                    "cluster" => Rule::Cluster,
+                    "whole" => Rule::Whole,
+                    other => panic!("no rule is called {other}: cluster or whole"),
+                }
+            }
+            "--max-cut" => asked.limits.max_cut = value().parse().expect("--max-cut N"),
+            "--error" => asked.limits.error = value().parse().expect("--error E"),
+            "--connections" => asked.connections = value().parse().expect("--connections N"),
+            "-D" => {
+                let define = value();
+                let (name, text) = define.split_once('=').expect("-D name=value");
+                asked.defines.push((name.into(), text.into()));
+            }
+            _ => asked.scene = a,
+        }
+    }
+    asked
+}
