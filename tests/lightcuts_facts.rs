@@ -1,7 +1,9 @@
 //! Lightcuts against brute force, instant radiosity, the truth, and themselves.
 
+use gi_core::camera::{CameraSpec, Projection};
 use gi_core::eye::PathLimits;
 use gi_core::film::{Film, Show};
+use gi_core::scene::SceneParts;
 use gi_core::technique::Technique;
 use gi_stats::{Running, sidak, welch_t_test};
 use gi_tests::{World, furnace, mean_and_variance};
@@ -180,17 +182,30 @@ fn a_scene_ten_times_as_large_makes_the_same_picture() {
 }
 
 #[test]
-fn reconstruction_saves_rays() {
-    let world = World::load("gallery.xml", [64, 48], &[("lights", "1024")]);
-    let mut params = Params { vpls: 3000, ..Params::default() };
-    params.lights.total = 1024;
-    let rays = |reconstruction| {
-        let with = Params { reconstruction, ..params.clone() };
-        let (technique, _) = world.run::<Lightcuts>(&with, 1, 5, Show::All);
-        statistic(&technique, "seen_rays_a_point")
+fn reconstruction_saves_rays_and_leaves_corners_as_light_as_they_are() {
+    // A part of the picture, so that blocks are as small as in pictures that people make: wall, floor, and where they meet.
+    let near = |_: &mut SceneParts, camera: &mut CameraSpec| {
+        if let Projection::Perspective { fov_x, .. } = &mut camera.projection {
+            *fov_x = 0.35;
+        }
     };
-    let (plain, shared) = (rays(None), rays(Some(Reconstruction { block: 4, agree: 0.01 })));
+    let world = World::load_with("gallery.xml", [48, 36], &[("lights", "1024")], near);
+    let cut = Limits { max_cut: 5000, ..Params::default().cut };
+    let mut params = Params { vpls: 3000, compensation: false, cut, ..Params::default() };
+    params.lights.total = 1024;
+    let run = |params: &Params| {
+        let (technique, film) = world.run::<Lightcuts>(params, 1, 5, Show::All);
+        (statistic(&technique, "seen_rays_a_point"), film)
+    };
+    let (_, brute) = run(&Params { method: Method::All, ..params.clone() });
+    let (plain, _) = run(&params);
+    let reconstruction = Some(Reconstruction { block: 4, agree: 0.01 });
+    let (shared, film) = run(&Params { reconstruction, ..params.clone() });
     assert!(shared < 0.7 * plain, "{shared} rays, {plain} without");
+    let errors = relative_errors(&film, &brute);
+    let of = |share: f32| errors[(share * errors.len() as f32) as usize];
+    assert!(of(0.5) < 0.01 && of(0.95) < 0.04, "{} {}", of(0.5), of(0.95));
+    println!("{shared} {plain} {} {} {}", of(0.5), of(0.95), of(0.99));
 }
 
 #[test]

@@ -199,12 +199,12 @@ impl<'a> Lightcuts<'a> {
         let at = self.at(v.surface, v.wo, v.bsdf, (v.segments, v.rough))?;
         let params = &self.params;
         let lit = match (params.method, corners) {
-            (Method::Cuts, Some(corners)) => {
+            (Method::Cuts, Some(corners)) if lights.agree_on_the_whole(&at, corners) => {
                 let agree = params.reconstruction.map_or(0.0, |r| r.agree);
                 self.tally.reconstructed();
                 lights.reconstruct(&at, corners, &params.cut, agree)
             }
-            (Method::Cuts, None) => lights.light(&at, &params.cut),
+            (Method::Cuts, _) => lights.light(&at, &params.cut),
             (Method::All, _) => lights.light_by_all(&at),
             (Method::Stochastic(size), _) => lights.light_stochastically(&at, size, sampler),
             (Method::Some(count), _) => lights.light_by_some(&at, count, sampler),

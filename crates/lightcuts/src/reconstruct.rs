@@ -136,6 +136,9 @@ pub struct Sample {
 const ALIKE_COS: f32 = 0.95;
 const ALIKE_SIN: f32 = 0.15;
 
+/// Difference between what samples say of the whole that is interpolated, relative: linear interpolation is off by a part.
+const MOST_APART: f32 = 0.1;
+
 impl Sample {
     /// Choose and record the cut of a point.
     pub fn take<'a>(
@@ -190,6 +193,18 @@ impl Sample {
 pub type Corners<'s> = [(&'s Sample, f32); 4];
 
 impl<'a> Lights<'_, 'a> {
+    /// Whether samples say nearly the same of a point's whole light. Where they do not, many small differences, each of them
+    /// nothing to speak of, add up: toward corners light falls off on one side and linear interpolation is far off.
+    pub fn agree_on_the_whole(&self, at: &At, corners: &Corners) -> bool {
+        let counted = || (0..self.forest.trees.len()).filter(|&t| at.counts(&self.forest.trees[t]));
+        let whole =
+            |s: &Sample| counted().map(|t| s.impostor(at, t as u32).luminance()).sum::<f32>();
+        let wholes = corners.map(|(s, _)| whole(s));
+        let (low, high) =
+            wholes.iter().fold((f32::INFINITY, 0.0f32), |(l, h), w| (l.min(*w), h.max(*w)));
+        high - low <= MOST_APART * high
+    }
+
     /// Light a point by a reconstruction cut. Differences between samples of up to `agree` of the whole are interpolated.
     pub fn reconstruct(
         &self,
