@@ -32,12 +32,13 @@ scenes:
 
 # Rays a second against obvhs, and against Embree where EMBREE_LIB names its library; photons found a second against
 # the lecture's layout and kiddo; photons and pixels of progressive passes a second; points connected with virtual point
-# lights against bare shadow rays.
+# lights against bare shadow rays; cuts against all lights, from 10 to a million.
 bench:
 	$(CARGO) bench -p ppm --bench passes
 	$(CARGO) bench -p gi-core --bench rays $(if $(EMBREE_LIB),--features embree) -- $(BENCH_ARGS)
 	$(CARGO) bench -p photonmap --bench search --features rivals
 	$(CARGO) bench -p vpl --bench connections
+	$(CARGO) bench -p lightcuts --bench scaling
 
 # The lecture's figures: one rule a slide.
 include scripts/figures.mk

@@ -14,7 +14,7 @@
 //! | `--method` | `cuts`; `all`: light by light; `stochastic`, `one`: light drawn from the same trees, without bias \[Yuksel19, Conty18\] |
 //! | `--reconstruct` | cuts at corners of blocks of pixels, interpolated between where they agree [Walter05, 5] |
 //! | bias | a cluster's error is bounded by `--error` of the whole; errors of many clusters average out. None with `--error 0` |
-//! | how it fails | lights that are few or near show as such; in the dark, where 2 % is little, cuts reach their limit |
+//! | how it fails | lights that are few or near show as such; in the dark, where 2 % is little, and everywhere with `whole` and many lights, cuts reach their limit (`at_max_cut`) |
 //! | sources | \[Walter05\], \[Keller97\], \[Kollig04\] |
 
 #![forbid(unsafe_code)]
