@@ -234,13 +234,12 @@ impl<'a> Lights<'_, 'a> {
         let mut lit = Lit::default();
         let mut add = |range: std::ops::Range<usize>, most: f32, direct: bool| {
             let mut sum = Rgb::BLACK;
-            self.prepared.for_each_connection(range, &at.receiver, |c| {
-                lit.rays += 1;
-                let light = c.radiance * self.scene.transmittance(c.shadow);
+            lit.rays += self.prepared.for_each_visible(range, &at.receiver, |c, through| {
+                let light = c.radiance * through;
                 let kept = if c.geometry > most { most / c.geometry } else { 1.0 };
                 lit.cut_off += (light * (1.0 - kept)).luminance();
                 sum += light * kept;
-            });
+            }) as u32;
             if direct {
                 lit.direct = sum;
             } else {
