@@ -117,6 +117,7 @@ fn no_cluster_brings_more_than_its_bound() {
 fn no_cluster_of_very_many_brings_more_than_its_bound() {
     let of = check_scenes(100..900);
     assert!(of.iter().flatten().all(|c| c.lit > 50_000));
+    assert!(of.iter().flatten().map(|c| c.cases).sum::<u32>() > 100_000_000);
 }
 
 #[test]
