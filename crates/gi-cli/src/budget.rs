@@ -23,7 +23,10 @@ impl Budget {
 }
 
 /// A time span with its unit: 500ms, 30s, 5m, 1.5h; a bare number is seconds.
-pub(crate) fn parse_time(text: &str) -> Result<Duration, String> {
+///
+/// # Errors
+/// What was expected.
+pub fn parse_time(text: &str) -> Result<Duration, String> {
     let units = [("ms", 1e-3), ("s", 1.0), ("m", 60.0), ("h", 3600.0)];
     let split =
         units.iter().find_map(|(unit, seconds)| text.strip_suffix(unit).map(|n| (n, *seconds)));

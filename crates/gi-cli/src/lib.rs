@@ -19,7 +19,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use gi_core::technique::Technique;
 
-pub use budget::Budget;
+pub use budget::{Budget, parse_time};
 pub use common::{Common, Component};
 
 /// A program: its command line, and what it makes of it.

@@ -1,0 +1,213 @@
+//! `compare`: techniques side by side.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Duration;
+
+use clap::Parser;
+use compare::{
+    Budget, Failure, Programs, Request, Run, Series, Subjects, Truth, compare, is_picture, plan,
+};
+
+/// Techniques side by side on one scene at equal time or equal passes, or finished pictures: errors against a
+/// reference, and one page to look at them.
+///
+/// The programs run one after the other, each as if called by hand. --time counts preparing and passes; reading the scene and
+/// building its tree are apart. What is left in the folder: index.html, which needs nothing else, and what the runs wrote.
+#[derive(Parser)]
+#[command(name = "compare", version)]
+struct Args {
+    /// A scene, or finished pictures: .exr, .pfm or .hdr; FILE.exr#LAYER takes a layer
+    #[arg(required = true)]
+    inputs: Vec<String>,
+    /// What runs: names of programs, or PROGRAM/LABEL for several runs of one [default: all that are built]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    techniques: Vec<String>,
+    /// Flags of the run of that name, or of one run more: "ppm/a=0.5: --alpha 0.5"; "all: FLAGS" for all runs
+    #[arg(long, value_name = "NAME: FLAGS")]
+    with: Vec<String>,
+    /// Time of each run, preparing included: 10s, 5m [default: 10s]
+    #[arg(long, value_name = "TIME", conflicts_with = "spp", value_parser = gi_cli::parse_time)]
+    time: Option<Duration>,
+    /// Passes of each run instead of a time
+    #[arg(long, visible_alias = "passes", value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    spp: Option<u32>,
+    /// Finished picture to compare with; several with independent seeds are averaged, and tell their noise
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["reference_by", "reference_time", "reference_spp"])]
+    reference: Vec<String>,
+    /// Program, and its flags, that makes the reference in two halves with seeds of their own
+    #[arg(long, value_name = "NAME: FLAGS", default_value = "pathtrace")]
+    reference_by: String,
+    /// Time of the reference, for both halves together [default: ten times that of a run]
+    #[arg(long, value_name = "TIME", conflicts_with = "reference_spp", value_parser = gi_cli::parse_time)]
+    reference_time: Option<Duration>,
+    /// Passes of the reference, of both halves together [default: sixteen times those of a run]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    reference_spp: Option<u32>,
+    /// Independent seeds of each run: two or more tell bias and variance apart
+    #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    seeds: u32,
+    /// Runs of growing budget: 4 makes an eighth, a quarter, a half and the whole, and plots error against time
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
+    ladder: u32,
+    /// First seed
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u32,
+    /// Width and height of all pictures in pixels [default: the scene's]
+    #[arg(long, value_name = "WxH")]
+    size: Option<String>,
+    /// Threads of each run [default: one a processor]
+    #[arg(short, long, value_name = "N")]
+    threads: Option<u16>,
+    /// Set a scene parameter, for all runs
+    #[arg(short = 'D', value_name = "NAME=VALUE")]
+    define: Vec<String>,
+    /// Layer to compare, Caustic for instance [default: radiance]
+    #[arg(long, value_name = "NAME")]
+    layer: Option<String>,
+    /// Folder for the page and the pictures [default: SCENE.compare, or compare]
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+    /// Write the numbers to a file too
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Folder of the techniques' programs [default: this program's own]
+    #[arg(long, value_name = "FOLDER")]
+    programs: Option<PathBuf>,
+    /// Print the table and errors only
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+impl Args {
+    fn request(&self) -> Result<Request, Failure> {
+        let programs = match &self.programs {
+            Some(folder) => Programs { folder: folder.clone() },
+            None => Programs::beside_this()?,
+        };
+        let pictures = self.inputs.iter().all(|i| is_picture(i));
+        let (subjects, truth, folder) =
+            if pictures { self.pictures()? } else { self.series(&programs)? };
+        let words: Vec<String> = std::env::args().skip(1).collect();
+        Ok(Request {
+            subjects,
+            truth,
+            layer: self.layer.clone(),
+            folder: self.output.clone().unwrap_or(folder),
+            json: self.json.clone(),
+            programs,
+            command: format!("compare {}", compare::command_line(&words)),
+            quiet: self.quiet,
+        })
+    }
+
+    /// Finished pictures, their reference, and where to put the page.
+    fn pictures(&self) -> Result<(Subjects, Truth, PathBuf), Failure> {
+        let for_runs = [
+            ("--techniques", !self.techniques.is_empty()),
+            ("--with", !self.with.is_empty()),
+            ("--time", self.time.is_some()),
+            ("--spp", self.spp.is_some()),
+            ("--seeds", self.seeds != 1),
+            ("--ladder", self.ladder != 1),
+            ("--size", self.size.is_some()),
+        ];
+        if let Some((flag, _)) = for_runs.iter().find(|(_, given)| *given) {
+            return Err(Failure::Input(format!(
+                "error: {flag} is for runs of a scene, not for finished pictures"
+            )));
+        }
+        if self.reference.is_empty() {
+            let text = "error: finished pictures need --reference FILE to be compared with";
+            return Err(Failure::Input(text.into()));
+        }
+        Ok((
+            Subjects::Files(self.inputs.clone()),
+            Truth::Files(self.reference.clone()),
+            "compare".into(),
+        ))
+    }
+
+    /// Runs of a scene, their reference, and where to put everything.
+    fn series(&self, programs: &Programs) -> Result<(Subjects, Truth, PathBuf), Failure> {
+        let [scene] = &self.inputs[..] else {
+            return Err(Failure::Input("error: give one scene, or only finished pictures".into()));
+        };
+        let scene = PathBuf::from(scene);
+        if !scene.is_file() {
+            return Err(Failure::Input(format!(
+                "error: cannot read {}: there is no such file",
+                scene.display()
+            )));
+        }
+        let budget = match (self.spp, self.time) {
+            (Some(n), _) => Budget::Passes(n),
+            (None, time) => Budget::Time(time.unwrap_or(DEFAULT_TIME)),
+        };
+        let techniques =
+            if self.techniques.is_empty() { self.all(programs) } else { self.techniques.clone() };
+        let (runs, for_all) = plan(&techniques, &self.with)?;
+        let truth = if self.reference.is_empty() {
+            Truth::Run(Run::parse(&self.reference_by)?, self.reference_budget(budget))
+        } else {
+            Truth::Files(self.reference.clone())
+        };
+        let mut flags: Vec<String> = Vec::new();
+        let threads = self.threads.map(|t| t.to_string());
+        for (flag, value) in [("--size", &self.size), ("-t", &threads)] {
+            flags.extend(value.iter().flat_map(|v| [flag.to_string(), v.clone()]));
+        }
+        flags.extend(self.define.iter().flat_map(|d| ["-D".to_string(), d.clone()]));
+        flags.extend(for_all);
+        let folder =
+            format!("{}.compare", scene.file_stem().unwrap_or_default().to_string_lossy()).into();
+        let Args { seeds, seed, ladder, .. } = *self;
+        Ok((
+            Subjects::Series(Series { scene, runs, budget, seeds, seed, ladder, flags }),
+            truth,
+            folder,
+        ))
+    }
+
+    /// All techniques that are built.
+    fn all(&self, programs: &Programs) -> Vec<String> {
+        let (there, missing) = programs.techniques();
+        if !missing.is_empty() && !self.quiet {
+            eprintln!("not built, and left out: {}", missing.join(", "));
+        }
+        there
+    }
+
+    fn reference_budget(&self, run: Budget) -> Budget {
+        match (self.reference_spp, self.reference_time, run) {
+            (Some(n), ..) => Budget::Passes(n),
+            (None, Some(time), _) => Budget::Time(time),
+            (None, None, Budget::Time(_)) => run.times(10.0),
+            (None, None, Budget::Passes(_)) => run.times(16.0),
+        }
+    }
+}
+
+/// Time of a run where none was asked for.
+const DEFAULT_TIME: Duration = Duration::from_secs(10);
+
+fn main() -> ExitCode {
+    let args = Args::parse();
+    match args.request().and_then(|request| Ok((compare(&request)?, request))) {
+        Ok((report, request)) => {
+            print!("{}", report.table());
+            if !args.quiet {
+                println!("page: {}", request.folder.join("index.html").display());
+            }
+            ExitCode::SUCCESS
+        }
+        Err(Failure::Input(text)) => {
+            eprintln!("{text}");
+            ExitCode::from(2)
+        }
+        Err(Failure::Other(text)) => {
+            eprintln!("error: {text}");
+            ExitCode::from(1)
+        }
+    }
+}
