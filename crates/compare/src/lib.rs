@@ -133,6 +133,15 @@ pub struct Request {
 /// # Errors
 /// What cannot be compared, run, read or written; then no page is written.
 pub fn compare(request: &Request) -> Result<Report, Failure> {
+    let made = !request.folder.exists();
+    let done = try_to_compare(request);
+    if done.is_err() && made {
+        let _ = std::fs::remove_dir(&request.folder); // only an empty folder goes
+    }
+    done
+}
+
+fn try_to_compare(request: &Request) -> Result<Report, Failure> {
     text::check_writable(&request.folder, request.json.as_deref())?;
     let report = match &request.subjects {
         Subjects::Files(files) => measure::files(request, files)?,
