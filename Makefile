@@ -40,8 +40,11 @@ bench:
 	$(CARGO) bench -p vpl --bench connections
 	$(CARGO) bench -p lightcuts --bench scaling
 
+# The techniques side by side, COMPARE_TIME each: out/compare/index.html.
+COMPARE_TIME ?= 10s
+COMPARE_SCENE ?= scenes/cornell-spheres.xml
+compare: build
+	target/release/compare $(COMPARE_SCENE) --time $(COMPARE_TIME) -o out/compare $(COMPARE_ARGS)
+
 # The lecture's figures: one rule a slide.
 include scripts/figures.mk
-
-compare:
-	@echo "make $@: not there yet; it comes with the techniques" >&2; exit 1

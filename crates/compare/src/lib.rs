@@ -22,6 +22,7 @@ mod plot;
 mod programs;
 mod reference;
 mod report;
+mod subjects;
 mod text;
 
 use std::path::{Path, PathBuf};
@@ -144,8 +145,8 @@ pub fn compare(request: &Request) -> Result<Report, Failure> {
 fn try_to_compare(request: &Request) -> Result<Report, Failure> {
     text::check_writable(&request.folder, request.json.as_deref())?;
     let report = match &request.subjects {
-        Subjects::Files(files) => measure::files(request, files)?,
-        Subjects::Series(series) => measure::series(request, series)?,
+        Subjects::Files(files) => subjects::files(request, files)?,
+        Subjects::Series(series) => subjects::series(request, series)?,
     };
     let page = page::page(&report)?;
     text::write(&request.folder.join("index.html"), page.as_bytes())?;

@@ -1,17 +1,13 @@
 //! From pictures to errors.
 
-use std::path::Path;
-
 use gi_stats::flip::{PIXELS_PER_DEGREE, flip_hdr, flip_ldr};
 use gi_stats::metrics::{Metrics, finite_pixels};
 use gi_stats::{Split, log_log_line, split};
 use rayon::prelude::*;
 
-use crate::programs::Order;
-use crate::reference::{self, Reference};
-use crate::{
-    Budget, Failure, Finished, Picture, Report, Request, Run, Series, Stats, Truth, show, text,
-};
+use crate::reference::Reference;
+use crate::subjects::Subject;
+use crate::{Budget, Failure, Finished, Picture, Report, Request, Series, Stats, text};
 
 /// A picture and what is wrong with it.
 #[derive(Clone, Debug)]
@@ -73,154 +69,8 @@ impl Entry {
     }
 }
 
-/// Pictures of a run, not yet measured.
-struct Subject {
-    label: String,
-    finished: Option<Finished>,
-    picture: Picture,
-    /// Of all seeds, the first among them, if there are several.
-    seeds: Vec<Picture>,
-    /// Of smaller budgets.
-    rungs: Vec<(Stats, Picture)>,
-}
-
-/// Compare finished pictures.
-pub(crate) fn files(request: &Request, files: &[String]) -> Result<Report, Failure> {
-    let Truth::Files(truth) = &request.truth else {
-        return Err(Failure::Input(
-            "error: finished pictures need --reference FILE to be compared with".into(),
-        ));
-    };
-    let layer = request.layer.as_deref();
-    let reference = Reference::read(truth, layer)?;
-    let stems: Vec<String> = files.iter().map(|f| stem(f)).collect();
-    let mut subjects = Vec::new();
-    for (file, stem) in files.iter().zip(&stems) {
-        let picture = Picture::read(file, layer)?;
-        picture.check_size(&reference.picture)?;
-        // A name that two pictures share says nothing.
-        let unique = stems.iter().filter(|s| *s == stem).count() == 1;
-        let label = if unique { stem } else { file };
-        subjects.push(Subject {
-            label: label.clone(),
-            finished: None,
-            picture,
-            seeds: Vec::new(),
-            rungs: Vec::new(),
-        });
-    }
-    finish(request, "pictures".into(), None, reference, subjects)
-}
-
-/// A file's name without folder and extension, but with its layer.
-fn stem(file: &str) -> String {
-    let path = Path::new(file);
-    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let name = name.split_once(".exr").map_or(name.clone(), |(stem, rest)| format!("{stem}{rest}"));
-    name.trim_end_matches(".pfm").trim_end_matches(".hdr").to_string()
-}
-
-/// Make runs and compare them.
-pub(crate) fn series(request: &Request, series: &Series) -> Result<Report, Failure> {
-    let given = match &request.truth {
-        Truth::Files(files) => Some(Reference::read(files, request.layer.as_deref())?),
-        Truth::Run(run, budget) => {
-            let exr = request.folder.join("reference.exr");
-            request.programs.check(&reference::order(
-                series,
-                run,
-                (*budget, reference::SEED),
-                exr,
-            ))?;
-            None
-        }
-    };
-    let last = series.seed.checked_add(series.seeds - 1).ok_or_else(|| {
-        Failure::Input(format!(
-            "error: --seed {}: there are no {} seeds from it on",
-            series.seed, series.seeds
-        ))
-    })?;
-    if last >= reference::SEED && series.seed <= reference::SEED + 1 {
-        let text = format!("error: --seed {}: {} is the reference's", series.seed, reference::SEED);
-        return Err(Failure::Input(text));
-    }
-    // All command lines before the first run, so that a slip in the last costs no time.
-    for run in &series.runs {
-        request.programs.check(&whole(request, series, run, series.seed))?;
-    }
-    let mut subjects = Vec::new();
-    for run in &series.runs {
-        subjects.push(subject(request, series, run, given.as_ref())?);
-    }
-    let reference = match (given, &request.truth) {
-        (Some(reference), _) => reference,
-        (None, Truth::Run(run, budget)) => {
-            let first = &subjects[0];
-            let hash = first.finished.as_ref().map_or("", |f| f.stats.scene_hash.as_str());
-            Reference::make(request, series, (run, *budget), (hash, first.picture.size))?
-        }
-        (None, Truth::Files(_)) => unreachable!("a file was read above"),
-    };
-    finish(request, show(&series.scene), Some(series), reference, subjects)
-}
-
-/// A run of the whole budget.
-fn whole<'a>(request: &Request, series: &'a Series, run: &'a Run, seed: u32) -> Order<'a> {
-    let name = match seed - series.seed {
-        0 => format!("{}.exr", run.stem()),
-        _ => format!("{}.seed-{seed}.exr", run.stem()),
-    };
-    let Series { scene, budget, flags, .. } = series;
-    Order { run, scene, budget: *budget, seed, flags, exr: request.folder.join(name) }
-}
-
-/// Make all runs of one entry.
-fn subject(
-    request: &Request,
-    series: &Series,
-    run: &Run,
-    given: Option<&Reference>,
-) -> Result<Subject, Failure> {
-    let layer = request.layer.as_deref();
-    let make = |order: &Order| -> Result<(Finished, Picture), Failure> {
-        let finished = request.programs.run(order)?;
-        let picture = Picture::read(&show(&finished.exr), layer)?;
-        given.map_or(Ok(()), |r| picture.check_size(&r.picture))?;
-        let (passes, seconds) = (finished.stats.passes, finished.stats.counted_seconds());
-        text::say(request.quiet, &format!("{}: {passes} passes in {seconds:.2} s", run.label));
-        Ok((finished, picture))
-    };
-    let mut rungs = Vec::new();
-    for budget in smaller(series.budget, series.ladder) {
-        let mut order = whole(request, series, run, series.seed);
-        order.budget = budget;
-        order.exr.set_file_name(format!("{}.{}.exr", run.stem(), budget.flag()[1]));
-        let (finished, picture) = make(&order)?;
-        rungs.push((finished.stats, picture));
-    }
-    let (finished, picture) = make(&whole(request, series, run, series.seed))?;
-    let mut seeds = Vec::new();
-    for k in 1..series.seeds {
-        seeds.push(make(&whole(request, series, run, series.seed + k))?.1);
-    }
-    if !seeds.is_empty() {
-        seeds.insert(0, picture.clone());
-    }
-    Ok(Subject { label: run.label.clone(), finished: Some(finished), picture, seeds, rungs })
-}
-
-/// The budgets below the whole, from the smallest: halves of halves.
-fn smaller(budget: Budget, ladder: u32) -> Vec<Budget> {
-    let mut all: Vec<Budget> =
-        (1..ladder).rev().map(|k| budget.times(0.5f64.powi(k as i32))).collect();
-    all.dedup();
-    all.retain(|b| *b != budget);
-    all
-}
-
 /// Measure, and put everything together.
-fn finish(
+pub(crate) fn finish(
     request: &Request,
     title: String,
     series: Option<&Series>,
@@ -353,25 +203,4 @@ fn errors(picture: &[f32], reference: &Picture) -> Result<Errors, String> {
     let ldr = flip_ldr(&picture, &truth, w, h, PIXELS_PER_DEGREE);
     let hdr = flip_hdr(&picture, &truth, w, h, PIXELS_PER_DEGREE);
     Ok(Errors { metrics, flip_ldr: mean(&ldr), flip_hdr: mean(&hdr), flip_map: hdr })
-}
-
-#[cfg(test)]
-mod tests {
-    use std::time::Duration;
-
-    use super::*;
-
-    #[test]
-    fn a_ladder_halves_and_never_repeats_a_budget() {
-        let seconds = |s: f64| Budget::Time(Duration::from_secs_f64(s));
-        assert_eq!(smaller(seconds(8.0), 4), [seconds(1.0), seconds(2.0), seconds(4.0)]);
-        assert_eq!(smaller(Budget::Passes(4), 6), [Budget::Passes(1), Budget::Passes(2)]);
-        assert_eq!(smaller(seconds(8.0), 1), []);
-    }
-
-    #[test]
-    fn names_keep_their_layer_and_lose_the_rest() {
-        assert_eq!(stem("a/b.exr#Direct"), "b#Direct");
-        assert_eq!(stem("a/b.c.pfm"), "b.c");
-    }
 }

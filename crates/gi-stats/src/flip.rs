@@ -182,18 +182,24 @@ fn feature_difference(test: &Plane, truth: &Plane, ppd: f64) -> Vec<f64> {
     edges.into_iter().zip(points).map(|(e, p)| (e.max(p) / 2f64.sqrt()).sqrt()).collect()
 }
 
-/// Convolve along one axis, the border repeated outward.
+/// Convolve along one axis, the border repeated outward. Whole rows are added at a time.
 fn convolve(plane: &Plane, kernel: &[f64], along_x: bool) -> Plane {
-    let (w, h, radius) = (plane.width as i64, plane.height as i64, (kernel.len() / 2) as i64);
-    let value = |x: i64, y: i64| {
-        let at = |k: i64| {
-            let (x, y) =
-                if along_x { ((x + k).clamp(0, w - 1), y) } else { (x, (y + k).clamp(0, h - 1)) };
-            plane.values[(y * w + x) as usize]
+    let (w, h, radius) = (plane.width, plane.height, kernel.len() / 2);
+    let row = |y: usize| &plane.values[y * w..(y + 1) * w];
+    let mut values = vec![0.0; w * h];
+    for (y, out) in values.chunks_exact_mut(w).enumerate() {
+        let add = |out: &mut [f64], f: f64, row: &[f64]| {
+            out.iter_mut().zip(row).for_each(|(sum, v)| *sum += f * v);
         };
-        (-radius..=radius).zip(kernel).map(|(k, f)| f * at(k)).sum()
-    };
-    let values = (0..w * h).map(|i| value(i % w, i / w)).collect();
+        if along_x {
+            let (first, last) = (row(y)[0], row(y)[w - 1]);
+            let wide = [&vec![first; radius], row(y), &vec![last; radius]].concat();
+            kernel.iter().enumerate().for_each(|(k, f)| add(out, *f, &wide[k..k + w]));
+        } else {
+            let at = |k: usize| (y + k).saturating_sub(radius).min(h - 1);
+            kernel.iter().enumerate().for_each(|(k, f)| add(out, *f, row(at(k))));
+        }
+    }
     Plane { values, ..*plane }
 }
 
