@@ -71,8 +71,8 @@ function meanDifference(p, r, i) {
 /** Name, unit, colour map, where its scale ends, and the number. Zero for the reference. */
 const QUANTITIES = {
   picture: { name: "Picture" },
-  error: { name: "Error", unit: "radiance, root mean square of channels", map: "magma", of: (p, r, i) => rootMeanSquare(p, r, i, (d) => d) },
-  relative: { name: "Relative error", unit: "of the reference (its square's mean is relMSE)", map: "magma", of: (p, r, i) => rootMeanSquare(p, r, i, RELATIVE) },
+  error: { name: "Error", unit: "radiance, root mean square of channels; the mean of its square is MSE", map: "magma", of: (p, r, i) => rootMeanSquare(p, r, i, (d) => d) },
+  relative: { name: "Relative error", unit: "of the reference; the mean of its square is relMSE", map: "magma", of: (p, r, i) => rootMeanSquare(p, r, i, RELATIVE) },
   signed: { name: "Signed error", unit: "radiance, mean of channels, picture minus reference", map: "signed", of: meanDifference },
   flip: { name: "FLIP", unit: "HDR, 0 to 1", map: "magma", of: (p, r, i) => p.flip ? p.flip[i] / 255 : 0 },
   bias: { name: "Bias", unit: "radiance, mean of seeds and channels minus reference", map: "signed", of: (p, r, i) => p.bias ? value(p.bias, 0, i) : 0 },

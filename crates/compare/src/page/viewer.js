@@ -141,7 +141,7 @@ function inspect() {
   const i = y * WIDTH + x;
   const quantity = view.quantity === "picture" ? "error" : view.quantity;
   $("pixel").textContent = `${x}, ${y}`;
-  $("inspected").textContent = QUANTITIES[quantity].name.toLowerCase();
+  $("inspected").textContent = QUANTITIES[quantity].name;
   const rows = document.querySelectorAll("#inspector tbody tr");
   pictures.forEach((p, index) => {
     const numbers = [0, 1, 2].map((k) => value(p.rgb, k, i)).concat(index ? [QUANTITIES[quantity].of(p, pictures[0], i)] : []);
