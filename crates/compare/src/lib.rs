@@ -125,6 +125,8 @@ pub struct Request {
     pub programs: Programs,
     /// The command line, for the page.
     pub command: String,
+    /// What is to be said beside the results.
+    pub remarks: Vec<String>,
     /// Whether to keep silent about what is going on.
     pub quiet: bool,
 }

@@ -88,7 +88,13 @@ impl Args {
         let pictures = self.inputs.iter().all(|i| is_picture(i));
         let (subjects, truth, folder) =
             if pictures { self.pictures()? } else { self.series(&programs)? };
-        let words: Vec<String> = std::env::args().skip(1).collect();
+        let mut remarks = Vec::new();
+        let (_, missing) = programs.techniques();
+        if !pictures && self.techniques.is_empty() && !missing.is_empty() {
+            remarks.push(format!("not built, and left out: {}", missing.join(", ")));
+        }
+        let words = std::env::args_os().skip(1).map(|w| w.to_string_lossy().into_owned());
+        let words: Vec<String> = words.collect();
         Ok(Request {
             subjects,
             truth,
@@ -97,6 +103,7 @@ impl Args {
             json: self.json.clone(),
             programs,
             command: format!("compare {}", compare::command_line(&words)),
+            remarks,
             quiet: self.quiet,
         })
     }
@@ -144,8 +151,11 @@ impl Args {
             (Some(n), _) => Budget::Passes(n),
             (None, time) => Budget::Time(time.unwrap_or(DEFAULT_TIME)),
         };
-        let techniques =
-            if self.techniques.is_empty() { self.all(programs) } else { self.techniques.clone() };
+        let techniques = if self.techniques.is_empty() {
+            programs.techniques().0
+        } else {
+            self.techniques.clone()
+        };
         let (runs, for_all) = plan(&techniques, &self.with)?;
         let truth = if self.reference.is_empty() {
             Truth::Run(Run::parse(&self.reference_by)?, self.reference_budget(budget))
@@ -167,15 +177,6 @@ impl Args {
             truth,
             folder,
         ))
-    }
-
-    /// All techniques that are built.
-    fn all(&self, programs: &Programs) -> Vec<String> {
-        let (there, missing) = programs.techniques();
-        if !missing.is_empty() && !self.quiet {
-            eprintln!("not built, and left out: {}", missing.join(", "));
-        }
-        there
     }
 
     fn reference_budget(&self, run: Budget) -> Budget {

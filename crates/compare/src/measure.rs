@@ -77,7 +77,7 @@ pub(crate) fn finish(
     reference: Reference,
     subjects: Vec<Subject>,
 ) -> Result<Report, Failure> {
-    let mut warnings: Vec<String> = Vec::new();
+    let mut warnings = request.remarks.clone();
     for subject in &subjects {
         subject.picture.check_size(&reference.picture)?;
         let stats = subject.finished.as_ref().map(|f| &f.stats);

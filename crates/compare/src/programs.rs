@@ -101,6 +101,12 @@ impl Programs {
         self.folder.join(format!("{program}{}", std::env::consts::EXE_SUFFIX))
     }
 
+    /// Whether a file was made before the program was built.
+    pub(crate) fn is_newer_than(&self, program: &str, file: &Path) -> bool {
+        let time = |path: &Path| std::fs::metadata(path).and_then(|m| m.modified()).ok();
+        time(&self.file(program)) > time(file)
+    }
+
     /// Check that a program is there and takes its flags: with --help behind them it reads them and ends.
     pub(crate) fn check(&self, order: &Order) -> Result<(), Failure> {
         let program = &order.run.program;

@@ -75,7 +75,7 @@ impl Reference {
     }
 
     /// Make the reference of a series of runs in two halves with seeds of their own, whose difference tells its noise; or take
-    /// the halves that an earlier comparison left, if they fit: same scene and size, same flags, and no smaller budget.
+    /// the halves that an earlier comparison left, if they fit: same scene and size, same flags, no smaller budget, and the program is no newer.
     pub(crate) fn make(
         request: &Request,
         series: &Series,
@@ -87,8 +87,13 @@ impl Reference {
             let exr = request.folder.join(format!("reference-{scene_hash}-{w}x{h}.{name}.exr"));
             let order = order(series, run, (budget.times(0.5), SEED + half as u32), exr.clone());
             let kept = Stats::read(&exr.with_extension("json")).ok();
-            let kept =
-                kept.filter(|s| exr.exists() && enough(s, order.budget) && same_making(&order));
+            let fits = |stats: &Stats| {
+                exr.exists()
+                    && !request.programs.is_newer_than(&run.program, &exr)
+                    && enough(stats, order.budget)
+                    && same_making(&order)
+            };
+            let kept = kept.filter(fits);
             let from = if kept.is_some() { ", kept from an earlier comparison" } else { "" };
             let stats = match kept {
                 Some(stats) => stats,

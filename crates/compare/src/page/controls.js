@@ -12,6 +12,8 @@ function watchPointer(pane) {
   canvas.addEventListener("pointerdown", (event) => {
     if (event.button !== 0) return;
     dragged = { from: at(event), divider: byDivider(at(event)) };
+    // A finger does not hover.
+    if (!dragged.divider) choosePixel(...toPicture(pane, dragged.from));
     try { canvas.setPointerCapture(event.pointerId); } catch { /* the pointer is gone already */ }
   });
   canvas.addEventListener("pointermove", (event) => {
