@@ -67,8 +67,9 @@ async function checkStart() {
   seen.pictures = [...byId("a").options].map((o) => o.text);
   seen.quantities = [...byId("quantity").options].map((o) => o.value);
   seen.size = DATA.size;
-  seen.unlabelled = [...document.querySelectorAll("input, select, button")]
-    .filter((e) => !(e.labels?.length || e.getAttribute("aria-label") || e.textContent.trim())).map((e) => e.id);
+  const named = (e) => [...(e.labels || [])].some((l) => l.textContent.replace(e.textContent, "").trim())
+    || e.getAttribute("aria-label") || (e.matches("button") && e.textContent.trim());
+  seen.unlabelled = [...document.querySelectorAll("input, select, button")].filter((e) => !named(e)).map((e) => e.id);
   seen.overflow = document.documentElement.scrollWidth - window.innerWidth;
   seen.inspected = [];
   for (const at of [[3, 5], [17, 11]]) {
