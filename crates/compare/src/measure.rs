@@ -57,6 +57,18 @@ pub struct Rung {
 }
 
 impl Entry {
+    /// Passes made, by its run or by what its file says.
+    pub fn passes(&self) -> Option<u64> {
+        let run = self.stats.as_ref().map(|s| s.passes);
+        run.or_else(|| self.picture.text("gi.passes")?.parse().ok())
+    }
+
+    /// Seconds for preparing and passes, by its run or by what its file says.
+    pub fn seconds(&self) -> Option<f64> {
+        let run = self.stats.as_ref().map(Stats::counted_seconds);
+        run.or_else(|| self.picture.text("gi.seconds")?.parse().ok())
+    }
+
     /// Slope of error against time on logarithmic axes, of MSE (0) or relMSE (1), and the error at one second of the
     /// fitted line; `None` where times hardly differ.
     pub fn line(&self, which: usize) -> Option<(f64, f64)> {
@@ -168,7 +180,7 @@ fn notes(
     let mut notes: Vec<String> = picture.note.clone().into_iter().collect();
     if errors.metrics.left_out > 0 {
         notes.push(format!(
-            "{} pixels are not finite here or in the reference; no error counts them",
+            "pixels that are not finite here or in the reference, and that no error counts: {}",
             errors.metrics.left_out
         ));
     }

@@ -101,7 +101,7 @@ impl Programs {
         self.folder.join(format!("{program}{}", std::env::consts::EXE_SUFFIX))
     }
 
-    /// Whether a file was made before the program was built.
+    /// Whether a program was built after a file was made.
     pub(crate) fn is_newer_than(&self, program: &str, file: &Path) -> bool {
         let time = |path: &Path| std::fs::metadata(path).and_then(|m| m.modified()).ok();
         time(&self.file(program)) > time(file)

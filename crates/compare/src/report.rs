@@ -31,8 +31,8 @@ type Column = (&'static str, fn(&Entry) -> String);
 
 /// The columns of errors, in the order of text and page.
 const COLUMNS: [Column; 11] = [
-    ("passes", |e| e.stats.as_ref().map_or("-".into(), |s| s.passes.to_string())),
-    ("seconds", |e| e.stats.as_ref().map_or("-".into(), |s| format!("{:.2}", s.counted_seconds()))),
+    ("passes", |e| e.passes().map_or("-".into(), |n| n.to_string())),
+    ("seconds", |e| e.seconds().map_or("-".into(), |s| format!("{s:.2}"))),
     ("prepared", |e| e.stats.as_ref().map_or("-".into(), |s| format!("{:.2}", s.seconds[2]))),
     ("MSE", |e| text::number(e.errors.metrics.mse)),
     ("RMSE", |e| text::number(e.errors.metrics.rmse)),
@@ -100,6 +100,7 @@ impl Report {
         if let Some([mse, rel_mse]) = self.reference.noise.map(|n| n.map(text::number)) {
             out += &format!("its own noise is {mse} of each MSE and {rel_mse} of each relMSE\n");
         }
+        self.reference.notes.iter().for_each(|n| out += &format!("reference: {n}\n"));
         for (label, note) in self.entries.iter().flat_map(|e| e.notes.iter().map(|n| (&e.label, n)))
         {
             out += &format!("{label}: {note}\n");
@@ -145,6 +146,8 @@ fn entry(e: &Entry) -> Value {
         "file": crate::show(&e.picture.path),
         "command": e.command,
         "reach": e.reach,
+        "passes": e.passes(),
+        "seconds": e.seconds(),
         "errors": {
             "mse": m.mse, "rmse": m.rmse, "rel_mse": m.rel_mse, "mae": m.mae, "smape": m.smape,
             "mean_ratio": m.mean_ratio, "flip_ldr": e.errors.flip_ldr, "flip_hdr": e.errors.flip_hdr,
