@@ -43,6 +43,8 @@ bench:
 # The techniques side by side, COMPARE_TIME each: out/compare/index.html.
 COMPARE_TIME ?= 10s
 COMPARE_SCENE ?= scenes/cornell-spheres.xml
+# By its default rule a pass of lightcuts takes minutes at this size.
+COMPARE_ARGS ?= --with "lightcuts: --rule cluster"
 compare: build
 	target/release/compare $(COMPARE_SCENE) --time $(COMPARE_TIME) -o out/compare $(COMPARE_ARGS)
 
