@@ -22,12 +22,13 @@ D = $(FIGURES_OUT)/$(@:figure-%=%)
 RUN = --size $(SIZE) --quiet
 # Drawings over pictures need room, not samples.
 OVER = --size $(call q,384x384,512x512) --quiet
+OVER_WIDE = $(call q,320x240,512x384)
 
 BOX := scenes/cornell-box.xml
 SPHERES := scenes/cornell-spheres.xml
 GLOSSY := scenes/cornell-glossy.xml
 
-SLIDES := 3 8 9 12 13 14 15 16 17 18 19 22 23 24 25 26 27 29 31 32 33 35 36 39 41 43 47 49 51
+SLIDES := 3 8 9 12 13 14 15 16 17 18 19 22 23 24 25 26 27 29 31 32 33 35 36 39 41 43 47 49 51 53 55 57 59 61 62
 .PHONY: figures programs $(SLIDES:%=figure-%)
 
 figures: $(SLIDES:%=figure-%)
@@ -131,7 +132,7 @@ figure-16: $(REFERENCES)/cornell-glossy.indirect.exr
 figure-17:
 	mkdir -p $D
 	$(RAD) --spp $(call q,8,32) --cache-out $D/box.cache -o $D/first.exr
-	$(RAD) --spp $(call q,8,32) --cache-in $D/box.cache --origin=-0.6,1.5,3.6 --target=0,0.9,0 --up=0,1,0 -o $D/second.exr
+	$(RAD) --spp $(call q,8,32) --cache-in $D/box.cache --origin=120,380,-680 --target=310,190,280 -o $D/second.exr
 	$(DRAW) figure $D --slide 17 --columns 2 --exposure 1.5 --title "View dependence" \
 	  --caption "One cache, two views: records keep where light comes from, each view asks its own BRDF. The second view adds only the records of what the first did not see." \
 	  first.png="the view that filled the cache" second.png="another view from the same cache"
@@ -157,10 +158,10 @@ figure-19: $(REFERENCES)/cornell-glossy.indirect.exr
 
 # ------------------------------------------------------------------ 22 to 32: photon mapping
 PHOTONS := $(call q,20000,100000)
-# A pixel of the floor where the glass sphere's caustic falls, and one of the ring's cardioid.
+# Pixels of the floor where the glass sphere's caustic falls, and of the ring's crescent.
 SPOT_OVER := $(if $(filter quick,$(QUALITY)),264$(,)342,352$(,)456)
 SPOT := $(if $(filter quick,$(QUALITY)),88$(,)114,352$(,)456)
-CUSP := $(if $(filter quick,$(QUALITY)),65$(,)75,260$(,)300)
+CRESCENT := $(if $(filter quick,$(QUALITY)),38$(,)58,154$(,)232)
 PM = $(BIN)/photonmap $(SPHERES) $(RUN) --photons $(PHOTONS) --caustic-photons $(PHOTONS)
 PM_OVER = $(BIN)/photonmap $(SPHERES) $(OVER) --photons $(PHOTONS) --caustic-photons $(PHOTONS) --spp $(call q,1,16)
 figure-22:
@@ -261,7 +262,7 @@ figure-36:
 	$(PM) --spp $(call q,4,16) --stats $D/photonmap.json -o $D/photonmap.exr
 	$(BIN)/ppm $(SPHERES) $(RUN) --method ppm --passes $(call q,16,64) --stats $D/ppm.json -o $D/ppm.exr
 	$(DRAW) flow $D/photonmap.svg --title "Photon mapping" --stats $D/photonmap.json \
-	  "{technique.global_paths} photon paths|{technique.caustic_paths} aimed at glass and mirror" \
+	  "{technique.global_paths} photon paths,|{technique.caustic_paths} more aimed|at glass and mirror" \
 	  "{technique.global_photons} photons stored|and {technique.caustic_photons} for caustics" "kd-trees|{technique.global_bytes} and|{technique.caustic_bytes} bytes" \
 	  "{passes} paths a pixel|from the eye|read both maps"
 	$(DRAW) flow $D/ppm.svg --title "Progressive photon mapping" --stats $D/ppm.json --again 2,3 \
@@ -275,7 +276,7 @@ PASSES := $(call q,64,512)
 ALPHAS := 0.5 0.7 0.9
 figure-41:
 	mkdir -p $D
-	for a in $(ALPHAS); do $(BIN)/ppm scenes/ring.xml $(RUN) --passes $(PASSES) --alpha $$a --trace-pixel $(CUSP) --trace-out $D/alpha-$$a.csv --show radius -o $D/alpha-$$a.exr; done
+	for a in $(ALPHAS); do $(BIN)/ppm scenes/ring.xml $(RUN) --passes $(PASSES) --alpha $$a --trace-pixel $(CRESCENT) --trace-out $D/alpha-$$a.csv --show radius -o $D/alpha-$$a.exr; done
 	$(DRAW) plot $D/radius.svg --title "Radius of a hit point" --x "passes" --y "R (world units)" --log xy --slopes $(foreach a,$(ALPHAS),"alpha $a"=$D/alpha-$a.csv:pass:radius)
 	$(DRAW) plot $D/photons.svg --title "Photons that count" --x "passes" --y "N" --log xy --slopes $(foreach a,$(ALPHAS),"alpha $a"=$D/alpha-$a.csv:pass:N)
 	$(DRAW) figure $D --slide 41-42 --columns 3 --title "Radius reduction" \
@@ -329,3 +330,55 @@ figure-51: $(REFERENCES)/cornell-box.indirect.exr
 	  $(foreach n,$(COUNTS),$(foreach k,unclamped clamped compensated spheres,$k-$n.png="$n lights: $k" )) \
 	  $(foreach n,$(lastword $(COUNTS)),$(foreach k,unclamped clamped compensated spheres,$k-$n.svg="$n lights: error, $k" )) \
 	  clamp.svg="energy lost against the bound"
+
+# ------------------------------------------------------------------ 53 to 62: lightcuts
+CUTS = $(BIN)/lightcuts
+# Numbers of points of lights; as many again are on surfaces.
+MANY := $(call q,16 128 1024,16 64 256 1024 4096 16384 65536)
+figure-53:
+	mkdir -p $D
+	$(CUTS) scenes/patio.xml --size $(call q,128x96,512x384) --quiet --rule cluster --lights $(call q,1000,50000) --vpls $(call q,1000,50000) --spp $(call q,2,16) -o $D/patio.exr
+	$(CUTS) scenes/patio.xml -D sun=0 --size $(call q,128x96,512x384) --quiet --rule cluster --lights $(call q,1000,50000) --vpls $(call q,1000,50000) --spp $(call q,2,16) -o $D/sky.exr
+	for n in $(MANY); do for m in cuts all; do \
+	  $(CUTS) scenes/gallery.xml --size 64x48 --quiet --rule cluster --max-cut 100000 --method $$m --lights $$n --vpls $$n --compensation none --spp 1 -o $D/$$m-$$n.exr; \
+	done; done
+	for m in cuts all; do $(DRAW) measure $D/$$m.csv --reference $D/all-$(lastword $(MANY)).exr $(foreach n,$(MANY),$n=$D/$$m-$n.exr); done
+	$(DRAW) plot $D/cost.svg --title "Cost against the number of lights" --x "points of lights, and as many on surfaces" --y "seconds of a picture of 64 x 48" --log xy --slopes "lightcuts"=$D/cuts.csv:x:seconds "all lights"=$D/all.csv:x:seconds
+	$(DRAW) figure $D --slide 53-54 --columns 3 --title "Many lights of all kinds" --exposure 1 \
+	  --caption "Sun, sky and indirect light as one set of point lights. The cost of lighting by all of them is linear in their number, that of cuts is not." \
+	  patio.png="sun, sky and indirect light" sky.png="sky and indirect light" cost.svg="seconds against lights"
+
+GALLERY = $(CUTS) scenes/gallery.xml --size $(call q,320x240,512x384) --quiet --rule cluster --lights $(call q,256,1024) --vpls $(call q,1000,16384) --spp 1
+figure-55:
+	mkdir -p $D
+	$(GALLERY) --show clusters -o $D/gallery.exr
+	$(DRAW) figure $D --slide 55-56 --columns 2 --title "Clusters of lights" \
+	  --caption "Lights do not matter alike to a point. Those that are near each other, and shine the same way, are joined: the lights over the picture, coloured by cluster, at four levels of the real tree." \
+	  $(foreach n,2 8 32 128,gallery.clusters-$n.png="$n clusters a tree")
+
+figure-57:
+	mkdir -p $D
+	$(CUTS) scenes/gallery.xml -D lights=4 --size $(OVER_WIDE) --quiet --rule cluster --error 0.1 --lights 16 --component direct --spp 4 --show tree -o $D/tree.exr
+	$(DRAW) figure $D --slide 57-58 --columns 2 --title "A light tree, and a cut" \
+	  --caption "A tree of 16 lights and the cut that the pixel in the middle chose: every light is in just one of its clusters." \
+	  tree.tree.png="the tree with its cut" tree.png="the scene"
+
+figure-59:
+	mkdir -p $D
+	$(CUTS) scenes/gallery.xml -D lights=4 --size $(OVER_WIDE) --quiet --lights 4 --fixed-lights --component direct --spp $(call q,4,16) --show cuts --cuts-out $D/cuts.csv -o $D/four.exr
+	$(DRAW) figure $D --slide 59-60 --columns 4 --title "Four lights, and their cuts" \
+	  --caption "The exact picture, and the same with some of the lights standing for others. Where a cut does well, and where it does not, differs from point to point: so each point gets its own." \
+	  four.cut-0.png="all four lights" $(foreach k,1 2 3,four.cut-$k.png="cut $k")
+
+figure-61:
+	mkdir -p $D
+	$(GALLERY) --show cut-size,bounds --bounds-out $D/bounds.csv -o $D/gallery.exr
+	$(DRAW) figure $D --slide 61 --columns 3 --title "Bound the error, refine to 2 %" \
+	  --caption "Clusters are refined until the bound of each one's error is below 2 % of the whole. Bounds (up) lie above true errors (across); where they are loose, cuts are larger than they need be." \
+	  gallery.png="the picture" gallery.cut-size.png="clusters of a cut, dark: few, bright: many" gallery.bounds.png="bound against error, both logarithmic"
+
+figure-62:
+	mkdir -p $D
+	$(CUTS) scenes/colonnade.xml --size $(WIDE) --quiet --rule cluster --lights $(call q,1000,20000) --vpls $(call q,1000,20000) --spp $(call q,2,32) -o $D/colonnade.exr
+	$(DRAW) figure $D --slide 62 --columns 1 --title "An atrium by lightcuts" \
+	  --caption "Sun and sky fall into an atrium; nearly all light under the galleries has come by way of walls, floor and drapes." colonnade.png="lightcuts"

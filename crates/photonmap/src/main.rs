@@ -59,7 +59,7 @@ struct Args {
     #[arg(long, value_name = "FILE.csv", requires = "probe")]
     probe_out: Option<PathBuf>,
     /// The pixel of --probe-out
-    #[arg(long, value_name = "X,Y", value_delimiter = ',', num_args = 1, requires = "probe_out")]
+    #[arg(long, value_name = "X,Y", value_delimiter = ',', num_args = 1)]
     probe: Vec<u32>,
     /// How photons lie in memory [slide 25]; the picture is the same
     #[arg(long, value_enum, default_value_t = LayoutFlag::Fast)]

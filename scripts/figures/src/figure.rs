@@ -129,17 +129,15 @@ fn check(file: &Path) -> anyhow::Result<()> {
 
 /// The EXR of a picture: `a.exr` of `a.png`, and of the technique's own `a.records.png`.
 fn data_behind(file: &Path) -> Option<PathBuf> {
-    if file.extension()? != "png" {
-        return None;
-    }
-    let mut stem = file.with_extension("");
+    let name = file.file_name()?.to_str()?;
+    let mut stem = name.strip_suffix(".png")?;
     loop {
-        let data = stem.with_extension("exr");
+        let data = file.with_file_name(format!("{stem}.exr"));
         if data.is_file() {
             return Some(data);
         }
-        stem.extension()?;
-        stem = stem.with_extension("");
+        // Names hold points of their own: alpha-0.7.radius.png belongs to alpha-0.7.exr.
+        stem = stem.rsplit_once('.')?.0;
     }
 }
 

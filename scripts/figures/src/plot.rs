@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use anyhow::{Context, anyhow, bail};
+use gi_stats::log_log_line;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
 
@@ -172,20 +173,6 @@ fn range(
     low..high + room
 }
 
-/// Slope of log y over log x by least squares.
-fn slope(points: &[(f64, f64)]) -> Option<f64> {
-    let logs: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
-    let n = logs.len() as f64;
-    let mean = |f: fn(&(f64, f64)) -> f64| logs.iter().map(f).sum::<f64>() / n;
-    let (mx, my) = (mean(|p| p.0), mean(|p| p.1));
-    let (mut xy, mut xx) = (0.0, 0.0);
-    for (x, y) in &logs {
-        xy += (x - mx) * (y - my);
-        xx += (x - mx) * (x - mx);
-    }
-    (logs.len() > 1 && xx > 0.0).then(|| xy / xx)
-}
-
 /// Seven colours that colour-blind eyes tell apart \[Okabe & Ito\]; marks and dashes tell the curves apart in print.
 const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
@@ -287,9 +274,9 @@ impl Shown<'_> {
                 .draw()?;
             for (k, c) in curves.iter().enumerate() {
                 let colour = COLOURS[k % COLOURS.len()];
-                let fit = if args.slopes { slope(&c.points) } else { None };
+                let fit = if args.slopes { log_log_line(&c.points) } else { None };
                 let name = match fit {
-                    Some(slope) => format!("{} (slope {slope:.2})", c.name),
+                    Some((slope, _)) => format!("{} (slope {slope:.2})", c.name),
                     None => c.name.clone(),
                 };
                 if !args.scatter {
@@ -330,14 +317,6 @@ impl Shown<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_power_has_its_exponent_for_slope() {
-        let points: Vec<(f64, f64)> =
-            (1..9).map(|k| (f64::from(k), 3.0 * f64::from(k).powf(-0.7))).collect();
-        assert!((slope(&points).expect("a slope") + 0.7).abs() < 1e-12);
-        assert_eq!(slope(&points[..1]), None);
-    }
 
     #[test]
     fn labels_have_few_digits() {
