@@ -159,7 +159,8 @@ figure-19: $(REFERENCES)/cornell-glossy.indirect.exr
 # ------------------------------------------------------------------ 22 to 32: photon mapping
 PHOTONS := $(call q,20000,100000)
 # Pixels of the floor where the glass sphere's caustic falls, and of the ring's crescent.
-SPOT_OVER := $(if $(filter quick,$(QUALITY)),264$(,)342,352$(,)456)
+RING_OVER := $(if $(filter quick,$(QUALITY)),115$(,)174,154$(,)232)
+FLOOR_OVER := $(if $(filter quick,$(QUALITY)),150$(,)352,200$(,)470)
 SPOT := $(if $(filter quick,$(QUALITY)),88$(,)114,352$(,)456)
 CRESCENT := $(if $(filter quick,$(QUALITY)),38$(,)58,154$(,)232)
 PM = $(BIN)/photonmap $(SPHERES) $(RUN) --photons $(PHOTONS) --caustic-photons $(PHOTONS)
@@ -199,10 +200,11 @@ figure-26:
 
 figure-27:
 	mkdir -p $D
-	$(PM_OVER) --gather-rays 48 --show gathering --probe $(SPOT_OVER) -o $D/gathering.exr
+	$(BIN)/photonmap scenes/ring.xml $(OVER) --photons $(PHOTONS) --caustic-photons $(PHOTONS) --spp $(call q,1,16) --show gathering --probe $(RING_OVER) -o $D/ring.exr
+	$(PM_OVER) --gather-rays 48 --show gathering --probe $(FLOOR_OVER) -o $D/box.exr
 	$(DRAW) figure $D --slide 27-28 --columns 2 --title "Caustics at the first bounce, indirect light at the second" \
-	  --caption "At the first diffuse surface that the eye's path meets, the caustic map is read (left: its photons and the last way that each came). For the rest of the light rays gather from there, and the global map is read where they land (right)." \
-	  gathering.caustic-gather.png="photons of the caustic estimate" gathering.final-gather.png="gather rays to the second bounce"
+	  --caption "At the first diffuse surface that the eye's path meets, the caustic map is read (left, at the white dot: its photons' last ways, from the ring). For the rest of the light rays gather from there, and the global map is read where they land (right)." \
+	  ring.caustic-gather.png="photons of a caustic estimate" box.final-gather.png="gather rays to the second bounce"
 
 figure-29: $(REFERENCES)/cornell-spheres.exr
 	mkdir -p $D
@@ -276,7 +278,7 @@ PASSES := $(call q,64,512)
 ALPHAS := 0.5 0.7 0.9
 figure-41:
 	mkdir -p $D
-	for a in $(ALPHAS); do $(BIN)/ppm scenes/ring.xml $(RUN) --passes $(PASSES) --alpha $$a --trace-pixel $(CRESCENT) --trace-out $D/alpha-$$a.csv --show radius -o $D/alpha-$$a.exr; done
+	for a in $(ALPHAS); do $(BIN)/ppm scenes/ring.xml $(RUN) --photons $(call q,60000,500000) --passes $(PASSES) --alpha $$a --trace-pixel $(CRESCENT) --trace-out $D/alpha-$$a.csv --show radius -o $D/alpha-$$a.exr; done
 	$(DRAW) plot $D/radius.svg --title "Radius of a hit point" --x "passes" --y "R (world units)" --log xy --slopes $(foreach a,$(ALPHAS),"alpha $a"=$D/alpha-$a.csv:pass:radius)
 	$(DRAW) plot $D/photons.svg --title "Photons that count" --x "passes" --y "N" --log xy --slopes $(foreach a,$(ALPHAS),"alpha $a"=$D/alpha-$a.csv:pass:N)
 	$(DRAW) figure $D --slide 41-42 --columns 3 --title "Radius reduction" \

@@ -151,7 +151,8 @@ pub(crate) fn thumbs(args: &ThumbArgs) -> anyhow::Result<()> {
         let first = panels(figure).first().context("a figure without panels")?;
         let file = Path::new(text(first, "file"));
         let kind = file.extension().and_then(|e| e.to_str()).unwrap_or("png");
-        let to = args.out.join(format!("{}.{kind}", text(figure, "slide")));
+        let name = text(figure, "slide").replace(',', "-");
+        let to = args.out.join(format!("{name}.{kind}"));
         std::fs::copy(folder.join(file), &to).with_context(|| to.display().to_string())?;
     }
     Ok(())

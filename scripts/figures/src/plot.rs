@@ -82,8 +82,12 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let curves: Vec<Curve> =
         args.curves.iter().map(|s| curve(s, [log_x, log_y])).collect::<Result<_, _>>()?;
     let levels = args.level.iter().map(|text| level(text)).collect::<anyhow::Result<Vec<_>>>()?;
-    let x = || range(&curves, &[], log_x, 0);
-    let y = || range(&curves, &levels, log_y, 1);
+    // Less than a decade has no marks of its own on a logarithmic axis.
+    let x_range = range(&curves, &[], log_x, 0);
+    let y_range = range(&curves, &levels, log_y, 1);
+    let long = |r: &std::ops::Range<f64>| r.end >= 8.0 * r.start;
+    let [log_x, log_y] = [log_x && long(&x_range), log_y && long(&y_range)];
+    let (x, y) = (|| x_range.clone(), || y_range.clone());
     let shown = Shown {
         args,
         curves: &curves,
@@ -267,6 +271,8 @@ impl Shown<'_> {
                 .y_desc(&args.y)
                 .axis_desc_style((FONT, 16))
                 .label_style((FONT, 13))
+                .x_labels(6)
+                .y_labels(6)
                 .x_label_formatter(&label)
                 .y_label_formatter(&label)
                 .light_line_style(RGBColor(240, 240, 240))
