@@ -43,7 +43,7 @@ $(SLIDES:%=figure-%): export RUST_BACKTRACE = 0
 
 # ------------------------------------------------------------------ references: the path tracer, long
 # reference/SCENE.exr, or reference/SCENE-LAYER.exr of one component.
-REFERENCE_SPP := $(call q,256,4096)
+REFERENCE_SPP := $(call q,256,2048)
 $(REFERENCES)/%.exr: | programs
 	@mkdir -p $(REFERENCES)
 	$(BIN)/pathtrace scenes/$(firstword $(subst ., ,$*)).xml $(RUN) --spp $(REFERENCE_SPP) $(patsubst %,--component %,$(word 2,$(subst ., ,$*))) -o $@ --seed 99
@@ -247,11 +247,11 @@ figure-35:
 
 # N^beta of N photons: with ppa the radius shrinks so that alpha of every pass's photons stay, beta = alpha.
 BETAS := 0.5 0.67 0.8 1
-LADDER := $(call q,1 4 16 64,1 4 16 64 256 1024)
-RING = $(BIN)/ppm scenes/ring.xml $(RUN) --method ppa --component caustic --initial-radius 0.006 --photons $(call q,20000,200000)
+LADDER := $(call q,1 4 16 64,1 4 16 64 256)
+RING = $(BIN)/ppm scenes/ring.xml $(RUN) --method ppa --component caustic --initial-radius 0.006 --photons $(call q,20000,50000)
 figure-39:
 	mkdir -p $D
-	$(RING) --alpha 0.67 --seed 7 --passes $(call q,512,8192) -o $D/reference.exr
+	$(RING) --alpha 0.67 --seed 7 --passes $(call q,512,4096) -o $D/reference.exr
 	for b in $(BETAS); do for n in $(LADDER); do $(RING) --alpha $$b --passes $$n -o $D/beta-$$b-$$n.exr; done; done
 	$(foreach b,$(BETAS),$(DRAW) measure $D/beta-$b.csv --layer Caustic --reference $D/reference.exr $(foreach n,$(LADDER),$n=$D/beta-$b-$n.exr) &&) true
 	$(DRAW) plot $D/error.svg --title "Error against passes" --x "passes (N grows with them)" --y "relMSE of the caustic" --log xy --slopes $(foreach b,$(BETAS),"beta $b"=$D/beta-$b.csv:x:relmse)
@@ -278,7 +278,7 @@ PASSES := $(call q,64,512)
 ALPHAS := 0.5 0.7 0.9
 figure-41:
 	mkdir -p $D
-	for a in $(ALPHAS); do $(BIN)/ppm scenes/ring.xml $(RUN) --photons $(call q,60000,500000) --passes $(PASSES) --alpha $$a --trace-pixel $(CRESCENT) --trace-out $D/alpha-$$a.csv --show radius -o $D/alpha-$$a.exr; done
+	for a in $(ALPHAS); do $(BIN)/ppm scenes/ring.xml $(RUN) --photons $(call q,60000,100000) --passes $(PASSES) --alpha $$a --trace-pixel $(CRESCENT) --trace-out $D/alpha-$$a.csv --show radius -o $D/alpha-$$a.exr; done
 	$(DRAW) plot $D/radius.svg --title "Radius of a hit point" --x "passes" --y "R (world units)" --log xy --slopes $(foreach a,$(ALPHAS),"alpha $a"=$D/alpha-$a.csv:pass:radius)
 	$(DRAW) plot $D/photons.svg --title "Photons that count" --x "passes" --y "N" --log xy --slopes $(foreach a,$(ALPHAS),"alpha $a"=$D/alpha-$a.csv:pass:N)
 	$(DRAW) figure $D --slide 41-42 --columns 3 --title "Radius reduction" \

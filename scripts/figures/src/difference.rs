@@ -85,9 +85,14 @@ fn png(
     encode_png(&layers).map_err(|e| anyhow!(e))
 }
 
+/// Small maps are drawn so large that their legend can be read.
+const LEAST_SIZE: usize = 256;
+
 /// The map with its legend to the right.
 fn drawing([w, h]: [usize; 2], png: &[u8], most: f32) -> String {
-    let (gap, bar, text) = (8.max(w / 40), 12.max(w / 24), (w / 18).clamp(9, 28));
+    let larger = LEAST_SIZE.div_ceil(w.min(h)).max(1);
+    let (w, h) = (w * larger, h * larger);
+    let (gap, bar, text) = (w / 40, w / 24, (w / 18).min(28));
     let (full, left) = (w + gap + bar + 5 * text, w + gap);
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {full} {h}\" width=\"{full}\" height=\"{h}\">\n\
