@@ -10,7 +10,10 @@ QUALITY ?= full
 FIGURES_OUT ?= out/figures
 BIN := target/release
 DRAW := $(BIN)/figures
-REFERENCES := $(FIGURES_OUT)/reference
+# References of one quality are no good for the other: their sizes differ.
+REFERENCES := $(FIGURES_OUT)/reference-$(QUALITY)
+# A loop ends with the first run that fails; without -e it goes on, and an older run's picture would pass for the missing one.
+.SHELLFLAGS := -ec
 
 # $(call q,QUICK,FULL): a number by quality.
 q = $(if $(filter quick,$(QUALITY)),$(1),$(2))
@@ -42,7 +45,7 @@ $(SLIDES:%=figure-%): | programs
 $(SLIDES:%=figure-%): export RUST_BACKTRACE = 0
 
 # ------------------------------------------------------------------ references: the path tracer, long
-# reference/SCENE.exr, or reference/SCENE-LAYER.exr of one component.
+# reference-QUALITY/SCENE.exr, or reference-QUALITY/SCENE.LAYER.exr of one component.
 REFERENCE_SPP := $(call q,256,2048)
 $(REFERENCES)/%.exr: | programs
 	@mkdir -p $(REFERENCES)

@@ -1,0 +1,65 @@
+//! The recipes, with programs that only write down how they were called.
+#![cfg(unix)]
+
+use std::os::unix::fs::PermissionsExt;
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// Make a target with stand-ins for all programs, of which runs with certain words fail; `None` where there is no make.
+fn make(folder: &Path, breaks: &str, arguments: &[&str]) -> Option<Output> {
+    if Command::new("make").arg("--version").output().is_err() {
+        eprintln!("skipped: make is not installed");
+        return None;
+    }
+    // Each leaves a line in the log, and its picture unless it fails.
+    let script = "#!/bin/sh\necho \"${0##*/} $*\" >> \"${0%/*}/log\"\n\
+        case \"$*\" in *\"$BREAKS\"*) exit 1;; esac\n\
+        while [ $# -gt 0 ]; do if [ \"$1\" = -o ]; then : > \"$2\"; : > \"${2%.exr}.png\"; fi; shift; done\n";
+    for program in ["pathtrace", "irrcache", "ppm", "figures"] {
+        let file = folder.join(program);
+        std::fs::write(&file, script).expect("a stand-in");
+        std::fs::set_permissions(&file, PermissionsExt::from_mode(0o755)).expect("it may run");
+    }
+    let show = folder.display();
+    let output = Command::new("make")
+        .args(["-C", concat!(env!("CARGO_MANIFEST_DIR"), "/../.."), "CARGO=true"])
+        .args([format!("BIN={show}"), format!("FIGURES_OUT={show}/out")])
+        .args(arguments)
+        .env_remove("MAKEFLAGS")
+        .env("BREAKS", breaks)
+        .output();
+    Some(output.expect("make runs"))
+}
+
+fn log(folder: &Path) -> String {
+    std::fs::read_to_string(folder.join("log")).expect("programs were called")
+}
+
+const NOTHING: &str = "no command line has these words";
+
+#[test]
+fn a_run_that_fails_in_a_loop_fails_the_figure_though_an_older_picture_is_there() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(output) = make(folder.path(), NOTHING, &["figure-43", "QUALITY=quick"]) else {
+        return;
+    };
+    assert!(output.status.success(), "{output:?}");
+    let drawn = log(folder.path()).matches("figures figure").count();
+    let output = make(folder.path(), "--passes 10 ", &["figure-43", "QUALITY=quick"]);
+    assert!(output.is_some_and(|o| !o.status.success()), "made of what was left from before");
+    assert_eq!(log(folder.path()).matches("figures figure").count(), drawn);
+}
+
+#[test]
+fn a_look_leaves_no_references_of_its_size_for_the_full_figures() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for quality in ["QUALITY=quick", "QUALITY=full", "QUALITY=full"] {
+        let Some(output) = make(folder.path(), NOTHING, &["figure-12", quality]) else { return };
+        assert!(output.status.success(), "{output:?}");
+    }
+    let log = log(folder.path());
+    let references: Vec<&str> = log.lines().filter(|l| l.starts_with("pathtrace")).collect();
+    // One of each size, kept the second time.
+    assert_eq!(references.len(), 2, "{references:#?}");
+    assert!(references[0].contains("128x128") && references[1].contains("512x512"));
+}
