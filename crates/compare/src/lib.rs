@@ -131,6 +131,21 @@ pub struct Request {
     pub quiet: bool,
 }
 
+impl Request {
+    /// The files that it names.
+    fn inputs(&self) -> Vec<PathBuf> {
+        let pictures = |names: &[String]| names.iter().map(|n| picture::file(n)).collect();
+        let mut all: Vec<PathBuf> = match &self.subjects {
+            Subjects::Files(names) => pictures(names),
+            Subjects::Series(series) => vec![series.scene.clone()],
+        };
+        if let Truth::Files(names) = &self.truth {
+            all.extend(pictures(names));
+        }
+        all
+    }
+}
+
 /// Make a comparison and write its page.
 ///
 /// # Errors
@@ -146,6 +161,16 @@ pub fn compare(request: &Request) -> Result<Report, Failure> {
 
 fn try_to_compare(request: &Request) -> Result<Report, Failure> {
     text::check_writable(&request.folder, request.json.as_deref())?;
+    if let Some(json) = &request.json {
+        let mut taken = request.inputs();
+        taken.push(request.folder.join("index.html"));
+        if taken.iter().any(|t| text::is_same_file(t, json)) {
+            return Err(Failure::Input(format!(
+                "error: --json {} would overwrite another of the comparison's files",
+                show(json)
+            )));
+        }
+    }
     let report = match &request.subjects {
         Subjects::Files(files) => subjects::files(request, files)?,
         Subjects::Series(series) => subjects::series(request, series)?,

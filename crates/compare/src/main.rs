@@ -156,6 +156,13 @@ impl Args {
         } else {
             self.techniques.clone()
         };
+        if techniques.is_empty() && self.with.is_empty() {
+            return Err(Failure::Input(format!(
+                "error: there is no technique's program in {}: build them (cargo build --release), or name another folder \
+                 with --programs",
+                programs.folder.display()
+            )));
+        }
         let (runs, for_all) = plan(&techniques, &self.with)?;
         let truth = if self.reference.is_empty() {
             Truth::Run(Run::parse(&self.reference_by)?, self.reference_budget(budget))

@@ -38,6 +38,11 @@ fn parts(name: &str) -> (&str, Option<&str>) {
     }
 }
 
+/// The file of `FILE` or `FILE#LAYER`.
+pub(crate) fn file(name: &str) -> PathBuf {
+    parts(name).0.into()
+}
+
 impl Picture {
     /// Read `FILE` or `FILE#LAYER`; `layer` is taken where the name has none, the radiance where neither says.
     ///

@@ -49,7 +49,9 @@ impl Reference {
         }
         notes.extend(first.note.clone());
         let known = variance.as_ref().map(|v| noise(v, &mean));
-        if let (None, Some(carried)) = (&known, &first.variance) {
+        // A single pass has no variance to carry: its layer is black.
+        let carried = first.variance.as_ref().filter(|_| first.text("gi.passes") != Some("1"));
+        if let (None, Some(carried)) = (&known, carried) {
             let [mse, rel_mse] = noise(carried, &mean).map(text::number);
             notes.push(format!(
                 "by the variance that it carries its own noise is at most about {mse} of each MSE and {rel_mse} of each relMSE: \
@@ -195,6 +197,22 @@ mod tests {
         assert_eq!(r.variance, Some(vec![0.25, 0.0, 1.0]));
         assert!((r.noise.expect("known")[0] - 1.25 / 3.0).abs() < 1e-12);
         assert_eq!(make(vec![of([1.0; 3])]).noise, None);
+    }
+
+    #[test]
+    fn a_reference_of_one_pass_does_not_claim_to_be_without_noise() {
+        let notes = |passes: &str| {
+            let part = Picture {
+                size: [1, 1],
+                rgb: vec![1.0; 3],
+                variance: Some(vec![0.0; 3]),
+                metadata: vec![("gi.passes".into(), passes.into())],
+                ..Picture::default()
+            };
+            Reference::new(vec![part], Vec::new(), Vec::new()).expect("one").notes.join("\n")
+        };
+        assert!(notes("2").contains("at most about 0"));
+        assert!(notes("1").contains("not known"), "{}", notes("1"));
     }
 
     #[test]

@@ -139,7 +139,13 @@ fn what_cannot_be_compared_is_refused_and_nothing_is_written() {
         (path("a.exr"), path("small.exr"), path("depth.exr"), path("nan.exr"), path("no.exr"));
     let scene = scene("cornell-box");
     let layer = format!("{a}#Caustic");
-    let cases: [(&[&str], &[&str]); 14] = [
+    let page = path("out/index.html");
+    let nowhere = path("nowhere");
+    let cases: [(&[&str], &[&str]); 18] = [
+        (&[&a, "--reference", &a, "--json", &page], &["--json", "would overwrite"]),
+        (&[&a, "--reference", &small, "--json", &small], &["small.exr would overwrite"]),
+        (&[&scene, "--reference", &a, "--json", &scene], &["cornell-box.xml would overwrite"]),
+        (&[&scene, "--programs", &nowhere], &["no technique's program", "nowhere", "--programs"]),
         (&[&small, "--reference", &a], &["4 x 6", "8 x 6", "--size"]),
         (&[&a, "--reference", &depth], &["depth.exr", "no channels R, G, B", "Z"]),
         (&[&layer, "--reference", &a], &["no layer Caustic"]),
