@@ -79,7 +79,17 @@ pub(crate) fn moved(
         ));
         return None;
     };
-    let up = up(upward.or(Some(own.matrix3.y_axis.into())), view, report)?;
+    let own_up = Vec3::from(own.matrix3.y_axis).normalize();
+    let up = if upward.is_none() && own_up.cross(view).length() < PARALLEL {
+        // Straight up or down: what lay ahead is up, as on a map.
+        report.warn_nowhere(format!(
+            "the camera looks along its own up: {} is up; --up says otherwise",
+            list(own_view)
+        ));
+        own_view
+    } else {
+        up(upward.or(Some(own_up)), view, report)?
+    };
     let turned = CameraSpec::look_at(origin, origin + view, up, 1.0, moved.size).to_world;
     // What the sensor's own axes do besides turning, mirrors and scales, stays.
     let own_turn =

@@ -299,6 +299,30 @@ fn the_command_line_moves_turns_and_zooms_the_camera_of_a_scene() {
 }
 
 #[test]
+fn a_camera_moved_to_look_straight_down_needs_no_other_up() {
+    let folder = Folder::new();
+    let text = "<scene version='3.0.0'><sensor type='perspective'>
+        <transform name='to_world'><lookat origin='0 1 5' target='0 1 0' up='0 1 0'/></transform></sensor>
+        <shape type='sphere'/></scene>";
+    let path = folder.write("a.xml", text);
+    let camera = CameraOverride {
+        origin: Some(Vec3::new(0.0, 9.0, 0.0)),
+        target: Some(Vec3::ZERO),
+        ..CameraOverride::default()
+    };
+    let loaded = load(&path, &Options { camera, ..Options::default() }).unwrap();
+    let axes = loaded.camera.to_world.matrix3;
+    assert!(Vec3::from(axes.z_axis).abs_diff_eq(Vec3::NEG_Y, 1e-6), "{axes}");
+    // Where it looked before is up in the picture.
+    assert!(Vec3::from(axes.y_axis).abs_diff_eq(Vec3::NEG_Z, 1e-6), "{axes}");
+    assert!(loaded.warnings.iter().any(|w| w.contains("--up says otherwise")));
+    // What the command line says to be up is an error there.
+    let camera = CameraOverride { up: Some(Vec3::Y), ..camera };
+    let refused = load(&path, &Options { camera, ..Options::default() }).unwrap_err().to_string();
+    assert!(refused.contains("--up 0,1,0 lies along the view"), "{refused}");
+}
+
+#[test]
 fn the_normals_of_a_mirrored_cylinder_are_turned_round() {
     let flipped = |x: &str| {
         let body = format!(
