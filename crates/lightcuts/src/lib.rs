@@ -6,7 +6,7 @@
 //! | estimated | L(x) = sum over clusters C of a cut of f(x) G(x, y) V(x, y) power(C), with y the cluster's representative; passes, each with lights of its own, are averaged |
 //! | `--error` | error that may be, relative to the whole: Weber's law (0.02) |
 //! | `--rule` | error of what: `cluster`, each alone, as the lecture has it; `whole`, of 99 of 100 points too (default) |
-//! | `--max-cut` | most clusters of a cut (1000) |
+//! | `--max-cut` | most clusters of a cut (1000; with `--error 0` no limit) |
 //! | `--lights` | points of lights: areas, sky, sun (4096 in all, shared out by power) |
 //! | `--vpls` | about how many virtual point lights indirect light has (16384) |
 //! | `--fixed-lights` | all passes have the lights of the first: what lights' number leaves wrong stays |

@@ -26,9 +26,9 @@ struct Args {
     /// Of what --error is the error
     #[arg(long, value_enum, default_value_t = RuleFlag::Whole)]
     rule: RuleFlag,
-    /// Most clusters of a cut
-    #[arg(long, value_name = "N", default_value_t = Params::default().cut.max_cut, value_parser = clap::value_parser!(u32).range(1..))]
-    max_cut: u32,
+    /// Most clusters of a cut; with --error 0 there is no limit but one given here [default: 1000]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    max_cut: Option<u32>,
     /// Points of lights in a pass, shared out by power; of one kind by name: 4096,sky=1000,sun=64,area=500 [slide 61]
     #[arg(long, value_name = "N[,KIND=N...]", default_value = "4096", value_parser = parse_lights)]
     lights: LightNumbers,
@@ -130,6 +130,11 @@ enum ShowFlag {
     Cuts,
 }
 
+/// Most clusters of a cut where nobody says it: to ask every light is to have no limit.
+fn most_clusters(error: f32) -> u32 {
+    if error == 0.0 { u32::MAX } else { Params::default().cut.max_cut }
+}
+
 fn parse_clamp(text: &str) -> Result<f32, String> {
     let wrong = "expected a number above 0, or inf";
     text.parse().ok().filter(|b: &f32| *b > 0.0).ok_or_else(|| wrong.into())
@@ -189,7 +194,7 @@ impl Program for Args {
                     RuleFlag::Cluster => Rule::Cluster,
                     RuleFlag::Whole => Rule::Whole,
                 },
-                max_cut: self.max_cut,
+                max_cut: self.max_cut.unwrap_or_else(|| most_clusters(self.error)),
             },
             lights: self.lights,
             direct_by_points: self.direct == DirectFlag::Vpl,
@@ -255,6 +260,17 @@ mod tests {
     fn without_flags_the_parameters_are_the_librarys_defaults() {
         let args = Args::parse_from(["lightcuts", "scene.xml"]);
         assert_eq!(args.params(), Ok(Params::default()));
+    }
+
+    #[test]
+    fn without_error_nothing_limits_a_cut_but_what_is_asked_for() {
+        let most = |flags: &[&str]| {
+            let args = Args::parse_from([&["lightcuts", "scene.xml"], flags].concat());
+            args.params().map(|p| p.cut.max_cut)
+        };
+        assert_eq!(most(&["--error", "0"]), Ok(u32::MAX));
+        assert_eq!(most(&["--error", "0", "--max-cut", "50"]), Ok(50));
+        assert_eq!(most(&["--error", "0.01"]), Ok(1000));
     }
 
     #[test]
