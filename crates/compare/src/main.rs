@@ -85,6 +85,15 @@ impl Args {
             Some(folder) => Programs { folder: folder.clone() },
             None => Programs::beside_this()?,
         };
+        let is_view = |name: &&String| {
+            let name = name.to_ascii_lowercase();
+            [".png", ".jpg", ".jpeg"].iter().any(|e| name.ends_with(e))
+        };
+        if let Some(view) = self.inputs.iter().chain(&self.reference).find(is_view) {
+            return Err(Failure::Input(format!(
+                "error: {view} is a view, clipped and rounded: give the .exr that it was made from"
+            )));
+        }
         let pictures = self.inputs.iter().all(|i| is_picture(i));
         let (subjects, truth, folder) =
             if pictures { self.pictures()? } else { self.series(&programs)? };

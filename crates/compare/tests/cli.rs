@@ -141,7 +141,9 @@ fn what_cannot_be_compared_is_refused_and_nothing_is_written() {
     let layer = format!("{a}#Caustic");
     let page = path("out/index.html");
     let nowhere = path("nowhere");
-    let cases: [(&[&str], &[&str]); 18] = [
+    let view = path("a.png");
+    let cases: [(&[&str], &[&str]); 19] = [
+        (&[&view, "--reference", &a], &["a.png is a view", ".exr"]),
         (&[&a, "--reference", &a, "--json", &page], &["--json", "would overwrite"]),
         (&[&a, "--reference", &small, "--json", &small], &["small.exr would overwrite"]),
         (&[&scene, "--reference", &a, "--json", &scene], &["cornell-box.xml would overwrite"]),

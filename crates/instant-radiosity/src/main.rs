@@ -112,6 +112,12 @@ impl Program for Args {
     }
 
     fn params(&self) -> Result<Params, String> {
+        let extension = self.vpls_out.as_ref().and_then(|p| p.extension());
+        if self.vpls_out.is_some()
+            && !extension.is_some_and(|e| ["ply", "csv"].iter().any(|k| e.eq_ignore_ascii_case(k)))
+        {
+            return Err("--vpls-out: the file's name ends in .ply or .csv".into());
+        }
         Ok(Params {
             limits: PathLimits { max_depth: self.common.max_depth(), ..PathLimits::default() },
             vpls: self.vpls,

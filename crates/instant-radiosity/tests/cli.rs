@@ -42,13 +42,14 @@ fn wrong_flags_are_one_clear_error_and_status_2() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("a.exr");
     let out = out.to_str().expect("UTF-8");
-    let cases: [(&[&str], &str); 6] = [
+    let cases: [(&[&str], &str); 7] = [
         (&["--clamp", "0"], "above 0"),
         (&["--clamp", "nan"], "above 0"),
         (&["--vpls", "0"], "1.."),
         (&["--relaxation=-1"], "from 0 to 2"),
         (&["--pixel", "3"], "X,Y"),
         (&["--vpls-out", out], "overwrite"),
+        (&["--vpls-out", "lights.txt"], ".ply or .csv"),
     ];
     for (flags, says) in cases {
         let output = run(&[&["-o", out], flags].concat());

@@ -186,6 +186,12 @@ impl Program for Args {
         if self.reconstruct && !matches!(self.method, MethodFlag::Cuts) {
             return Err("--reconstruct shares cuts: it goes with --method cuts only".into());
         }
+        let extension = self.lights_out.as_ref().and_then(|p| p.extension());
+        if self.lights_out.is_some()
+            && !extension.is_some_and(|e| ["ply", "csv"].iter().any(|k| e.eq_ignore_ascii_case(k)))
+        {
+            return Err("--lights-out: the file's name ends in .ply or .csv".into());
+        }
         Ok(Params {
             limits: PathLimits { max_depth: self.common.max_depth(), ..PathLimits::default() },
             cut: Limits {

@@ -85,6 +85,7 @@ fn what_cannot_be_used_is_refused_with_a_way_out() {
     assert_refused(&run("gallery", &["--clamp=-1"]), "above 0, or inf");
     assert_refused(&run("gallery", &["--max-cut=0"]), "--max-cut");
     assert_refused(&run("gallery", &["--pixel=7"]), "X,Y");
+    assert_refused(&run("gallery", &["--lights-out=lights.txt"]), ".ply or .csv");
     assert_refused(&run("gallery", &["--reconstruct", "--method=one"]), "--method cuts only");
 }
 
