@@ -12,6 +12,8 @@ mod instant_radiosity_facts;
 mod irrcache_facts;
 /// What lightcuts are held to.
 mod lightcuts_facts;
+/// What light in participating media is held to.
+mod media;
 /// Photon mapping.
 mod photonmap;
 /// What progressive photon mapping is held to.

@@ -14,8 +14,14 @@ fn bits(world: &World, mode: Mode, threads: usize, seed: u32) -> Vec<(String, Ve
 
 #[test]
 fn every_layer_has_the_same_bits_at_1_2_and_4_threads() {
-    for (scene, size) in [("cornell-spheres.xml", [50, 40]), ("patio.xml", [40, 30])] {
-        for mode in [Mode::Path, Mode::Light] {
+    const ALL: [Mode; 3] = [Mode::Path, Mode::Light, Mode::VolPath];
+    for (scene, size, modes) in [
+        ("cornell-spheres.xml", [50, 40], &ALL[..2]),
+        ("patio.xml", [40, 30], &ALL[..2]),
+        ("fog.xml", [40, 40], &ALL[2..]),
+        ("marble.xml", [40, 40], &ALL[2..]),
+    ] {
+        for &mode in modes {
             let world = World::load(scene, size, &[]);
             let one = bits(&world, mode, 1, 7);
             for threads in [2, 4] {

@@ -38,6 +38,11 @@ pub trait Program: Parser {
     /// One line about flags, or files they name, that cannot be used.
     fn params(&self) -> Result<Self::Params, String>;
 
+    /// Whether light is absorbed and scattered by the scene's media.
+    fn knows_media(&self) -> bool {
+        false
+    }
+
     /// Files that the flags ask for besides the picture. They are found to be writable before the work, and
     /// written after it.
     fn outputs(&self) -> Vec<PathBuf> {

@@ -58,12 +58,15 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<(), Failure> {
     output.check_apart(&others)?;
     say_warnings(common, &loaded.warnings);
 
-    let Loaded { parts, camera, filter, warnings, hash, world, .. } = loaded;
+    let Loaded { parts, camera, filter, mut warnings, hash, world, .. } = loaded;
     check_film(camera.size)?;
     let clock = Instant::now();
     let scene = Scene::new(parts)
         .map_err(|e| Failure::Input(format!("error: {}: {e}", common.scene.display())))?;
     let build_time = clock.elapsed();
+    let about_media = media_warnings(&scene, args.knows_media());
+    say_warnings(common, &about_media);
+    warnings.extend(about_media);
     let camera = Camera::new(&camera);
     say_scene(common, &scene, camera.size());
     let setting =
@@ -135,6 +138,19 @@ fn check_film([w, h]: [usize; 2]) -> Result<(), Failure> {
 fn say_warnings(common: &Common, warnings: &[String]) {
     if !common.quiet {
         warnings.iter().for_each(|w| eprintln!("warning: {w}"));
+    }
+}
+
+/// What the user should know about the scene's media.
+fn media_warnings(scene: &Scene, known: bool) -> Vec<String> {
+    match (scene.has_media(), known) {
+        (false, _) => Vec::new(),
+        (true, true) => scene.media_warnings(),
+        (true, false) => vec![
+            "participating media are left out: their boundaries are drawn, what is inside neither absorbs nor scatters \
+             (`pathtrace --mode volpath` knows media)"
+                .into(),
+        ],
     }
 }
 

@@ -1,9 +1,11 @@
-//! Next-event estimation: light sampled from a surface point, weighted against BSDF sampling.
+//! Next-event estimation: light sampled from a point of a surface or a medium, weighted against sampling of what scatters
+//! there.
 
 use glam::Vec3;
 
 use crate::bsdf::Bsdf;
 use crate::geometry::Surface;
+use crate::light::LightSample;
 use crate::math::{Rgb, sqr};
 use crate::sampler::Sampler;
 use crate::scene::Scene;
@@ -26,6 +28,54 @@ pub fn direct_light(
     wo: Vec3,
     sampler: &mut Sampler,
 ) -> Rgb {
+    direct_light_seen(scene, surface, bsdf, wo, sampler, |light| scene.visibility(surface, light))
+}
+
+/// The same for a path that reached `surface` in `medium`: media dim the light on its way.
+#[inline]
+pub fn direct_light_through_media(
+    scene: &Scene,
+    (surface, medium): (&Surface, Option<usize>),
+    bsdf: &Bsdf,
+    wo: Vec3,
+    sampler: &mut Sampler,
+) -> Rgb {
+    direct_light_seen(scene, surface, bsdf, wo, sampler, |light| {
+        scene.visibility_through_media(surface, medium, light)
+    })
+}
+
+/// Radiance scattered along `wo` at the point `p` inside of a medium, its scattering coefficient apart, of light that comes
+/// straight from a light: one light sampled, weighted against sampling of the phase function.
+#[inline]
+pub fn direct_light_within(
+    scene: &Scene,
+    medium: usize,
+    p: Vec3,
+    wo: Vec3,
+    sampler: &mut Sampler,
+) -> Rgb {
+    let u = sampler.next_2d();
+    let Some(light) = scene.sample_light(p, u) else { return Rgb::BLACK };
+    // A phase function is its own density.
+    let phase = scene.medium(medium).phase.eval(wo, light.wi);
+    let arriving = light.radiance * phase;
+    if arriving.is_black() {
+        return Rgb::BLACK;
+    }
+    let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf_w, phase) };
+    arriving * scene.visibility_from_within(p, Some(medium), &light) * (weight / light.pdf_w)
+}
+
+#[inline]
+fn direct_light_seen(
+    scene: &Scene,
+    surface: &Surface,
+    bsdf: &Bsdf,
+    wo: Vec3,
+    sampler: &mut Sampler,
+    visibility: impl FnOnce(&LightSample) -> Rgb,
+) -> Rgb {
     let u = sampler.next_2d();
     if bsdf.is_delta() {
         return Rgb::BLACK;
@@ -37,7 +87,7 @@ pub fn direct_light(
         return Rgb::BLACK;
     }
     let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf_w, pdf_bsdf) };
-    arriving * scene.visibility(surface, &light) * (weight / light.pdf_w)
+    arriving * visibility(&light) * (weight / light.pdf_w)
 }
 
 /// Weight of light met by a BSDF ray drawn with density `pdf_bsdf` that light sampling draws with `pdf_light`.

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | estimated | every kind of light path that its walk can find, without bias |
 //! | `--mode path` | paths from the eye; at each vertex light is sampled too, both weighted by the power heuristic |
+//! | `--mode volpath` | the same in participating media: a path flies a distance drawn in proportion to transmittance, is scattered as the phase function says, and light sampled from there is dimmed on its way [slide 34] |
 //! | `--mode light` | paths from the lights; each vertex is connected to the eye |
 //! | `--max-depth` | path segments: 1 shows lights, 2 adds direct light; -1 is unbounded |
 //! | `--rr-depth` | segments after which Russian roulette may end a path (5) |
@@ -13,7 +14,7 @@
 mod light;
 
 use gi_core::bytes::{Reader, Writer};
-use gi_core::eye::{EyePath, PathLimits, nothing};
+use gi_core::eye::{EyePath, InMedia, PathLimits, nothing};
 use gi_core::film::Film;
 use gi_core::technique::{Setting, Technique};
 
@@ -23,6 +24,8 @@ pub enum Mode {
     /// At the eye.
     #[default]
     Path,
+    /// At the eye, scattered in media too.
+    VolPath,
     /// At the lights.
     Light,
 }
@@ -59,6 +62,14 @@ impl<'a> Technique<'a> for PathTracer<'a> {
                 let path = EyePath { scene, limits: self.params.limits, show };
                 film.add_pass(|pixel| path.sample_pixel(camera, seed, pixel, index, &mut nothing));
             }
+            Mode::VolPath => {
+                let Setting { scene, camera, seed, show, .. } = self.setting;
+                let path = EyePath { scene, limits: self.params.limits, show };
+                let medium = path.medium_round(camera);
+                film.add_pass(|pixel| {
+                    path.sample_pixel_by(camera, medium, seed, pixel, index, &mut InMedia)
+                });
+            }
             Mode::Light => self.light_pass(index, film),
         }
     }
@@ -82,14 +93,14 @@ impl<'a> Technique<'a> for PathTracer<'a> {
 
     fn statistics(&self) -> Vec<(String, f64)> {
         match self.params.mode {
-            Mode::Path => Vec::new(),
+            Mode::Path | Mode::VolPath => Vec::new(),
             Mode::Light => vec![("light_paths".into(), self.light_paths as f64)],
         }
     }
 
     fn reach(&self) -> String {
         match self.params.mode {
-            Mode::Path => "all paths but those from point, spot and directional lights that reach the eye over \
+            Mode::Path | Mode::VolPath => "all paths but those from point, spot and directional lights that reach the eye over \
                            delta lobes only after the last rough surface (E S* D S+ L)"
                 .into(),
             Mode::Light => "E L and E D (S|D)* L: what is seen without mirrors or glass; nothing that the eye sees \

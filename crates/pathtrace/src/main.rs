@@ -28,6 +28,8 @@ struct Args {
 enum ModeFlag {
     /// From the eye, light sampled at each vertex, both weighted by the power heuristic
     Path,
+    /// The same, absorbed and scattered by participating media
+    Volpath,
     /// From the lights, each vertex connected to the eye
     Light,
 }
@@ -40,9 +42,14 @@ impl Program for Args {
         &self.common
     }
 
+    fn knows_media(&self) -> bool {
+        matches!(self.mode, ModeFlag::Volpath)
+    }
+
     fn params(&self) -> Result<Params, String> {
         let mode = match self.mode {
             ModeFlag::Path => Mode::Path,
+            ModeFlag::Volpath => Mode::VolPath,
             ModeFlag::Light => Mode::Light,
         };
         let limits = PathLimits { max_depth: self.common.max_depth(), rr_depth: self.rr_depth };

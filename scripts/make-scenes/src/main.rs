@@ -6,6 +6,7 @@
 mod buildings;
 mod cornell;
 mod glass;
+mod media;
 mod mesh;
 mod outdoors;
 mod rooms;
@@ -59,6 +60,9 @@ fn main() -> anyhow::Result<()> {
         buildings::colonnade(),
         rooms::lamp(),
         table::cognac(),
+        media::fog(),
+        media::marble(),
+        media::milk(),
     ];
     for scene in scenes {
         write(&folder.join(format!("{}.xml", scene.name)), &scene.xml)?;

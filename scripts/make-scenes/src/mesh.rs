@@ -48,7 +48,8 @@ impl Mesh {
             let (n0, n1) = (joined(k.wrapping_sub(1)), joined(k + 1));
             let base = mesh.positions.len() as u32;
             for s in 0..=segments {
-                let (sin, cos) = (TAU * s as f32 / segments as f32).sin_cos();
+                // The last column is the first one again, to the bit: the surface is closed.
+                let (sin, cos) = (TAU * (s % segments) as f32 / segments as f32).sin_cos();
                 for (p, n) in [(w[0], n0), (w[1], n1)] {
                     mesh.positions.push(Vec3::new(p.x * cos, p.y, p.x * sin));
                     mesh.normals.push(Vec3::new(n.x * cos, n.y, n.x * sin));

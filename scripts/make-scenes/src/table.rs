@@ -100,7 +100,7 @@ pub(crate) fn cognac() -> SceneFile {
 }
 
 /// A square lamp of half side `half` at `p` that faces `target`.
-fn lamp(p: Vec3, target: Vec3, half: f32) -> Mesh {
+pub(crate) fn lamp(p: Vec3, target: Vec3, half: f32) -> Mesh {
     let n = (target - p).normalize();
     let s = n.cross(Vec3::Y).normalize() * half;
     let t = s.cross(n);
@@ -108,7 +108,7 @@ fn lamp(p: Vec3, target: Vec3, half: f32) -> Mesh {
 }
 
 /// A curve through the points \[Catmull74\], eight pieces between two.
-fn smooth(points: &[Vec2]) -> Vec<Vec2> {
+pub(crate) fn smooth(points: &[Vec2]) -> Vec<Vec2> {
     const PIECES: usize = 8;
     let last = points.len() - 1;
     let mut out = Vec::new();

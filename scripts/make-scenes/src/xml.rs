@@ -116,6 +116,15 @@ pub(crate) fn mesh(file: &str, material: &str, radiance: Option<[f32; 3]>) -> St
     )
 }
 
+/// A shape that parts media: what lies against its normal, and on the side of it.
+pub(crate) fn parting(shape: &str, interior: Option<&str>, exterior: Option<&str>) -> String {
+    let line = |side: &str, id: Option<&str>| {
+        id.map_or(String::new(), |id| format!("        <ref name=\"{side}\" id=\"{id}\"/>\n"))
+    };
+    let media = line("interior", interior) + &line("exterior", exterior);
+    shape.replace("    </shape>", &format!("{media}    </shape>"))
+}
+
 /// A sphere.
 pub(crate) fn sphere(
     center: Vec3,

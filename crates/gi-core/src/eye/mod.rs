@@ -4,7 +4,9 @@
 //! cache, a photon map, virtual lights), it supplies that at a vertex, and the path goes on only for what
 //! is left: light that comes straight from a light or through mirrors and glass, and lobes that it did not answer for.
 
+mod media;
 mod prefix;
+mod supply;
 
 use glam::Vec3;
 
@@ -13,11 +15,14 @@ use crate::camera::Camera;
 use crate::film::{Components, Sample, Show};
 use crate::geometry::Surface;
 use crate::math::Rgb;
-use crate::nee::{direct_light, emitter_weight};
-use crate::ray::Ray;
+use crate::nee::{direct_light, direct_light_through_media, emitter_weight};
+use crate::ray::{Hit, Ray};
 use crate::sampler::Sampler;
 use crate::scene::Scene;
+use media::Crossing;
 use prefix::Prefix;
+use supply::OnSurfaces;
+pub use supply::{Beam, InMedia, Supplier};
 
 /// Russian roulette lets at least one path in twenty end, so that no path is endless.
 const MAX_SURVIVAL: f32 = 0.95;
@@ -122,13 +127,41 @@ impl<'a> EyePath<'a> {
         index: u32,
         supply: &mut impl FnMut(&EyeVertex<'_, 'a>, &mut Sampler) -> Option<Supplied>,
     ) -> Sample {
+        self.through_pixel(camera, seed, [x, y], index, (&mut OnSurfaces(supply), None))
+    }
+
+    /// The same by a supplier, which may know media; `medium` is what the camera stands in (see
+    /// [`EyePath::medium_round`]).
+    #[inline]
+    pub fn sample_pixel_by(
+        &self,
+        camera: &Camera,
+        medium: Option<usize>,
+        seed: u32,
+        pixel: [usize; 2],
+        index: u32,
+        supplier: &mut impl Supplier<'a>,
+    ) -> Sample {
+        self.through_pixel(camera, seed, pixel, index, (supplier, medium))
+    }
+
+    #[inline]
+    fn through_pixel(
+        &self,
+        camera: &Camera,
+        seed: u32,
+        [x, y]: [usize; 2],
+        index: u32,
+        (supplier, medium): (&mut impl Supplier<'a>, Option<usize>),
+    ) -> Sample {
         let stream = (y * camera.size()[0] + x) as u32;
         let mut sampler = Sampler::new(seed, stream, index);
         let [u, v] = sampler.next_2d();
         let lens = if camera.has_lens() { sampler.next_2d() } else { [0.5; 2] };
         let ray = camera.ray([x as f32 + u, y as f32 + v], lens);
         let mut sample = Sample { offset: [u - 0.5, v - 0.5], ..Sample::default() };
-        self.follow(ray, Prefix::EYE, &mut sampler, supply, &mut sample);
+        let prefix = Prefix { medium, ..Prefix::EYE };
+        self.follow(ray, prefix, &mut sampler, supplier, &mut sample);
         sample
     }
 
@@ -145,25 +178,48 @@ impl<'a> EyePath<'a> {
     ) -> Sample {
         let mut sample = Sample::default();
         let prefix = Prefix { rough: 1, segments, length, ..Prefix::EYE };
-        EyePath { show: Show::Indirect, ..*self }.follow(ray, prefix, sampler, supply, &mut sample);
+        EyePath { show: Show::Indirect, ..*self }.follow(
+            ray,
+            prefix,
+            sampler,
+            &mut OnSurfaces(supply),
+            &mut sample,
+        );
         sample
     }
 
     /// Follow a path and add up the light that it finds.
     #[inline]
-    fn follow(
+    fn follow<S: Supplier<'a>>(
         &self,
         mut ray: Ray,
         mut prefix: Prefix,
         sampler: &mut Sampler,
-        supply: &mut impl FnMut(&EyeVertex<'_, 'a>, &mut Sampler) -> Option<Supplied>,
+        supplier: &mut S,
         out: &mut Sample,
     ) {
         let scene = self.scene;
         let mut seen = false;
         loop {
             // Intersect.
-            let Some(hit) = scene.closest(&ray) else {
+            let hit = scene.closest(&ray);
+            // Cross the medium in between, or be scattered by it.
+            if S::MEDIA && prefix.medium.is_some() {
+                let reach = hit.map_or(f32::INFINITY, |h| h.t);
+                match self.cross(&ray, reach, &mut prefix, sampler, supplier, &mut out.radiance) {
+                    Crossing::Passed => {}
+                    Crossing::Ended => return,
+                    Crossing::Scattered(next) => {
+                        if let (Some(hit), false) = (hit, seen) {
+                            self.describe(&ray, &hit, out);
+                        }
+                        seen = true;
+                        ray = next;
+                        continue;
+                    }
+                }
+            }
+            let Some(hit) = hit else {
                 self.add_background(ray.d, &prefix, &mut out.radiance);
                 return;
             };
@@ -188,12 +244,19 @@ impl<'a> EyePath<'a> {
             let mut supplied = None;
             if rough && !ends && !here.is_black() {
                 let vertex = prefix.vertex(&surface, wo, &bsdf, here);
-                supplied = supply(&vertex, sampler);
+                supplied = supplier.vertex(&vertex, sampler);
                 add_supplied(supplied.as_ref(), &prefix, here, &mut out.radiance);
             }
             // Sample a light.
             if !ends && supplied.is_none_or(|s| s.direct.is_none()) {
-                self.add_direct(&surface, &bsdf, wo, (&prefix, here), sampler, &mut out.radiance);
+                self.add_direct::<S>(
+                    &surface,
+                    &bsdf,
+                    wo,
+                    (&prefix, here),
+                    sampler,
+                    &mut out.radiance,
+                );
             }
             // Choose the next direction.
             let (u_choice, u, u_roulette) =
@@ -210,8 +273,18 @@ impl<'a> EyePath<'a> {
             if self.is_done(&prefix) || !self.survives(&mut prefix, u_roulette) {
                 return;
             }
+            if S::MEDIA {
+                prefix.medium = scene.medium_toward(&surface, scatter.wi, prefix.medium);
+            }
             ray = scene.spawn(&surface, scatter.wi);
         }
+    }
+
+    /// Note what the first surface is like.
+    fn describe(&self, ray: &Ray, hit: &Hit, out: &mut Sample) {
+        let surface = self.scene.surface(ray, hit);
+        let bsdf = self.scene.bsdf(&surface, -ray.d, Transport::Radiance);
+        (out.albedo, out.normal, out.depth) = (bsdf.albedo_hint(-ray.d), surface.ns(), hit.t);
     }
 
     /// Play Russian roulette with what is left, the squeezing by refraction undone.
@@ -242,9 +315,20 @@ impl<'a> EyePath<'a> {
             }
     }
 
+    /// Whether light that is sampled where the path is scattered now is asked for.
+    #[inline]
+    fn wants_direct(&self, prefix: &Prefix) -> bool {
+        match self.show {
+            Show::All => true,
+            Show::Direct => prefix.rough == 0,
+            Show::Indirect => prefix.rough > 0,
+            Show::Caustic => false,
+        }
+    }
+
     /// Light that is sampled and scattered here.
     #[inline]
-    fn add_direct(
+    fn add_direct<S: Supplier<'a>>(
         &self,
         surface: &Surface,
         bsdf: &Bsdf,
@@ -253,16 +337,15 @@ impl<'a> EyePath<'a> {
         sampler: &mut Sampler,
         out: &mut Components,
     ) {
-        let asked_for = match self.show {
-            Show::All => true,
-            Show::Direct => prefix.rough == 0,
-            Show::Indirect => prefix.rough > 0,
-            Show::Caustic => false,
-        };
-        if !asked_for || here.is_black() {
+        if !self.wants_direct(prefix) || here.is_black() {
             return sampler.skip();
         }
-        let direct = direct_light(self.scene, surface, bsdf, wo, sampler);
+        let direct = if S::MEDIA {
+            let place = (surface, prefix.medium);
+            direct_light_through_media(self.scene, place, bsdf, wo, sampler)
+        } else {
+            direct_light(self.scene, surface, bsdf, wo, sampler)
+        };
         *out.of_path(prefix.rough + 1, false) += prefix.throughput * here * direct;
     }
 

@@ -33,6 +33,8 @@ pub(super) struct Prefix {
     pub(super) segments: u32,
     /// Length so far, world units.
     pub(super) length: f32,
+    /// The medium that it is in, for walks that know media.
+    pub(super) medium: Option<usize>,
 }
 
 impl Prefix {
@@ -48,6 +50,7 @@ impl Prefix {
         eta_sq: 1.0,
         segments: 1,
         length: 0.0,
+        medium: None,
     };
 
     /// The path's point for a technique to answer at, of which `here` nobody has answered for.
@@ -106,6 +109,23 @@ impl Prefix {
             self.direct_answered = supplied.is_some_and(|s| s.direct.is_some());
             self.straight = supplied.and_then(|s| Straight::new(&s.answered, surface, scatter.wi));
         }
+    }
+
+    /// Share of what a medium scatters that nobody has answered for, rounded as on surfaces.
+    #[inline]
+    pub(super) fn unanswered_within(&self, sampler: &mut Sampler) -> Rgb {
+        play_for(self.unanswered, sampler)
+    }
+
+    /// Take in that the path was scattered at the point `p` of a medium, in a direction of density `pdf_w`, where `here` was not
+    /// answered for before.
+    #[inline]
+    pub(super) fn scatter_within(&mut self, p: Vec3, pdf_w: f32, here: Rgb) {
+        self.throughput *= here;
+        self.segments += 1;
+        self.rough += 1;
+        (self.after_delta, self.last, self.straight) = (false, Some((p, pdf_w)), None);
+        (self.unanswered, self.caustic_answered, self.direct_answered) = (Rgb::WHITE, false, false);
     }
 
     /// Whether the light of what is met now was supplied at the last vertex.

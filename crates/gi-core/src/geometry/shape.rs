@@ -100,6 +100,12 @@ impl Shape {
             flip_normals: false,
         }
     }
+
+    /// Whether media may differ on its two sides.
+    #[inline]
+    pub fn is_boundary(&self) -> bool {
+        self.interior.is_some() || self.exterior.is_some()
+    }
 }
 
 /// A copy of a group of shapes somewhere else.

@@ -116,6 +116,11 @@ impl Lights {
         Lights { lights, by_power, first_of_shape, distant, sphere }
     }
 
+    /// Middle and radius of the scene.
+    pub(crate) fn sphere(&self) -> (Vec3, f32) {
+        self.sphere
+    }
+
     /// All lights in order.
     pub fn all(&self) -> &[Light] {
         &self.lights

@@ -107,7 +107,8 @@ impl Scene {
         let lights = Lights::new(&shapes[..own_shapes], lights, sphere);
         let instances = instances.iter().map(prepare_instance).collect();
         let materials = prepared;
-        Ok(Scene {
+        let has_media = shapes.iter().any(Shape::is_boundary);
+        let mut scene = Scene {
             shapes,
             first_primitive,
             shape_of,
@@ -119,7 +120,11 @@ impl Scene {
             tree,
             bounds,
             has_null,
-        })
+            has_media,
+            light_media: Vec::new(),
+        };
+        scene.find_media_round_lights();
+        Ok(scene)
     }
 }
 

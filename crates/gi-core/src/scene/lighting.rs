@@ -132,7 +132,7 @@ impl Scene {
     }
 
     /// Whether light may pass straight through a primitive.
-    fn has_null_at(&self, prim: u32) -> bool {
+    pub(super) fn has_null_at(&self, prim: u32) -> bool {
         self.materials[self.shapes[self.shape_of[prim as usize] as usize].material].has_null
     }
 

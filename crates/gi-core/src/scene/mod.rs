@@ -2,6 +2,8 @@
 
 mod build;
 mod lighting;
+mod media;
+mod media_check;
 mod parts;
 mod surface;
 
@@ -34,6 +36,10 @@ pub struct Scene {
     bounds: Bounds,
     /// Whether anything lets light straight through, so that shadow rays must look.
     has_null: bool,
+    /// Whether any shape parts media.
+    has_media: bool,
+    /// The medium round each light; empty where there are no media.
+    light_media: Vec<Option<usize>>,
 }
 
 /// An instance with what its surfaces need.

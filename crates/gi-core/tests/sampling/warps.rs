@@ -34,6 +34,17 @@ fn warps_of_directions() {
 }
 
 #[test]
+fn phase_functions() {
+    use gi_core::medium::Phase;
+    let wo = Vec3::new(0.6, -0.64, 0.48);
+    let phases = [-0.7, 0.0, 0.3, 0.9].map(|g| Phase::HenyeyGreenstein { g });
+    for (k, phase) in phases.into_iter().chain([Phase::Isotropic]).enumerate() {
+        let name = format!("{phase:?}");
+        check(&name, 30 + k as u64, |r| Some(phase.sample(wo, r.next_2d())), |w| phase.eval(wo, w));
+    }
+}
+
+#[test]
 fn spherical_triangles() {
     let triangles = [
         [Vec3::X, Vec3::Y, Vec3::Z],

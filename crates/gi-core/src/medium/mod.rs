@@ -1,0 +1,225 @@
+//! Participating media: what light passes through between surfaces, and is absorbed and scattered by.
+//!
+//! Media are homogeneous. Along a ray light is dimmed by T(t) = exp(-sigma_t t) (Beer's law), and at each point
+//! sigma_s = albedo sigma_t of it, per unit of length, is scattered as the phase function says
+//! [slide 34] \[Jensen01, 10.1\].
+
+mod phase;
+
+use crate::math::Rgb;
+pub use phase::Phase;
+
+/// A medium of constant density.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Medium {
+    /// Extinction, one over world units.
+    pub sigma_t: Rgb,
+    /// Scattering over extinction, in [0, 1].
+    pub albedo: Rgb,
+    /// Where scattered light goes.
+    pub phase: Phase,
+}
+
+/// How a path crosses a piece of a medium. A weight is what the path's throughput (or power) is multiplied by: the share of
+/// light over the density with which this was drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Flight {
+    /// It is scattered after the distance `t`, world units: T(t) sigma_s over the density of `t`.
+    Scattered {
+        /// Distance, below that of the far end.
+        t: f32,
+        /// Of light that scatters there, the phase function apart.
+        weight: Rgb,
+    },
+    /// It reaches the far end: T over the probability of that.
+    Passed {
+        /// Of light that passes.
+        weight: Rgb,
+    },
+}
+
+impl Medium {
+    /// Scattering, one over world units.
+    #[inline]
+    pub fn sigma_s(&self) -> Rgb {
+        self.albedo * self.sigma_t
+    }
+
+    /// The share of light that is left after `distance` world units, which may be infinite: exp(-sigma_t d).
+    #[inline]
+    pub fn transmittance(&self, distance: f32) -> Rgb {
+        // Where nothing is absorbed, an infinite distance takes nothing.
+        self.sigma_t.map(|s| if s > 0.0 { (-s * distance).exp() } else { 1.0 })
+    }
+
+    /// Whether it only absorbs.
+    #[inline]
+    pub fn only_absorbs(&self) -> bool {
+        (self.albedo * self.sigma_t).is_black()
+    }
+
+    /// Draw a distance in proportion to transmittance in one channel, chosen in proportion to `throughput`, which is not black.
+    /// Infinite where the medium only absorbs: paths then pass, dimmed.
+    #[inline]
+    pub fn distance(&self, throughput: Rgb, [u_channel, u]: [f32; 2]) -> f32 {
+        if self.only_absorbs() {
+            return f32::INFINITY;
+        }
+        let [r, g, b] = channel_shares(throughput).to_array();
+        let sigma = if u_channel < r || (g == 0.0 && b == 0.0) {
+            self.sigma_t.r
+        } else if u_channel < r + g || b == 0.0 {
+            self.sigma_t.g
+        } else {
+            self.sigma_t.b
+        };
+        if sigma > 0.0 { -(1.0 - u).ln() / sigma } else { f32::INFINITY }
+    }
+
+    /// What a distance that [`Medium::distance`] drew for the same `throughput` means where the far end is `reach` away. The
+    /// weights divide by the density of all channels together, sum_c p_c sigma_t,c T_c(t), or sum_c p_c T_c(reach): none is
+    /// above 1 / p_c in a channel c, and a grey medium's are the albedo and 1.
+    #[inline]
+    pub fn flight(&self, t: f32, reach: f32, throughput: Rgb) -> Flight {
+        if self.only_absorbs() {
+            return Flight::Passed { weight: self.transmittance(reach) };
+        }
+        let shares = channel_shares(throughput);
+        let sum = |c: Rgb| c.r + c.g + c.b;
+        if t < reach {
+            let left = self.transmittance(t) * self.sigma_t;
+            Flight::Scattered { t, weight: left * self.albedo / sum(shares * left) }
+        } else {
+            let left = self.transmittance(reach);
+            Flight::Passed { weight: left / sum(shares * left) }
+        }
+    }
+
+    /// [`Medium::distance`] and [`Medium::flight`] in one.
+    #[inline]
+    pub fn fly(&self, reach: f32, throughput: Rgb, u: [f32; 2]) -> Flight {
+        self.flight(self.distance(throughput, u), reach, throughput)
+    }
+}
+
+/// Probability of each channel.
+#[inline]
+fn channel_shares(throughput: Rgb) -> Rgb {
+    throughput / (throughput.r + throughput.g + throughput.b)
+}
+
+/// Draw a distance in (0, `reach`) along a ray in proportion to one over the squared distance from a point that lies `along`
+/// before the ray's origin's foot and `across` from the ray: single scattering of a point light then varies with
+/// transmittance and phase function only \[Kulla12, 3.1\]. Returns the distance and its density, both in world units.
+/// `across` must be above 0; `reach` may be infinite.
+#[inline]
+pub fn equiangular(along: f32, across: f32, reach: f32, u: f32) -> (f32, f32) {
+    let (from, to) = ((-along / across).atan(), ((reach - along) / across).atan());
+    let x = across * (from + (to - from) * u).tan();
+    (x + along, across / ((to - from) * (across * across + x * x)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::Pcg;
+
+    fn coloured() -> Medium {
+        let (sigma_t, albedo) = (Rgb::new(0.3, 1.0, 4.0), Rgb::new(0.9, 0.5, 0.2));
+        Medium { sigma_t, albedo, phase: Phase::Isotropic }
+    }
+
+    #[test]
+    fn transmittance_is_beers_law_and_multiplies() {
+        let m = coloured();
+        let expected = Rgb::new((-0.6f32).exp(), (-2.0f32).exp(), (-8.0f32).exp());
+        assert_eq!(m.transmittance(2.0), expected);
+        let parts = m.transmittance(0.7) * m.transmittance(1.3);
+        for (a, b) in parts.to_array().into_iter().zip(expected.to_array()) {
+            assert!((a / b - 1.0).abs() < 2e-6, "{a} is not {b}");
+        }
+        let clear = Medium { sigma_t: Rgb::BLACK, ..m };
+        assert_eq!(clear.transmittance(f32::INFINITY), Rgb::WHITE);
+    }
+
+    /// Mean weight of passing, and of scattering beyond `from` and before the far end, with their standard errors, of
+    /// one channel.
+    fn mean(m: &Medium, reach: f32, throughput: Rgb, channel: usize) -> [(f64, f64); 2] {
+        let mut rng = Pcg::new(5, 1);
+        let n = 200_000;
+        let (mut sum, mut squares) = ([0.0f64; 2], [0.0f64; 2]);
+        for _ in 0..n {
+            let u = [rng.next_f32(), rng.next_f32()];
+            let (k, weight) = match m.fly(reach, throughput, u) {
+                Flight::Passed { weight } => (0, weight),
+                Flight::Scattered { t, weight } => {
+                    assert!((0.0..reach).contains(&t));
+                    (1, weight)
+                }
+            };
+            let w = f64::from(weight.to_array()[channel]);
+            sum[k] += w;
+            squares[k] += w * w;
+        }
+        let n = f64::from(n);
+        [0, 1].map(|k| {
+            let mean = sum[k] / n;
+            (mean, ((squares[k] / n - mean * mean) / n).sqrt())
+        })
+    }
+
+    #[test]
+    fn weights_of_flights_average_to_what_passes_and_what_scatters() {
+        let m = coloured();
+        let reach = 0.8;
+        for throughput in [Rgb::WHITE, Rgb::new(0.1, 0.5, 3.0), Rgb::new(1.0, 0.0, 0.02)] {
+            for channel in 0..3 {
+                if throughput.to_array()[channel] == 0.0 {
+                    continue;
+                }
+                let pass = f64::from(m.transmittance(reach).to_array()[channel]);
+                let scatter = f64::from(m.albedo.to_array()[channel]) * (1.0 - pass);
+                let found = mean(&m, reach, throughput, channel);
+                for ((mean, error), expected) in found.into_iter().zip([pass, scatter]) {
+                    assert!(
+                        (mean - expected).abs() < 4.5 * error + 1e-6,
+                        "channel {channel}, {throughput:?}: {mean} +- {error}, not {expected}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn grey_media_scatter_with_their_albedo_and_absorbing_ones_let_all_paths_pass() {
+        let grey = Medium { sigma_t: Rgb::grey(2.0), albedo: Rgb::grey(0.7), ..coloured() };
+        let Flight::Scattered { weight, .. } = grey.fly(f32::INFINITY, Rgb::WHITE, [0.3, 0.9])
+        else {
+            panic!("nothing passes through an infinite medium");
+        };
+        assert!((weight.r - 0.7).abs() < 1e-6);
+        let dark = Medium { albedo: Rgb::BLACK, ..grey };
+        let weight = dark.transmittance(3.0);
+        assert_eq!(dark.fly(3.0, Rgb::WHITE, [0.3, 0.9]), Flight::Passed { weight });
+    }
+
+    #[test]
+    fn equiangular_distances_have_their_density() {
+        for (along, across, reach) in
+            [(1.0f32, 0.3f32, 2.5f32), (-0.5, 1.0, f32::INFINITY), (4.0, 0.1, 2.0)]
+        {
+            // The distance as a function of u has the slope 1 / density.
+            for k in 1..40 {
+                let u = k as f32 / 40.0;
+                let h = 1e-3;
+                let slope = (equiangular(along, across, reach, u + h).0
+                    - equiangular(along, across, reach, u - h).0)
+                    / (2.0 * h);
+                let (t, pdf) = equiangular(along, across, reach, u);
+                assert!(t > 0.0 && t < reach);
+                // Central differences err by a sixth of h^2 times the third derivative: below 1 % away from the ends.
+                assert!((slope * pdf - 1.0).abs() < 0.02, "{along} {across} {u}: {slope} {pdf}");
+            }
+        }
+    }
+}

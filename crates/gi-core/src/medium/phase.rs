@@ -1,0 +1,88 @@
+//! Phase functions: where light goes that a medium scatters.
+
+use glam::Vec3;
+
+use crate::math::{Frame, INV_PI, safe_sqrt, sqr};
+
+/// A phase function.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Phase {
+    /// The same in all directions.
+    Isotropic,
+    /// Henyey-Greenstein with mean cosine `g` in (-1, 1) \[Henyey41\].
+    HenyeyGreenstein {
+        /// Mean cosine of the deflection.
+        g: f32,
+    },
+}
+
+impl Phase {
+    /// Share of scattered light that goes along `wi`, per solid angle: it integrates to 1, and is also the density of
+    /// [`Phase::sample`]. Both directions are unit and point away from the point; `wo` is where the path came from.
+    #[inline]
+    pub fn eval(self, wo: Vec3, wi: Vec3) -> f32 {
+        match self {
+            Phase::Isotropic => 0.25 * INV_PI,
+            Phase::HenyeyGreenstein { g } => {
+                // 1 + g^2 - 2 g cos, cos = -wo . wi, without losing sharp peaks to rounding: (1 - g)^2 + 2 g (1 - cos).
+                let squared = if g > 0.0 {
+                    sqr(1.0 - g) + g * (wo + wi).length_squared()
+                } else {
+                    sqr(1.0 + g) - g * (wi - wo).length_squared()
+                };
+                0.25 * INV_PI * (1.0 - g * g) / (squared * squared.sqrt())
+            }
+        }
+    }
+
+    /// Draw where a path goes on.
+    #[inline]
+    pub fn sample(self, wo: Vec3, [u, v]: [f32; 2]) -> Vec3 {
+        let g = match self {
+            Phase::Isotropic => 0.0,
+            Phase::HenyeyGreenstein { g } => g,
+        };
+        // Henyey and Greenstein's inversion multiplied out, so that nothing is divided by g.
+        let x = 2.0 * u - 1.0;
+        let numerator = 2.0 * x + g * (x * x + 3.0) + g * g * (2.0 * x + g * (x * x - 1.0));
+        let cos = (numerator / (2.0 * sqr(1.0 + g * x))).clamp(-1.0, 1.0);
+        let r = safe_sqrt(1.0 - cos * cos);
+        let (sin_phi, cos_phi) = (std::f32::consts::TAU * v).sin_cos();
+        Frame::from_normal(-wo).to_world(Vec3::new(r * cos_phi, r * sin_phi, cos))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::Pcg;
+
+    #[test]
+    fn the_mean_cosine_is_g() {
+        let wo = Vec3::new(0.6, -0.64, 0.48);
+        for g in [-0.9, -0.3, 0.0, 1e-6, 0.02, 0.5, 0.95] {
+            let phase = Phase::HenyeyGreenstein { g };
+            let mut rng = Pcg::new(3, 1);
+            let n = 100_000;
+            let (mut sum, mut squares) = (0.0f64, 0.0f64);
+            for _ in 0..n {
+                let wi = phase.sample(wo, [rng.next_f32(), rng.next_f32()]);
+                let cos = f64::from(-wo.dot(wi));
+                sum += cos;
+                squares += cos * cos;
+            }
+            let n = f64::from(n);
+            let mean = sum / n;
+            let error = ((squares / n - mean * mean) / n).sqrt();
+            assert!((mean - f64::from(g)).abs() < 4.0 * error, "{mean} +- {error}, not {g}");
+        }
+    }
+
+    #[test]
+    fn light_runs_both_ways() {
+        let (a, b) = (Vec3::new(0.6, 0.8, 0.0), Vec3::new(-0.48, 0.6, 0.64));
+        let phase = Phase::HenyeyGreenstein { g: 0.7 };
+        assert_eq!(phase.eval(a, b), phase.eval(b, a));
+        assert_eq!(phase.eval(a, b), phase.eval(-a, -b));
+    }
+}

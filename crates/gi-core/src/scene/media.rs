@@ -1,0 +1,181 @@
+//! Which medium is where, and what is left of light that passes through media.
+//!
+//! A shape that names a medium for either of its sides is a boundary: who crosses it comes into what it says of that side,
+//! nothing where it says nothing. Other shapes change nothing. (Mitsuba's rule.)
+
+use glam::Vec3;
+
+use super::Scene;
+use crate::bsdf::Transport;
+use crate::geometry::Surface;
+use crate::light::{Light, LightSample};
+use crate::math::Rgb;
+use crate::medium::Medium;
+use crate::ray::Ray;
+
+/// Directions to look for boundaries in: none is along an axis or a diagonal, where scenes have their edges.
+const LOOK: [Vec3; 8] = [
+    Vec3::new(0.31, 0.84, 0.45),
+    Vec3::new(-0.42, -0.79, 0.45),
+    Vec3::new(0.87, -0.23, 0.43),
+    Vec3::new(-0.91, 0.29, -0.30),
+    Vec3::new(0.22, 0.27, 0.94),
+    Vec3::new(-0.19, -0.33, -0.92),
+    Vec3::new(0.61, 0.38, -0.69),
+    Vec3::new(-0.57, 0.35, 0.74),
+];
+
+impl Scene {
+    /// Whether any shape parts media.
+    #[inline]
+    pub fn has_media(&self) -> bool {
+        self.has_media
+    }
+
+    /// A medium by its index in [`Scene::media`].
+    #[inline]
+    pub fn medium(&self, index: usize) -> &Medium {
+        &self.media[index]
+    }
+
+    /// The medium on the side of `surface` that `d` points to, for a path that is in `current`.
+    #[inline]
+    pub fn medium_toward(
+        &self,
+        surface: &Surface,
+        d: Vec3,
+        current: Option<usize>,
+    ) -> Option<usize> {
+        let shape = &self.shapes[surface.shape as usize];
+        if !shape.is_boundary() {
+            return current;
+        }
+        if d.dot(surface.ng) > 0.0 { shape.exterior } else { shape.interior }
+    }
+
+    /// The medium at `p`: what the first boundary that is seen from there says of its near side. `first` is where to look first.
+    /// Boundaries behind opaque surfaces are asked only where none is seen; nothing is there where there is none at all.
+    pub fn medium_at(&self, p: Vec3, first: Vec3) -> Option<usize> {
+        if !self.has_media {
+            return None;
+        }
+        let directions = || std::iter::once(first).chain(LOOK).map(Vec3::normalize);
+        let look = |through: bool| {
+            directions().find_map(|d| {
+                let surface = self.first_boundary(Ray::new(p, d), through)?;
+                Some(self.medium_toward(&surface, -d, None))
+            })
+        };
+        look(false).or_else(|| look(true)).flatten()
+    }
+
+    /// The first boundary along a ray; `through` opaque surfaces too if so said.
+    pub(super) fn first_boundary(&self, mut ray: Ray, through: bool) -> Option<Surface> {
+        // A ray that grazes a mesh may meet it very often: it says nothing then.
+        for _ in 0..256 {
+            let (surface, _) = self.intersect(&ray)?;
+            if self.shapes[surface.shape as usize].is_boundary() {
+                return Some(surface);
+            }
+            if !through && !self.has_null_at(surface.prim) {
+                return None;
+            }
+            ray = self.spawn(&surface, ray.d);
+        }
+        None
+    }
+
+    /// Find out which medium each light stands in.
+    pub(super) fn find_media_round_lights(&mut self) {
+        if !self.has_media {
+            return;
+        }
+        let (center, radius) = self.lights.sphere();
+        let outside = center + Vec3::new(0.1, 2.0, 0.2) * radius;
+        let far = self.medium_at(outside, center - outside);
+        let media = self.lights.all().iter().map(|light| match light {
+            Light::Area { emitter, shape, .. } => {
+                let shape = &self.shapes[*shape as usize];
+                if shape.is_boundary() {
+                    return shape.exterior;
+                }
+                let q = emitter.sample_area([0.4, 0.6]);
+                let p = self.tree.offset_origin(q.p, q.normal, q.normal);
+                self.medium_at(p, q.normal)
+            }
+            Light::Point { position, .. } => self.medium_at(*position, Vec3::NEG_Y),
+            Light::Spot { position, frame, .. } => self.medium_at(*position, frame.n),
+            _ => far,
+        });
+        self.light_media = media.collect();
+    }
+
+    /// The medium that light of light number `light` starts in.
+    #[inline]
+    pub(crate) fn medium_round_light(&self, light: usize) -> Option<usize> {
+        self.light_media.get(light).copied().flatten()
+    }
+
+    /// What a medium leaves over a distance, world units.
+    #[inline]
+    fn dimmed(&self, medium: Option<usize>, distance: f32) -> Rgb {
+        medium.map_or(Rgb::WHITE, |m| self.media[m].transmittance(distance))
+    }
+
+    /// The share of light that passes along a ray segment that starts in `medium`: what masks, panes and media leave.
+    pub fn transmittance_through_media(&self, mut ray: Ray, medium: Option<usize>) -> Rgb {
+        let length = ray.d.length();
+        match self.tree.any(&ray) {
+            None => return self.dimmed(medium, ray.tmax * length),
+            Some(prim) if !self.has_null_at(prim) => return Rgb::BLACK,
+            Some(_) => {}
+        }
+        let (mut left, mut medium) = (Rgb::WHITE, medium);
+        let toward = -ray.d / length;
+        while let Some(hit) = self.closest(&ray) {
+            if !self.has_null_at(hit.prim) {
+                return Rgb::BLACK;
+            }
+            let surface = self.surface(&ray, &hit);
+            left *= self.bsdf(&surface, toward, Transport::Radiance).straight_through(toward);
+            left *= self.dimmed(medium, hit.t * length);
+            if left.is_black() {
+                return Rgb::BLACK;
+            }
+            medium = self.medium_toward(&surface, ray.d, medium);
+            let o = self.tree.offset_origin(surface.p, surface.ng, ray.d);
+            ray = Ray { o, tmin: 0.0, d: ray.d, tmax: ray.tmax - hit.t };
+        }
+        left * self.dimmed(medium, ray.tmax.max(0.0) * length)
+    }
+
+    /// [`Scene::visibility`] for a path that reached `surface` in `medium`.
+    pub fn visibility_through_media(
+        &self,
+        surface: &Surface,
+        medium: Option<usize>,
+        light: &LightSample,
+    ) -> Rgb {
+        let medium = self.medium_toward(surface, light.wi, medium);
+        let ray = match light.p {
+            Some(q) => self.tree.shadow_ray(surface.p, surface.ng, q),
+            None => self.spawn(surface, light.wi),
+        };
+        self.transmittance_through_media(ray, medium)
+    }
+
+    /// The share of light that reaches the point `p` inside `medium` from where a light sample says.
+    pub fn visibility_from_within(
+        &self,
+        p: Vec3,
+        medium: Option<usize>,
+        light: &LightSample,
+    ) -> Rgb {
+        let ray = match light.p {
+            // No surface to be lifted off.
+            Some(q) => self.tree.shadow_ray(p, Vec3::ZERO, q),
+            None => Ray::new(p, light.wi),
+        };
+        self.transmittance_through_media(ray, medium)
+    }
+}

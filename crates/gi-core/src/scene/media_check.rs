@@ -1,0 +1,179 @@
+//! What is odd about the media of a scene, and what is assumed then.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+use glam::Vec3;
+
+use super::Scene;
+use crate::geometry::{Geometry, Shape};
+use crate::medium::Medium;
+use crate::ray::Ray;
+
+/// Points of each boundary from which its neighbours are looked for.
+const POINTS: usize = 64;
+
+/// A boundary's piece to look from: a point of it, and its normal there.
+type Post = (Vec3, Vec3);
+
+impl Scene {
+    /// What is odd about the scene's media, a line each: boundaries that leave a medium open, and neighbouring boundaries that do
+    /// not say the same of what lies between them, as where media overlap or one solid stands in another's medium.
+    pub fn media_warnings(&self) -> Vec<String> {
+        if !self.has_media {
+            return Vec::new();
+        }
+        let mut warnings = Vec::new();
+        // Equal media are one.
+        let first = |k: usize| !self.media[..k].contains(&self.media[k]);
+        for medium in (0..self.media.len()).filter(|&k| first(k)) {
+            warnings.extend(self.open_boundary(&self.media[medium]));
+        }
+        warnings.extend(self.disagreements());
+        warnings
+    }
+
+    /// A medium whose boundaries, all taken together, have edges that an odd number of triangles meet at.
+    fn open_boundary(&self, medium: &Medium) -> Option<String> {
+        let is_it = |side: Option<usize>| side.is_some_and(|m| self.media[m] == *medium);
+        let bounds = |s: &&Shape| is_it(s.interior) || is_it(s.exterior);
+        let mut edges: HashMap<[[u32; 3]; 2], (u32, &str)> = HashMap::new();
+        for shape in self.shapes.iter().filter(bounds) {
+            match &shape.geometry {
+                Geometry::Mesh(mesh) => {
+                    for k in 0..mesh.triangles.len() {
+                        count_edges(mesh.corners(k), &shape.name, &mut edges);
+                    }
+                }
+                Geometry::Sphere { .. } => {}
+                // Their rims are curved: no mesh joins them exactly, and nobody can say whether they are closed.
+                Geometry::Disk { .. } | Geometry::Cylinder { .. } => return None,
+            }
+        }
+        let open: BTreeSet<&str> =
+            edges.values().filter(|(count, _)| count % 2 == 1).map(|(_, name)| *name).collect();
+        let names = listed(open.into_iter())?;
+        Some(format!(
+            "a medium's boundary is not closed at {names}: a path is in the medium from where it crosses the boundary \
+             inward to where it crosses one outward, and never comes in where the boundary is open"
+        ))
+    }
+
+    /// Pairs of boundaries that see each other and do not agree.
+    fn disagreements(&self) -> Vec<String> {
+        let mut found: BTreeMap<(String, String), ()> = BTreeMap::new();
+        let mut endless = BTreeSet::new();
+        let own = self.shapes.len() - self.group_shapes.iter().map(|g| g.len()).sum::<usize>();
+        for shape in self.shapes[..own].iter().filter(|s| s.is_boundary()) {
+            for (p, n) in posts(shape) {
+                // The normal of the surface as rays meet it, which shading normals may turn.
+                let Some(surface) = self.surface_at(p, n) else { continue };
+                for d in [surface.ng, -surface.ng] {
+                    let here = self.medium_toward(&surface, d, None).map(|m| &self.media[m]);
+                    let ray = self.spawn(&surface, d);
+                    match self.first_boundary(ray, false) {
+                        Some(other)
+                            if self.medium_toward(&other, -d, None).map(|m| &self.media[m])
+                                != here =>
+                        {
+                            let name = &self.shapes[other.shape as usize].name;
+                            let mut pair = [shape.name.clone(), name.clone()];
+                            pair.sort();
+                            let [a, b] = pair;
+                            found.insert((a, b), ());
+                        }
+                        None if here.is_some() && self.first_boundary(ray, true).is_none() => {
+                            if self.intersect(&ray).is_none() {
+                                endless.insert(shape.name.clone());
+                            }
+                        }
+                        _ => {}
+                    }
+                }
+            }
+        }
+        let mut warnings: Vec<String> = found
+            .into_keys()
+            .map(|(a, b)| {
+                format!(
+                    "boundaries \"{a}\" and \"{b}\" do not say the same medium for what lies between them: each counts where it \
+                     is crossed (give a solid inside a medium that medium as its `exterior`)"
+                )
+            })
+            .collect();
+        if let Some(names) = listed(endless.iter().map(String::as_str)) {
+            warnings.push(format!(
+                "the medium at {names} has no end on one side: it is taken as infinite"
+            ));
+        }
+        warnings
+    }
+
+    /// The boundary's surface at a point of it, met by a ray from a little above.
+    fn surface_at(&self, p: Vec3, n: Vec3) -> Option<crate::geometry::Surface> {
+        let gap = 1e-4 * self.radius();
+        let ray = Ray { tmax: 2.0 * gap, ..Ray::new(p + n * gap, -n) };
+        let (surface, _) = self.intersect(&ray)?;
+        self.shapes[surface.shape as usize].is_boundary().then_some(surface)
+    }
+}
+
+/// Count the edges of a triangle; points that have the same coordinates are one.
+fn count_edges<'a>(
+    corners: [Vec3; 3],
+    name: &'a str,
+    edges: &mut HashMap<[[u32; 3]; 2], (u32, &'a str)>,
+) {
+    // -0 and 0 are one coordinate.
+    let bits = corners.map(|p| p.to_array().map(|x| (x + 0.0).to_bits()));
+    for k in 0..3 {
+        let mut edge = [bits[k], bits[(k + 1) % 3]];
+        edge.sort_unstable();
+        // An edge without length is none: fans at a pole have them.
+        if edge[0] != edge[1] {
+            edges.entry(edge).or_insert((0, name)).0 += 1;
+        }
+    }
+}
+
+/// Points spread over a shape.
+fn posts(shape: &Shape) -> Vec<Post> {
+    match &shape.geometry {
+        Geometry::Mesh(mesh) => {
+            let step = mesh.triangles.len().div_ceil(POINTS).max(1);
+            let triangles = (0..mesh.triangles.len()).step_by(step);
+            triangles
+                .filter_map(|k| {
+                    let [a, b, c] = mesh.corners(k);
+                    let n = (b - a).cross(c - a).try_normalize()?;
+                    // Off the middle, where neighbours that were made alike would be met at their edges.
+                    Some((a * 0.41 + b * 0.27 + c * 0.32, n))
+                })
+                .collect()
+        }
+        Geometry::Sphere { center, radius, .. } => (0..POINTS)
+            .map(|k| {
+                let u = [(k as f32 + 0.5) / POINTS as f32, (k as f32 * 0.618_034).fract()];
+                let n = crate::warp::sphere(u);
+                (*center + n * *radius, n)
+            })
+            .collect(),
+        Geometry::Disk { center, du, dv } => {
+            vec![(*center + *du * 0.21 + *dv * 0.34, du.cross(*dv).normalize_or(Vec3::Y))]
+        }
+        Geometry::Cylinder { p0, p1, radius } => {
+            let n = (*p1 - *p0).any_orthogonal_vector().normalize_or(Vec3::X);
+            vec![(p0.lerp(*p1, 0.43) + n * *radius, n)]
+        }
+    }
+}
+
+/// The first names of some, quoted; `None` of none.
+fn listed<'a>(names: impl ExactSizeIterator<Item = &'a str>) -> Option<String> {
+    const MOST: usize = 4;
+    let count = names.len();
+    let mut text = names.take(MOST).map(|n| format!("\"{n}\"")).collect::<Vec<_>>().join(", ");
+    if count > MOST {
+        text += &format!(" and {} more", count - MOST);
+    }
+    (count > 0).then_some(text)
+}

@@ -1,0 +1,258 @@
+//! What light in participating media is held to: `pathtrace --mode volpath` against closed forms.
+
+use gi_core::camera::CameraSpec;
+use gi_core::eye::PathLimits;
+use gi_core::film::{Film, Show};
+use gi_core::geometry::Shape;
+use gi_core::light::LightSource;
+use gi_core::material::Material;
+use gi_core::math::Rgb;
+use gi_core::medium::{Medium, Phase};
+use gi_core::ray::Ray;
+use gi_core::scene::{Scene, SceneParts};
+use gi_core::texture::Texture;
+use gi_stats::z_test;
+use gi_tests::{World, furnace, grey, mean_and_variance, polygon, sphere};
+use glam::Vec3;
+use pathtrace::{Mode, Params, PathTracer};
+
+/// Probability below which a deviation is no chance. Seeds are fixed: a pass stays a pass.
+const ALPHA: f64 = 1e-3;
+
+fn medium(sigma_t: f32, albedo: f32, g: f32) -> Medium {
+    let phase = if g == 0.0 { Phase::Isotropic } else { Phase::HenyeyGreenstein { g } };
+    Medium { sigma_t: Rgb::grey(sigma_t), albedo: Rgb::grey(albedo), phase }
+}
+
+/// A ball of medium `inside`, its surface of material `material`.
+fn ball(center: Vec3, radius: f32, material: usize, inside: usize) -> Shape {
+    Shape { interior: Some(inside), ..Shape::new("ball", sphere(center, radius), material) }
+}
+
+fn trace(world: &World, max_depth: Option<u32>, passes: u32) -> Film {
+    let limits = PathLimits { max_depth, ..PathLimits::default() };
+    world.render::<PathTracer>(&Params { mode: Mode::VolPath, limits }, passes, 1, Show::All)
+}
+
+/// Check the mean of a film against an exact value, by its own variance.
+fn assert_mean(name: &str, film: &Film, expected: f64) {
+    let (mean, variance) = mean_and_variance(film);
+    let p = z_test(mean, variance + (1e-5 * expected).powi(2), expected, 0.0); // floats have seven digits
+    assert!(
+        p > ALPHA,
+        "{name}: {mean} is not {expected} (standard error {:.2e}, p = {p:.1e})",
+        variance.sqrt()
+    );
+}
+
+/// A narrow look from `from` to `to`: all rays of the picture are nearly one.
+fn narrow(from: Vec3, to: Vec3) -> CameraSpec {
+    CameraSpec::look_at(from, to, Vec3::new(0.1, 0.2, 0.9).normalize(), 1e-3, [8, 8])
+}
+
+#[test]
+fn a_medium_of_albedo_one_cannot_be_seen_in_a_white_furnace() {
+    // Boundaries that bend light and such that do not; isotropic and peaked; thin and thick.
+    let glass = Material::Dielectric {
+        eta: 1.5,
+        reflectance: Texture::grey(1.0),
+        transmittance: Texture::grey(1.0),
+        roughness: None,
+    };
+    for (name, material) in [("null", Material::Null), ("glass", glass)] {
+        for (sigma_t, g) in [(0.5, 0.0), (4.0, 0.7), (4.0, -0.4)] {
+            let parts = SceneParts {
+                shapes: vec![ball(Vec3::ZERO, 0.6, 0, 0)],
+                materials: vec![material.clone()],
+                media: vec![medium(sigma_t, 1.0, g)],
+                lights: vec![LightSource::Constant { radiance: Rgb::WHITE }],
+                ..SceneParts::default()
+            };
+            let camera =
+                CameraSpec::look_at(Vec3::new(0.0, 0.0, -2.0), Vec3::ZERO, Vec3::Y, 0.6, [16, 16]);
+            let film = trace(&World::new(parts, &camera), None, 64);
+            assert_mean(&format!("{name}, sigma_t {sigma_t}, g {g}"), &film, 1.0);
+        }
+    }
+}
+
+#[test]
+fn a_furnace_filled_with_a_medium_of_albedo_one_reads_one_over_one_minus_a() {
+    // The camera is inside and nobody says so; the walls are the boundary.
+    let (mut parts, camera) = furnace(0.5);
+    parts.media = vec![medium(0.8, 1.0, 0.3)];
+    parts.shapes[0].exterior = Some(0);
+    assert_mean("full furnace", &trace(&World::new(parts, &camera), None, 64), 2.0);
+}
+
+#[test]
+fn light_through_an_absorbing_ball_obeys_beers_law_in_each_channel() {
+    let sigma_t = Rgb::new(0.3, 1.0, 2.5);
+    let parts = SceneParts {
+        shapes: vec![ball(Vec3::ZERO, 0.5, 0, 0)],
+        materials: vec![Material::Null],
+        media: vec![Medium { sigma_t, albedo: Rgb::BLACK, phase: Phase::Isotropic }],
+        lights: vec![LightSource::Constant { radiance: Rgb::WHITE }],
+        ..SceneParts::default()
+    };
+    let world = World::new(parts, &narrow(Vec3::new(0.0, -3.0, 0.0), Vec3::ZERO));
+    // At the last segment too: what only dims has no segments of its own.
+    for depth in [Some(1), None] {
+        let pixel = trace(&world, depth, 2).radiance()[27].to_array();
+        for (found, sigma) in pixel.into_iter().zip(sigma_t.to_array()) {
+            // Rays within 1e-3 of the axis; 1 - cos of that is 5e-7.
+            assert!((found / (-sigma).exp() - 1.0).abs() < 1e-5, "{found} for sigma_t {sigma}");
+        }
+    }
+}
+
+#[test]
+fn a_point_light_in_an_absorbing_medium_lights_a_floor_through_it() {
+    // E = I exp(-sigma h) / h^2 under the light, L = a / pi E, then exp(-sigma s) to the eye at the distance s.
+    let floor = [[-1.0, 0.0, -1.0], [-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0]];
+    let (h, s, sigma, a) = (0.8f32, 0.7f32, 1.3f32, 0.5f32);
+    let parts = SceneParts {
+        shapes: vec![
+            Shape::new("floor", polygon(&floor.map(Vec3::from_array)), 0),
+            ball(Vec3::ZERO, 4.0, 1, 0),
+        ],
+        materials: vec![grey(a), Material::Null],
+        media: vec![medium(sigma, 0.0, 0.0)],
+        lights: vec![LightSource::Point {
+            position: Vec3::new(0.0, h, 0.0),
+            intensity: Rgb::WHITE,
+        }],
+        ..SceneParts::default()
+    };
+    let direction = Vec3::new(0.6, 0.8, 0.0);
+    let film = trace(&World::new(parts, &narrow(direction * s, Vec3::ZERO)), None, 4);
+    let dimmed = f64::from(-sigma * (h + s)).exp();
+    let expected = f64::from(a) / std::f64::consts::PI / f64::from(h * h) * dimmed;
+    let (mean, _) = mean_and_variance(&film);
+    assert!((mean / expected - 1.0).abs() < 1e-4, "{mean} is not {expected}");
+}
+
+/// Single scattering of a point light of intensity 1 along a ray from `o` to `o + d length`, all in a medium:
+/// the airlight integral sigma_s p exp(-sigma_t (t + r)) / r^2 dt, by Simpson's rule.
+fn airlight(m: &Medium, light: Vec3, o: Vec3, d: Vec3, length: f64) -> f64 {
+    let n = 20_000;
+    let (sigma_t, sigma_s) = (f64::from(m.sigma_t.r), f64::from(m.sigma_s().r));
+    let at = |t: f64| {
+        let to = light - (o + d * t as f32);
+        let r = f64::from(to.length());
+        let phase = f64::from(m.phase.eval(-d, to.normalize()));
+        sigma_s * phase * (-sigma_t * (t + r)).exp() / (r * r)
+    };
+    let h = length / f64::from(n);
+    let inner = (1..n).map(|k| at(f64::from(k) * h) * if k % 2 == 1 { 4.0 } else { 2.0 });
+    (at(0.0) + inner.sum::<f64>() + at(length)) * h / 3.0
+}
+
+#[test]
+fn single_scattering_of_a_point_light_equals_the_airlight_integral() {
+    for (sigma_t, albedo, g) in [(0.7, 0.8, 0.0), (0.7, 0.8, 0.6), (2.0, 1.0, -0.5)] {
+        let m = medium(sigma_t, albedo, g);
+        let (light, o, d) = (Vec3::new(0.3, 0.5, -0.2), Vec3::new(-1.0, 0.0, 0.0), Vec3::X);
+        let parts = SceneParts {
+            shapes: vec![ball(Vec3::ZERO, 2.0, 0, 0)],
+            materials: vec![Material::Null],
+            media: vec![m.clone()],
+            lights: vec![LightSource::Point { position: light, intensity: Rgb::WHITE }],
+            ..SceneParts::default()
+        };
+        let world = World::new(parts, &narrow(o, o + d));
+        // Two segments: scattered once. The ray ends at the sphere, 3 away.
+        let film = trace(&world, Some(2), 4096);
+        assert_mean(&format!("{m:?}"), &film, airlight(&m, light, o, d, 3.0));
+    }
+}
+
+#[test]
+fn shadow_rays_are_dimmed_by_each_medium_for_its_own_length() {
+    // A ball of another medium within a ball, and a screen that lets half through.
+    let screen = [[-3.0, -3.0, 0.6], [3.0, -3.0, 0.6], [3.0, 3.0, 0.6], [-3.0, 3.0, 0.6]];
+    let parts = SceneParts {
+        shapes: vec![
+            ball(Vec3::ZERO, 2.0, 0, 0),
+            Shape { exterior: Some(0), ..ball(Vec3::ZERO, 0.5, 0, 1) },
+            Shape::new("screen", polygon(&screen.map(Vec3::from_array)), 2),
+        ],
+        materials: vec![
+            Material::Null,
+            grey(0.0),
+            Material::Mask { opacity: Texture::grey(0.5), inner: 1 },
+        ],
+        media: vec![medium(0.4, 0.5, 0.0), medium(2.0, 0.9, 0.0)],
+        ..SceneParts::default()
+    };
+    let scene = Scene::new(parts).expect("a scene");
+    assert!(scene.media_warnings().is_empty(), "{:?}", scene.media_warnings());
+    // Not of unit length: t counts in units of it.
+    let ray = Ray { tmax: 1.0, ..Ray::new(Vec3::new(0.0, 0.0, -3.0), Vec3::new(0.0, 0.0, 6.0)) };
+    let expected = 0.5 * (-0.4f32 * 3.0 - 2.0 * 1.0).exp();
+    let found = scene.transmittance_through_media(ray, None).r;
+    assert!((found / expected - 1.0).abs() < 1e-4, "{found} is not {expected}");
+    // From within, and ending within.
+    let ray = Ray { tmax: 0.9, ..Ray::new(Vec3::new(0.0, 0.0, -0.2), -Vec3::Z) };
+    let expected = (-2.0f32 * 0.3 - 0.4 * 0.6).exp();
+    let inside = scene.medium_at(ray.o, Vec3::X);
+    assert_eq!(inside, Some(1));
+    let found = scene.transmittance_through_media(ray, inside).r;
+    assert!((found / expected - 1.0).abs() < 1e-4, "{found} is not {expected}");
+}
+
+#[test]
+fn overlapping_open_and_endless_media_are_said() {
+    let warnings = |shapes: Vec<Shape>| {
+        let media = vec![medium(1.0, 0.5, 0.0), medium(2.0, 0.5, 0.0), medium(2.0, 0.5, 0.0)];
+        let materials = vec![Material::Null];
+        let parts = SceneParts { shapes, materials, media, ..SceneParts::default() };
+        Scene::new(parts).expect("a scene").media_warnings().join("\n")
+    };
+    let named = |name: &str, shape: Shape| Shape { name: name.into(), ..shape };
+    // A ball inside another's medium that does not say so, and one that does; equal media are one.
+    let outer = || named("outer", ball(Vec3::ZERO, 2.0, 0, 1));
+    let inner = || named("inner", ball(Vec3::ZERO, 0.5, 0, 0));
+    let said = warnings(vec![outer(), inner()]);
+    assert!(said.contains("\"inner\" and \"outer\" do not say the same"), "{said}");
+    assert_eq!(warnings(vec![outer(), Shape { exterior: Some(2), ..inner() }]), "");
+    // Two balls that overlap.
+    let other = named("other", ball(Vec3::new(1.5, 0.0, 0.0), 1.0, 0, 0));
+    let said = warnings(vec![named("one", ball(Vec3::ZERO, 1.0, 0, 1)), other]);
+    assert!(said.contains("\"one\" and \"other\" do not say the same"), "{said}");
+    // A square alone has an inside without end, and edges.
+    let square = [[-1.0, 0.0, -1.0], [-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0]];
+    let square = Shape::new("square", polygon(&square.map(Vec3::from_array)), 0);
+    let said = warnings(vec![Shape { interior: Some(0), ..square }]);
+    assert!(said.contains("not closed at \"square\""), "{said}");
+    assert!(said.contains("medium at \"square\" has no end"), "{said}");
+}
+
+#[test]
+fn the_camera_finds_out_which_medium_it_stands_in() {
+    let parts = SceneParts {
+        shapes: vec![
+            ball(Vec3::ZERO, 2.0, 0, 0),
+            Shape { exterior: Some(0), ..ball(Vec3::ZERO, 0.5, 0, 1) },
+        ],
+        materials: vec![Material::Null],
+        media: vec![medium(0.4, 0.5, 0.0), medium(2.0, 0.9, 0.0)],
+        ..SceneParts::default()
+    };
+    let scene = Scene::new(parts).expect("a scene");
+    for (x, expected) in [(0.2, Some(1)), (0.7, Some(0)), (3.0, None)] {
+        for d in [Vec3::X, -Vec3::X, Vec3::Y] {
+            assert_eq!(scene.medium_at(Vec3::new(x, 0.0, 0.0), d), expected, "at {x}");
+        }
+    }
+}
+
+#[test]
+fn without_media_volpath_traces_the_paths_of_path_to_the_bit() {
+    let world = World::load("cornell-spheres.xml", [24, 24], &[]);
+    let render = |mode| {
+        let params = Params { mode, ..Params::default() };
+        world.render::<PathTracer>(&params, 4, 3, Show::All).radiance()
+    };
+    assert_eq!(render(Mode::Path), render(Mode::VolPath));
+}
