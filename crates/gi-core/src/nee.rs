@@ -55,6 +55,29 @@ pub fn direct_light_within(
     wo: Vec3,
     sampler: &mut Sampler,
 ) -> Rgb {
+    light_within(scene, medium, (p, wo), sampler, power_heuristic)
+}
+
+/// The whole of that, for those who do not sample the phase function.
+#[inline]
+pub fn all_direct_light_within(
+    scene: &Scene,
+    medium: usize,
+    p: Vec3,
+    wo: Vec3,
+    sampler: &mut Sampler,
+) -> Rgb {
+    light_within(scene, medium, (p, wo), sampler, |_, _| 1.0)
+}
+
+#[inline]
+fn light_within(
+    scene: &Scene,
+    medium: usize,
+    (p, wo): (Vec3, Vec3),
+    sampler: &mut Sampler,
+    weigh: impl FnOnce(f32, f32) -> f32,
+) -> Rgb {
     let u = sampler.next_2d();
     let Some(light) = scene.sample_light(p, u) else { return Rgb::BLACK };
     // A phase function is its own density.
@@ -63,7 +86,7 @@ pub fn direct_light_within(
     if arriving.is_black() {
         return Rgb::BLACK;
     }
-    let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf_w, phase) };
+    let weight = if light.delta { 1.0 } else { weigh(light.pdf_w, phase) };
     arriving * scene.visibility_from_within(p, Some(medium), &light) * (weight / light.pdf_w)
 }
 

@@ -10,6 +10,9 @@ use crate::math::Rgb;
 use crate::ray::Ray;
 use crate::sampler::Sampler;
 use crate::scene::Scene;
+pub use media::{LightEvent, MediumVertex};
+
+mod media;
 
 /// A surface point that light has reached.
 pub struct LightVertex<'a> {
@@ -42,6 +45,9 @@ pub struct LightWalk<'a> {
     depth: u32,
     rough: u32,
     after_delta: bool,
+    /// Whether media absorb and scatter, and the one that the path is in.
+    media: bool,
+    medium: Option<usize>,
 }
 
 /// Dimensions of the sampler that emission uses, and that one scattering may use.
@@ -76,6 +82,8 @@ impl<'a> LightWalk<'a> {
             depth: 0,
             rough: 0,
             after_delta: false,
+            media: false,
+            medium: None,
         }
     }
 
@@ -102,18 +110,15 @@ impl<'a> LightWalk<'a> {
         }
         self.sampler.jump_to(EMISSION_DIMENSIONS + self.met * VERTEX_DIMENSIONS);
         let (surface, _) = self.scene.intersect(&self.ray)?;
+        Some(self.vertex(surface))
+    }
+
+    /// The path has reached `surface`.
+    fn vertex(&self, surface: Surface) -> LightVertex<'a> {
         let wo = -self.ray.d;
         let bsdf = self.scene.bsdf(&surface, wo, Transport::Power);
-        let (power, depth) = (self.power, self.depth);
-        Some(LightVertex {
-            surface,
-            wo,
-            bsdf,
-            power,
-            depth,
-            rough: self.rough,
-            after_delta: self.after_delta,
-        })
+        let LightWalk { power, depth, rough, after_delta, .. } = *self;
+        LightVertex { surface, wo, bsdf, power, depth, rough, after_delta }
     }
 
     /// Scatter at a vertex that [`LightWalk::next_vertex`] gave. Returns whether the path goes on.
@@ -130,21 +135,15 @@ impl<'a> LightWalk<'a> {
         }
         // A path that passes straight through has not met anything.
         if !s.null {
-            let (survives, survival) = match roulette {
-                Roulette::ByAlbedo { from } if vertex.depth + 1 >= from => {
-                    let survival = factor.max().min(1.0);
-                    (u_roulette < survival, survival)
-                }
-                Roulette::Decided { survives, survival } => (survives, survival),
-                Roulette::Off | Roulette::ByAlbedo { .. } => (true, 1.0),
-            };
-            if !survives {
-                return false;
-            }
+            let survival = roulette.survival(u_roulette, factor, vertex.depth);
+            let Some(survival) = survival else { return false };
             factor = factor / survival;
             self.depth += 1;
             self.rough += u32::from(!s.delta);
             self.after_delta = s.delta;
+        }
+        if self.media {
+            self.medium = self.scene.medium_toward(surface, s.wi, self.medium);
         }
         self.power = vertex.power * factor;
         self.ray = self.scene.spawn(surface, s.wi);
@@ -170,6 +169,22 @@ pub enum Roulette {
         /// The share, above 0.
         survival: f32,
     },
+}
+
+impl Roulette {
+    /// The share of all paths that go on from a scattering that leaves `factor` of the power, if this one does.
+    #[inline]
+    fn survival(self, u: f32, factor: Rgb, depth: u32) -> Option<f32> {
+        let (survives, survival) = match self {
+            Roulette::ByAlbedo { from } if depth + 1 >= from => {
+                let survival = factor.max().min(1.0);
+                (u < survival, survival)
+            }
+            Roulette::Decided { survives, survival } => (survives, survival),
+            Roulette::Off | Roulette::ByAlbedo { .. } => (true, 1.0),
+        };
+        survives.then_some(survival)
+    }
 }
 
 /// Factor by which power changes where shading normals differ from geometric ones:

@@ -10,6 +10,7 @@ use gi_core::warp;
 use crate::estimate::facing;
 use crate::guide::Guide;
 use crate::photon::Kind;
+use crate::volume::InMedia;
 use crate::{Gather, PhotonMapping};
 
 impl<'a> PhotonMapping<'a> {
@@ -106,6 +107,9 @@ impl<'a> PhotonMapping<'a> {
     fn along(&self, v: &EyeVertex<'_, 'a>, wi: glam::Vec3, sampler: &mut Sampler) -> Rgb {
         let scene = self.setting.scene;
         let ray = scene.spawn(v.surface, wi);
+        if self.volume.is_some() {
+            return self.path_on(v, ray, sampler);
+        }
         let Some(hit) = scene.closest(&ray) else { return Rgb::BLACK };
         let surface = scene.surface(&ray, &hit);
         let wo = -wi;
@@ -147,7 +151,16 @@ impl<'a> PhotonMapping<'a> {
         };
         let limits = PathLimits { max_depth: self.params.max_depth, ..PathLimits::default() };
         let path = EyePath { scene: self.setting.scene, limits, show: Show::Indirect };
-        path.gather(ray, (v.segments + 1, v.length), sampler, &mut supply).radiance.indirect
+        let along = (v.segments + 1, v.length);
+        let found = match &self.volume {
+            Some(maps) => {
+                let medium = self.setting.scene.medium_toward(v.surface, ray.d, v.medium);
+                let mut supplier = InMedia::new(self, maps, supply);
+                path.gather_by(ray, medium, along, sampler, &mut supplier)
+            }
+            None => path.gather(ray, along, sampler, &mut supply),
+        };
+        found.radiance.indirect
     }
 
     /// Most segments of a photon's path that a path of `segments` from the eye may be joined to; `None` if there are none.

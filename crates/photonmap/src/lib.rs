@@ -1,4 +1,4 @@
-//! Photon mapping on surfaces: light is traced from the lights and kept as photons; their density is its irradiance.
+//! Photon mapping: light is traced from the lights and kept as photons; their density is its irradiance.
 //!
 //! | | |
 //! |---|---|
@@ -6,10 +6,11 @@
 //! | `--gather final` | direct light by sampling lights, caustics from a map of their own at the first diffuse surface [slide 27], indirect light by gather rays to the global map at the second [slides 28, 31] (default) |
 //! | `--gather none` | the global map seen directly [slides 29, 30]; `--gather direct`: the same, with direct light by sampling lights |
 //! | `--photons`, `--caustic-photons` | photons to store (100000 each) |
+//! | `--volume-photons`, `--volume-lookup` | photons to store where media scatter light, and how many of them their radius reaches to (100000, 12) [slide 34]; read by [`volume`] |
 //! | `--lookup`, `--max-radius`, `--kernel` | photons of an estimate (50); bound on its radius (0: automatic); how photons count (epanechnikov) |
 //! | `--gather-rays` | rays of a gather point in a pass (16) |
 //! | bias, and how it looks | light is blurred over r: soft caustics, light through thin walls and round corners, dark rims of walls; blotches where photons are few |
-//! | sources | \[Jensen95\], \[Jensen96\], \[Christensen99\], \[Jensen01\] |
+//! | sources | \[Jensen95\], \[Jensen96\], \[Jensen98\], \[Christensen99\], \[Jensen01\], \[Jarosz08\] |
 
 #![forbid(unsafe_code)]
 
@@ -28,9 +29,11 @@ mod pictures;
 pub mod shoot;
 #[cfg(test)]
 mod test_scenes;
+pub mod volume;
 
 use gi_core::eye::{EyePath, PathLimits};
 use gi_core::film::Film;
+use gi_core::scene::Scene;
 use gi_core::technique::{Picture, Setting, Technique};
 
 use estimate::Estimator;
@@ -40,6 +43,7 @@ use kernel::Kernel;
 use map::{Layout, Order, PhotonMap};
 pub use pictures::Show;
 use shoot::{Shot, Source, Wanted};
+use volume::{InMedia, VolumeMaps};
 
 /// Where the maps are read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -60,6 +64,10 @@ pub struct Params {
     pub photons: usize,
     /// Photons to store in the caustic map; with 0 caustics are left to the paths from the eye.
     pub caustic_photons: usize,
+    /// Photons to store in media; with 0 light does not know media.
+    pub volume_photons: usize,
+    /// Photons in a medium that the radius of one of them reaches to.
+    pub volume_lookup: usize,
     /// Most photons of an estimate.
     pub lookup: usize,
     /// Largest radius of an estimate, relative to the scene's radius; 0 is automatic.
@@ -87,6 +95,8 @@ impl Default for Params {
         Params {
             photons: 100_000,
             caustic_photons: 100_000,
+            volume_photons: 100_000,
+            volume_lookup: 12,
             lookup: 50,
             max_radius: 0.0,
             kernel: Kernel::default(),
@@ -107,6 +117,8 @@ pub struct PhotonMapping<'a> {
     params: Params,
     global: Estimator,
     caustic: Option<Estimator>,
+    /// Photons in media, where there are any.
+    volume: Option<VolumeMaps>,
     /// Irradiance ahead, by the depth that light may have; one for all where depth is unbounded.
     irradiance: Vec<IrradianceMap>,
     gave_up: [bool; 2],
@@ -133,7 +145,11 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
             Gather::Final => irradiance_maps(&setting, params, &global),
             Gather::None | Gather::Direct => Vec::new(),
         };
-        Ok(PhotonMapping { setting, params: params.clone(), global, caustic, irradiance, gave_up })
+        let volume = params
+            .knows_media(setting.scene)
+            .then(|| VolumeMaps::shoot(&source(&setting, params), params));
+        let params = params.clone();
+        Ok(PhotonMapping { setting, params, global, caustic, volume, irradiance, gave_up })
     }
 
     /// One path from the eye a pixel; the maps answer where it meets what scatters light.
@@ -142,9 +158,16 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
         let limits = PathLimits { max_depth: self.params.max_depth, ..PathLimits::default() };
         let path = EyePath { scene, limits, show };
         let this = &*self;
+        let medium = path.medium_round(camera);
         film.add_pass(|pixel| {
             let stream = (pixel[1] * camera.size()[0] + pixel[0]) as u32;
             let rays = Rays { seed, stream, pass: index };
+            if let Some(maps) = &this.volume {
+                let mut supplier = InMedia::new(this, maps, |v, sampler: &mut _| {
+                    this.supply(v, sampler, &rays)
+                });
+                return path.sample_pixel_by(camera, medium, seed, pixel, index, &mut supplier);
+            }
             path.sample_pixel(camera, seed, pixel, index, &mut |v, sampler| {
                 this.supply(v, sampler, &rays)
             })
@@ -167,6 +190,9 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
             out.push((format!("{name}_max_radius"), f64::from(radius)));
             out.push((format!("{name}_gave_up"), f64::from(u8::from(gave_up))));
         }
+        if let Some(volume) = &self.volume {
+            out.extend(volume.statistics());
+        }
         let bytes: usize = self.irradiance.iter().map(IrradianceMap::bytes).sum();
         out.push(("irradiance_bytes".into(), bytes as f64));
         out
@@ -184,10 +210,22 @@ struct Maps {
     order: Order,
 }
 
+impl Params {
+    /// Whether media absorb and scatter light.
+    fn knows_media(&self, scene: &Scene) -> bool {
+        scene.has_media() && self.volume_photons > 0
+    }
+}
+
+fn source<'a>(setting: &Setting<'a>, params: &Params) -> Source<'a> {
+    let max_segments = params.max_depth.map(|most| most.saturating_sub(1));
+    let media = params.knows_media(setting.scene);
+    Source { scene: setting.scene, seed: setting.seed, max_segments, media }
+}
+
 /// Photon tracing [slide 22].
 fn shoot(setting: &Setting, params: &Params) -> Maps {
-    let max_segments = params.max_depth.map(|most| most.saturating_sub(1));
-    let source = Source { scene: setting.scene, seed: setting.seed, max_segments };
+    let source = source(setting, params);
     let global = source.shoot(Wanted::Global, params.photons);
     let caustic = (params.gather == Gather::Final && params.caustic_photons > 0).then(|| {
         let targets = setting.scene.focusing();

@@ -25,6 +25,12 @@ struct Args {
     /// Photons to store in the caustic map [slide 26]; 0 leaves caustics to paths from the eye
     #[arg(long, value_name = "N", default_value_t = Params::default().caustic_photons)]
     caustic_photons: usize,
+    /// Photons to store where media scatter light [slide 34]; 0 leaves media out
+    #[arg(long, value_name = "N", default_value_t = Params::default().volume_photons)]
+    volume_photons: usize,
+    /// Photons in a medium that the radius of one of them reaches to: more are smoother and blur more
+    #[arg(long, value_name = "K", default_value_t = Params::default().volume_lookup, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=1000))]
+    volume_lookup: usize,
     /// Photons of an estimate [slide 24]: more are smoother and blur more
     #[arg(long, value_name = "K", default_value_t = Params::default().lookup)]
     lookup: usize,
@@ -120,6 +126,10 @@ impl Program for Args {
         &self.common
     }
 
+    fn knows_media(&self) -> bool {
+        self.volume_photons > 0
+    }
+
     fn params(&self) -> Result<Params, String> {
         if self.photons == 0 || self.lookup == 0 {
             return Err("--photons and --lookup are at least 1".into());
@@ -167,6 +177,8 @@ impl Program for Args {
         Ok(Params {
             photons: self.photons,
             caustic_photons: self.caustic_photons,
+            volume_photons: self.volume_photons,
+            volume_lookup: self.volume_lookup,
             lookup: self.lookup,
             max_radius: self.max_radius,
             kernel,

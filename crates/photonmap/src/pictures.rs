@@ -95,13 +95,14 @@ impl PhotonMapping<'_> {
     fn paths(&self, mut canvas: Canvas) -> Canvas {
         let scene = self.setting.scene;
         let max_segments = self.params.max_depth.map(|most| most.saturating_sub(1));
-        let source = Source { scene, seed: self.setting.seed, max_segments };
+        let media = self.volume.is_some();
+        let source = Source { scene, seed: self.setting.seed, max_segments, media };
         for path in 0..PATHS {
             let mut from = None;
-            source.walk(Wanted::Global, path, &mut |start, vertex| {
+            source.walk(Wanted::Global, path, &mut |start, event| {
                 let a = from.unwrap_or(start);
-                self.line(&mut canvas, a, vertex.surface.p, 0.8, colour(kind(vertex)));
-                from = Some(vertex.surface.p);
+                self.line(&mut canvas, a, event.p(), 0.8, colour(kind(event)));
+                from = Some(event.p());
             });
         }
         canvas

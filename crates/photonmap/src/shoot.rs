@@ -5,7 +5,7 @@ use gi_core::math::Rgb;
 use gi_core::rng::{bits_to_unit, hash_words};
 use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
-use gi_core::walk::{LightVertex, LightWalk, Roulette};
+use gi_core::walk::{LightEvent, LightVertex, LightWalk, Roulette};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -27,6 +27,8 @@ pub enum Wanted<'a> {
     Global,
     /// L S+ D: paths aimed at what has delta lobes, stored where they first meet anything else [slide 26, right].
     Caustic(&'a Targets),
+    /// Scattering in media, see [`crate::volume`].
+    Volume,
 }
 
 /// Where photons come from.
@@ -38,6 +40,8 @@ pub struct Source<'a> {
     pub seed: u32,
     /// Most segments of a path from its light; `None` is unbounded.
     pub max_segments: Option<u32>,
+    /// Whether media absorb and scatter photons on their way.
+    pub media: bool,
 }
 
 /// What was shot.
@@ -68,40 +72,65 @@ struct Hit {
 }
 
 /// Hits of the paths of a chunk, and after which hit each path ended.
-struct Chunk {
-    hits: Vec<Hit>,
-    ends: Vec<u32>,
+pub(crate) struct Chunk<T> {
+    pub(crate) hits: Vec<T>,
+    pub(crate) ends: Vec<u32>,
+}
+
+/// Hits in the order of their paths, a list a chunk.
+pub(crate) struct Hits<T> {
+    pub(crate) chunks: Vec<Vec<T>>,
+    /// Paths begun.
+    pub(crate) emitted: u64,
+    /// Whether emission was given up before there were as many hits as wanted.
+    pub(crate) gave_up: bool,
+}
+
+/// Walk chunks of paths until there are `count` hits; the path that reaches the number is the last.
+pub(crate) fn collect<T: Send>(count: usize, walk: impl Fn(u64) -> Chunk<T> + Sync) -> Hits<T> {
+    let (mut chunks, mut hits, mut emitted, mut gave_up) = (Vec::new(), 0, 0u64, false);
+    let limit = (count as u64).saturating_mul(MOST_PATHS).max(CHUNK * ROUND);
+    while hits < count {
+        if emitted >= limit {
+            gave_up = true;
+            break;
+        }
+        let first = emitted / CHUNK;
+        let round: Vec<Chunk<T>> = (0..ROUND as usize)
+            .into_par_iter()
+            .with_max_len(1)
+            .map(|chunk| walk(first + chunk as u64))
+            .collect();
+        for mut chunk in round {
+            if hits >= count {
+                break;
+            }
+            // Cut after the path that reaches the number.
+            let enough = chunk.ends.iter().position(|&end| hits + end as usize >= count);
+            let paths = enough.map_or(chunk.ends.len(), |k| k + 1);
+            chunk.hits.truncate(chunk.ends[paths - 1] as usize);
+            hits += chunk.hits.len();
+            emitted += paths as u64;
+            chunks.push(chunk.hits);
+        }
+    }
+    Hits { chunks, emitted, gave_up }
+}
+
+/// Numbers by which the power of hit number `index` is rounded.
+pub(crate) fn dither(seed: u32, index: usize) -> [f32; 3] {
+    [0, 1, 2].map(|channel| bits_to_unit(hash_words(&[seed, index as u32, channel])))
+}
+
+/// The paths of chunk number `chunk`.
+pub(crate) fn paths(chunk: u64) -> std::ops::Range<u64> {
+    chunk * CHUNK..(chunk + 1) * CHUNK
 }
 
 impl Source<'_> {
     /// Shoot until `count` photons are there; the path that reaches the number is the last.
     pub fn shoot(&self, wanted: Wanted, count: usize) -> Shot {
-        let (mut chunks, mut hits, mut emitted, mut gave_up) = (Vec::new(), 0, 0u64, false);
-        let limit = (count as u64).saturating_mul(MOST_PATHS).max(CHUNK * ROUND);
-        while hits < count {
-            if emitted >= limit {
-                gave_up = true;
-                break;
-            }
-            let first = emitted / CHUNK;
-            let round: Vec<Chunk> = (0..ROUND as usize)
-                .into_par_iter()
-                .with_max_len(1)
-                .map(|chunk| self.chunk(wanted, first + chunk as u64))
-                .collect();
-            for mut chunk in round {
-                if hits >= count {
-                    break;
-                }
-                // Cut after the path that reaches the number.
-                let enough = chunk.ends.iter().position(|&end| hits + end as usize >= count);
-                let paths = enough.map_or(chunk.ends.len(), |k| k + 1);
-                chunk.hits.truncate(chunk.ends[paths - 1] as usize);
-                hits += chunk.hits.len();
-                emitted += paths as u64;
-                chunks.push(chunk.hits);
-            }
-        }
+        let Hits { chunks, emitted, gave_up } = collect(count, |chunk| self.chunk(wanted, chunk));
         Shot { photons: self.pack(chunks, emitted), emitted, gave_up }
     }
 
@@ -118,10 +147,7 @@ impl Source<'_> {
             .zip(firsts)
             .map(|(hits, first)| {
                 let pack = |(k, hit): (usize, &Hit)| {
-                    let dither = [0, 1, 2].map(|channel| {
-                        bits_to_unit(hash_words(&[self.seed, (first + k) as u32, channel]))
-                    });
-                    let power = Rgbe::dithered(hit.power * share, dither);
+                    let power = Rgbe::dithered(hit.power * share, dither(self.seed, first + k));
                     let photon = Photon::new(hit.p, power, hit.wo, hit.n, hit.kind);
                     Stored { photon, depth: hit.depth }
                 };
@@ -133,16 +159,17 @@ impl Source<'_> {
         photons
     }
 
-    fn chunk(&self, wanted: Wanted, chunk: u64) -> Chunk {
+    fn chunk(&self, wanted: Wanted, chunk: u64) -> Chunk<Hit> {
         let mut out = Chunk { hits: Vec::new(), ends: Vec::with_capacity(CHUNK as usize) };
-        for path in chunk * CHUNK..(chunk + 1) * CHUNK {
-            self.walk(wanted, path, &mut |_, vertex| {
+        for path in paths(chunk) {
+            self.walk(wanted, path, &mut |_, event| {
+                let LightEvent::Surface(vertex) = event else { return };
                 let asked_for = match wanted {
-                    Wanted::Global => true,
-                    Wanted::Caustic(_) => kind(vertex) == Kind::Caustic,
+                    Wanted::Caustic(_) => kind(event) == Kind::Caustic,
+                    _ => true,
                 };
                 if asked_for && !vertex.bsdf.is_delta() {
-                    out.hits.extend(hit(vertex));
+                    out.hits.extend(hit(event, vertex));
                 }
             });
             out.ends.push(out.hits.len() as u32);
@@ -150,31 +177,37 @@ impl Source<'_> {
         out
     }
 
-    /// Walk path number `path`; `visit` gets the point that it began at and every vertex.
+    /// Walk path number `path`; `visit` gets the point that it began at and all that it meets.
     pub(crate) fn walk(
         &self,
         wanted: Wanted,
         path: u64,
-        visit: &mut impl FnMut(Vec3, &LightVertex),
+        visit: &mut impl FnMut(Vec3, &LightEvent),
     ) {
         // Each map has a stream of its own; within one, paths are the points of a sequence.
         let sampler =
             |stream: u32| Sampler::new(self.seed ^ stream, (path >> 32) as u32, path as u32);
         let walk = match wanted {
             Wanted::Global => LightWalk::begin(self.scene, sampler(0x676c_6f62)),
+            Wanted::Volume => LightWalk::begin(self.scene, sampler(0x766f_6c75)),
             Wanted::Caustic(targets) => {
                 LightWalk::begin_toward(self.scene, sampler(0x6361_7573), targets)
             }
         };
-        let Some(mut walk) = walk else { return };
+        let Some(walk) = walk else { return };
+        let mut walk = if self.media { walk.through_media() } else { walk };
         let start = walk.emission().p;
-        while let Some(vertex) = walk.next_vertex() {
-            if self.max_segments.is_some_and(|most| vertex.depth >= most) {
+        while let Some(event) = walk.next_event() {
+            if self.max_segments.is_some_and(|most| event.depth() >= most) {
                 return;
             }
-            visit(start, &vertex);
+            visit(start, &event);
             // Roulette from the first scattering on keeps powers nearly equal [Jensen01, 5.1].
-            let goes_on = walk.scatter(&vertex, Roulette::ByAlbedo { from: 1 });
+            let roulette = Roulette::ByAlbedo { from: 1 };
+            let goes_on = match &event {
+                LightEvent::Surface(vertex) => walk.scatter(vertex, roulette),
+                LightEvent::Medium(vertex) => walk.scatter_within(vertex, roulette),
+            };
             if !goes_on || (matches!(wanted, Wanted::Caustic(_)) && walk.rough() > 0) {
                 return;
             }
@@ -182,9 +215,9 @@ impl Source<'_> {
     }
 }
 
-/// What the path to a vertex has met.
-pub(crate) fn kind(vertex: &LightVertex) -> Kind {
-    match (vertex.rough, vertex.depth) {
+/// What the path to an event has met before.
+pub(crate) fn kind(event: &LightEvent) -> Kind {
+    match (event.rough(), event.depth()) {
         (0, 0) => Kind::Direct,
         (0, _) => Kind::Caustic,
         _ => Kind::Indirect,
@@ -192,14 +225,14 @@ pub(crate) fn kind(vertex: &LightVertex) -> Kind {
 }
 
 /// The hit that a vertex is; `None` along the surface, where it brings nothing.
-fn hit(vertex: &LightVertex) -> Option<Hit> {
+fn hit(event: &LightEvent, vertex: &LightVertex) -> Option<Hit> {
     let (surface, wo) = (&vertex.surface, vertex.wo);
     let (cos_s, cos_g) = (wo.dot(surface.ns()).abs(), wo.dot(surface.ng));
     let n = if cos_g < 0.0 { -surface.ng } else { surface.ng };
     // Photons measure light by the geometric normal's cosine, paths scatter it by that of the shading normal.
     let power = vertex.power * (cos_s / cos_g.abs());
     let depth = (vertex.depth + 1).min(255) as u8;
-    let hit = Hit { p: surface.p, n, wo, power, kind: kind(vertex), depth };
+    let hit = Hit { p: surface.p, n, wo, power, kind: kind(event), depth };
     (power.is_finite() && !power.is_black()).then_some(hit)
 }
 
@@ -210,7 +243,7 @@ mod tests {
     use gi_stats::{Running, welch_t_test};
 
     fn source(scene: &Scene, seed: u32) -> Source<'_> {
-        Source { scene, seed, max_segments: None }
+        Source { scene, seed, max_segments: None, media: false }
     }
 
     #[test]

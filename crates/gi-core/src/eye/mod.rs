@@ -75,6 +75,8 @@ pub struct EyeVertex<'v, 'a> {
     pub rough: u32,
     /// Length of the path from the eye to here, world units.
     pub length: f32,
+    /// The medium that the path reached it in, for walks that know media.
+    pub medium: Option<usize>,
     /// What one unit of the radiance that is supplied here adds to the sample.
     pub throughput: Rgb,
 }
@@ -176,15 +178,23 @@ impl<'a> EyePath<'a> {
         sampler: &mut Sampler,
         supply: &mut impl FnMut(&EyeVertex<'_, 'a>, &mut Sampler) -> Option<Supplied>,
     ) -> Sample {
+        self.gather_by(ray, None, (segments, length), sampler, &mut OnSurfaces(supply))
+    }
+
+    /// The same by a supplier, which may know media, along a ray that starts in `medium`.
+    #[inline]
+    pub fn gather_by(
+        &self,
+        ray: Ray,
+        medium: Option<usize>,
+        (segments, length): (u32, f32),
+        sampler: &mut Sampler,
+        supplier: &mut impl Supplier<'a>,
+    ) -> Sample {
         let mut sample = Sample::default();
-        let prefix = Prefix { rough: 1, segments, length, ..Prefix::EYE };
-        EyePath { show: Show::Indirect, ..*self }.follow(
-            ray,
-            prefix,
-            sampler,
-            &mut OnSurfaces(supply),
-            &mut sample,
-        );
+        let prefix = Prefix { rough: 1, segments, length, medium, ..Prefix::EYE };
+        let path = EyePath { show: Show::Indirect, ..*self };
+        path.follow(ray, prefix, sampler, supplier, &mut sample);
         sample
     }
 

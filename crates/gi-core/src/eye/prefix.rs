@@ -62,9 +62,9 @@ impl Prefix {
         bsdf: &'v Bsdf<'a>,
         here: Rgb,
     ) -> EyeVertex<'v, 'a> {
-        let Prefix { segments, rough, length, .. } = *self;
+        let Prefix { segments, rough, length, medium, .. } = *self;
         let throughput = self.throughput * here;
-        EyeVertex { surface, wo, bsdf, segments, rough, length, throughput }
+        EyeVertex { surface, wo, bsdf, segments, rough, length, medium, throughput }
     }
 
     /// Share of what `surface` scatters, by other than delta lobes if `rough`, that nobody has answered for. Small shares are

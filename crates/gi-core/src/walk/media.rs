@@ -1,0 +1,127 @@
+//! The light walk in media.
+
+use glam::Vec3;
+
+use super::{
+    EMISSION_DIMENSIONS, LightVertex, LightWalk, Roulette, SCATTER_DIMENSIONS, VERTEX_DIMENSIONS,
+};
+use crate::math::Rgb;
+use crate::medium::Flight;
+use crate::ray::Ray;
+
+/// What a light path meets.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "one at a time, on the stack; hot loops allocate nothing"
+)]
+pub enum LightEvent<'a> {
+    /// A surface.
+    Surface(LightVertex<'a>),
+    /// A point of a medium, where it is scattered.
+    Medium(MediumVertex),
+}
+
+impl LightEvent<'_> {
+    /// Where.
+    pub fn p(&self) -> Vec3 {
+        match self {
+            LightEvent::Surface(v) => v.surface.p,
+            LightEvent::Medium(v) => v.p,
+        }
+    }
+
+    /// Scatterings before, straight passes not counted.
+    pub fn depth(&self) -> u32 {
+        match self {
+            LightEvent::Surface(v) => v.depth,
+            LightEvent::Medium(v) => v.depth,
+        }
+    }
+
+    /// Scatterings by other than delta lobes before.
+    pub fn rough(&self) -> u32 {
+        match self {
+            LightEvent::Surface(v) => v.rough,
+            LightEvent::Medium(v) => v.rough,
+        }
+    }
+}
+
+/// A point of a medium where light is scattered.
+#[derive(Clone, Copy, Debug)]
+pub struct MediumVertex {
+    /// The point.
+    pub p: Vec3,
+    /// Unit direction back to where the light came from.
+    pub wo: Vec3,
+    /// The medium, by its index in [`crate::scene::Scene::media`].
+    pub medium: usize,
+    /// Power that is scattered here, what is absorbed apart; already divided by all densities, not by the number of paths. Over all
+    /// paths these powers add up, per volume, to sigma_s times radiance integrated over directions.
+    pub power: Rgb,
+    /// Scatterings before this point, straight passes not counted.
+    pub depth: u32,
+    /// Scatterings by other than delta lobes before this point; media scatter like rough surfaces.
+    pub rough: u32,
+    /// Share of the power that is scattered.
+    left: Rgb,
+}
+
+impl<'a> LightWalk<'a> {
+    /// The same path, which media absorb and scatter: to be walked by [`LightWalk::next_event`].
+    pub fn through_media(mut self) -> Self {
+        self.media = self.scene.has_media();
+        self.medium = self.scene.medium_round_light(self.emission.light as usize);
+        self
+    }
+
+    /// Walk to the next surface, or to where a medium scatters the path before. A visitor has one dimension less than on
+    /// surfaces alone.
+    pub fn next_event(&mut self) -> Option<LightEvent<'a>> {
+        if self.power.is_black() {
+            return None;
+        }
+        self.sampler.jump_to(EMISSION_DIMENSIONS + self.met * VERTEX_DIMENSIONS);
+        let u = self.sampler.next_2d();
+        let Some(index) = self.medium else {
+            let (surface, _) = self.scene.intersect(&self.ray)?;
+            return Some(LightEvent::Surface(self.vertex(surface)));
+        };
+        // Nothing beyond where the path is scattered needs to be looked for.
+        let medium = self.scene.medium(index);
+        let t = medium.distance(self.power, u);
+        let met = self.scene.intersect(&Ray { tmax: t, ..self.ray });
+        let reach = met.as_ref().map_or(f32::INFINITY, |(_, t)| *t);
+        match (medium.flight(t, reach, self.power), met) {
+            (Flight::Scattered { t, weight }, _) => {
+                let (p, wo, power) = (self.ray.at(t), -self.ray.d, self.power * weight);
+                let LightWalk { depth, rough, .. } = *self;
+                let left = weight;
+                let vertex = MediumVertex { p, wo, medium: index, power, depth, rough, left };
+                Some(LightEvent::Medium(vertex))
+            }
+            (Flight::Passed { weight }, Some((surface, _))) => {
+                self.power *= weight;
+                Some(LightEvent::Surface(self.vertex(surface)))
+            }
+            (Flight::Passed { .. }, None) => None,
+        }
+    }
+
+    /// Scatter at a point of a medium that [`LightWalk::next_event`] gave. Returns whether the path goes on.
+    pub fn scatter_within(&mut self, vertex: &MediumVertex, roulette: Roulette) -> bool {
+        let next = EMISSION_DIMENSIONS + (self.met + 1) * VERTEX_DIMENSIONS;
+        self.sampler.jump_to(next - SCATTER_DIMENSIONS);
+        self.met += 1;
+        let ([u_roulette, _], u) = (self.sampler.next_2d(), self.sampler.next_2d());
+        let survival = roulette.survival(u_roulette, vertex.left, vertex.depth);
+        let Some(survival) = survival else { return false };
+        self.depth += 1;
+        self.rough += 1;
+        self.after_delta = false;
+        let wi = self.scene.medium(vertex.medium).phase.sample(vertex.wo, u);
+        self.power = vertex.power / survival;
+        self.ray = Ray::new(vertex.p, wi);
+        !self.power.is_black()
+    }
+}

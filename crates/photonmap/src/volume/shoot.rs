@@ -1,0 +1,72 @@
+//! Photon tracing in media.
+
+use gi_core::math::Rgb;
+use gi_core::rng::{bits_to_unit, hash_words};
+use gi_core::walk::{LightEvent, MediumVertex};
+
+use super::VolumePhoton;
+use crate::photon::{Kind, Photon, Rgbe};
+use crate::shoot::{Chunk, Hits, Source, Wanted, collect, dither, kind, paths};
+
+/// Photons that a path which scatters in media stores on average, at most. A path in marble is scattered hundreds of times: kept
+/// all, so many photons would come of few paths, which all share their noise.
+const KEPT_OF_PATH: f32 = 4.0;
+
+/// What was shot.
+pub(super) struct VolumeShot {
+    /// For each map its photons, in the order of their paths. Powers are already divided by `emitted`.
+    pub(super) photons: Vec<Vec<VolumePhoton>>,
+    pub(super) emitted: u64,
+    pub(super) kept: f32,
+    pub(super) gave_up: bool,
+}
+
+/// A scattering before it is packed: its power is not yet divided by the number of paths.
+#[derive(Clone, Copy)]
+struct Scattering {
+    vertex: MediumVertex,
+    kind: Kind,
+}
+
+/// Shoot until `count` photons are there: scatterings of all light but what comes straight from a light. `map_of` says for
+/// each medium which map its photons go to.
+pub(super) fn shoot(source: &Source, count: usize, map_of: &[usize]) -> VolumeShot {
+    let kept = share_to_keep(source);
+    let Hits { chunks, emitted, gave_up } = collect(count, |k| chunk(source, k, kept));
+    let share = (1.0 / (emitted.max(1) as f64 * f64::from(kept))) as f32;
+    let mut photons = vec![Vec::new(); map_of.len()];
+    for (k, Scattering { vertex, kind }) in chunks.into_iter().flatten().enumerate() {
+        let power = Rgbe::dithered(vertex.power * share, dither(source.seed ^ 0x766f_6c75, k));
+        // The normal says nothing here.
+        let photon = Photon::new(vertex.p, power, vertex.wo, vertex.wo, kind);
+        let depth = (vertex.depth + 1).min(255) as u8;
+        photons[map_of[vertex.medium]].push(VolumePhoton { photon, depth });
+    }
+    VolumeShot { photons, emitted, kept, gave_up }
+}
+
+/// Share of the scatterings to keep, found out from the first chunk of paths.
+fn share_to_keep(source: &Source) -> f32 {
+    let Chunk { hits, ends } = chunk(source, 0, 1.0);
+    let starts = std::iter::once(&0).chain(&ends);
+    let scattered = ends.iter().zip(starts).filter(|(end, start)| end > start).count();
+    (KEPT_OF_PATH * scattered as f32 / hits.len().max(1) as f32).min(1.0)
+}
+
+/// Scatterings of a chunk of paths, the share `keep` of them.
+fn chunk(source: &Source, chunk: u64, keep: f32) -> Chunk<Scattering> {
+    let mut out = Chunk { hits: Vec::new(), ends: Vec::new() };
+    for path in paths(chunk) {
+        source.walk(Wanted::Volume, path, &mut |_, event| {
+            let LightEvent::Medium(vertex) = event else { return };
+            let kind = kind(event);
+            let words = [source.seed ^ 0x6b65_6570, path as u32, (path >> 32) as u32, vertex.depth];
+            let is_light = vertex.power != Rgb::BLACK && vertex.power.is_finite();
+            if kind != Kind::Direct && is_light && bits_to_unit(hash_words(&words)) < keep {
+                out.hits.push(Scattering { vertex: *vertex, kind });
+            }
+        });
+        out.ends.push(out.hits.len() as u32);
+    }
+    out
+}
