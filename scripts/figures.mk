@@ -31,7 +31,7 @@ BOX := scenes/cornell-box.xml
 SPHERES := scenes/cornell-spheres.xml
 GLOSSY := scenes/cornell-glossy.xml
 
-SLIDES := 3 8 9 12 13 14 15 16 17 18 19 22 23 24 25 26 27 29 31 32 33 35 36 39 41 43 47 49 51 53 55 57 59 61 62
+SLIDES := 3 8 9 12 13 14 15 16 17 18 19 22 23 24 25 26 27 29 31 32 33 34 35 36 39 41 43 47 49 51 53 55 57 59 61 62
 .PHONY: figures programs $(SLIDES:%=figure-%)
 
 figures: $(SLIDES:%=figure-%)
@@ -237,6 +237,17 @@ figure-33:
 	$(BIN)/photonmap scenes/pavilion.xml --size $(WIDE) --quiet --photons $(call q,50000,1000000) --caustic-photons $(PHOTONS) --spp $(call q,16,256) -o $D/pavilion.exr
 	$(DRAW) figure $D --slide 33 --columns 1 --title "A house under the sky" \
 	  --caption "Slabs, glass walls, a pool, and a wall of onyx, under sun and sky. Light under the roof came from the pavement and the ceiling." pavilion.png="photon mapping with final gather"
+
+# Light inside things: most of what the stone sends back was scattered in it many times.
+figure-34:
+	mkdir -p $D
+	$(BIN)/photonmap scenes/marble.xml $(RUN) --volume-photons $(call q,100000,1000000) --photons $(PHOTONS) --spp $(call q,16,128) -o $D/marble.exr
+	$(BIN)/pathtrace scenes/marble.xml $(RUN) --mode volpath --spp $(call q,64,1024) -o $D/volpath.exr
+	$(BIN)/photonmap scenes/milk.xml $(RUN) --volume-photons $(call q,100000,1000000) --photons $(PHOTONS) --spp $(call q,16,128) -o $D/milk.exr
+	$(BIN)/photonmap scenes/fog.xml $(RUN) --volume-photons $(call q,100000,500000) --photons $(PHOTONS) --spp $(call q,4,32) -o $D/fog.exr
+	$(DRAW) figure $D --slide 34 --columns 2 --title "Subsurface scattering" \
+	  --caption "Marble lit from behind, milk, and a caustic in mist, from photons stored where the medium scatters them. The path tracer must leave the polished stone by chance toward the lamp: its picture is right in the mean, and grainy." \
+	  marble.png="photons in the medium" volpath.png="volumetric path tracing" milk.png="milk" fog.png="mist round a ball of glass"
 
 # ------------------------------------------------------------------ 35 to 46: progressive photon mapping
 figure-35:

@@ -135,19 +135,28 @@ fn a_scene_ten_times_as_large_gives_the_same_picture() {
 #[test]
 fn every_layer_has_the_same_bits_at_1_2_and_4_threads() {
     let params = Params { photons: 20_000, caustic_photons: 20_000, ..Params::default() };
-    let bits = |threads: usize, params: &Params, seed: u32| -> Vec<(String, Vec<u32>)> {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        pool.install(|| {
-            let world = World::load("cornell-spheres.xml", [40, 30], &[]);
-            let film = world.render::<PhotonMapping>(params, 2, seed, Show::All);
-            let channels = film.layers().channels.into_iter();
-            channels.map(|(name, v)| (name, v.iter().map(|x| x.to_bits()).collect())).collect()
-        })
-    };
-    for gather in [Gather::Final, Gather::None] {
+    let params = Params { volume_photons: 20_000, ..params };
+    let bits =
+        |scene: &str, threads: usize, params: &Params, seed: u32| -> Vec<(String, Vec<u32>)> {
+            let pool =
+                rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            pool.install(|| {
+                let world = World::load(scene, [40, 30], &[]);
+                let film = world.render::<PhotonMapping>(params, 2, seed, Show::All);
+                let channels = film.layers().channels.into_iter();
+                channels.map(|(name, v)| (name, v.iter().map(|x| x.to_bits()).collect())).collect()
+            })
+        };
+    for (scene, gather) in [
+        ("cornell-spheres.xml", Gather::Final),
+        ("cornell-spheres.xml", Gather::None),
+        ("marble.xml", Gather::Final),
+        ("fog.xml", Gather::Direct),
+    ] {
         let params = Params { gather, ..params.clone() };
-        let one = bits(1, &params, 7);
-        assert!(bits(2, &params, 7) == one && bits(4, &params, 7) == one, "{gather:?}");
-        assert!(bits(2, &params, 8) != one, "{gather:?}: the seed does nothing");
+        let one = bits(scene, 1, &params, 7);
+        let same = [2, 4].into_iter().all(|threads| bits(scene, threads, &params, 7) == one);
+        assert!(same, "{scene}, {gather:?}");
+        assert!(bits(scene, 2, &params, 8) != one, "{scene}, {gather:?}: the seed does nothing");
     }
 }

@@ -215,3 +215,17 @@ fn a_resumed_run_has_the_bits_of_one_that_was_never_stopped() {
         assert!(whole == resumed, "{mode}");
     }
 }
+
+#[test]
+fn volpath_walks_media_and_path_says_that_it_leaves_them_out() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("a.exr");
+    let out = out.to_str().expect("UTF-8");
+    let with = |mode: &str| {
+        let run = run(&[&scene("fog"), "-o", out, "--spp=1", "--size=8x8", "--mode", mode]);
+        assert!(run.status.success(), "{}", text(&run));
+        text(&run)
+    };
+    assert!(with("path").contains("participating media are left out"));
+    assert!(!with("volpath").contains("warning"), "{}", with("volpath"));
+}

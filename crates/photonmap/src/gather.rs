@@ -107,7 +107,8 @@ impl<'a> PhotonMapping<'a> {
     fn along(&self, v: &EyeVertex<'_, 'a>, wi: glam::Vec3, sampler: &mut Sampler) -> Rgb {
         let scene = self.setting.scene;
         let ray = scene.spawn(v.surface, wi);
-        if self.volume.is_some() {
+        // What a medium adds on the way is met by a path.
+        if self.volume.is_some() && scene.medium_toward(v.surface, wi, v.medium).is_some() {
             return self.path_on(v, ray, sampler);
         }
         let Some(hit) = scene.closest(&ray) else { return Rgb::BLACK };

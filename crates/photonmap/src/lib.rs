@@ -163,9 +163,8 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
             let stream = (pixel[1] * camera.size()[0] + pixel[0]) as u32;
             let rays = Rays { seed, stream, pass: index };
             if let Some(maps) = &this.volume {
-                let mut supplier = InMedia::new(this, maps, |v, sampler: &mut _| {
-                    this.supply(v, sampler, &rays)
-                });
+                let mut supplier =
+                    InMedia::new(this, maps, |v, sampler: &mut _| this.supply(v, sampler, &rays));
                 return path.sample_pixel_by(camera, medium, seed, pixel, index, &mut supplier);
             }
             path.sample_pixel(camera, seed, pixel, index, &mut |v, sampler| {

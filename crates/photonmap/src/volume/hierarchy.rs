@@ -66,7 +66,9 @@ impl Hierarchy {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(&self.photons[..]) + size_of_val(&self.radius_sq[..]) + size_of_val(&self.boxes[..])
+        size_of_val(&self.photons[..])
+            + size_of_val(&self.radius_sq[..])
+            + size_of_val(&self.boxes[..])
     }
 
     fn root(&self) -> Node {
@@ -235,7 +237,9 @@ mod tests {
                 }
                 let (ray, reach) = (Ray::new(o, d), 0.2 + rng.next_f32());
                 let mut found = Vec::new();
-                tree.pierced(&ray, reach, |s, _, _| found.push(s.photon.position.map(f32::to_bits)));
+                tree.pierced(&ray, reach, |s, _, _| {
+                    found.push(s.photon.position.map(f32::to_bits))
+                });
                 let mut expected: Vec<[u32; 3]> = tree
                     .photons
                     .iter()

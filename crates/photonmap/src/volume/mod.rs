@@ -27,6 +27,9 @@ use crate::shoot::Source;
 use crate::{Params, PhotonMapping};
 use hierarchy::Hierarchy;
 
+/// Share of the beams behind a rough scattering that are looked along: their light is a small part, and costs as much.
+const GATHERED: f32 = 0.25;
+
 /// A photon in a medium: [`Photon`] without a normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VolumePhoton {
@@ -59,13 +62,7 @@ impl VolumeMaps {
         let shot = shoot::shoot(source, params.volume_photons, &map_of);
         let maps = shot.photons.into_iter();
         let maps = maps.map(|photons| Hierarchy::build(photons, params.volume_lookup)).collect();
-        VolumeMaps {
-            maps,
-            map_of,
-            emitted: shot.emitted,
-            kept: shot.kept,
-            gave_up: shot.gave_up,
-        }
+        VolumeMaps { maps, map_of, emitted: shot.emitted, kept: shot.kept, gave_up: shot.gave_up }
     }
 
     /// How many photons there are.
@@ -138,6 +135,14 @@ impl<'a, F: FnMut(&EyeVertex<'_, 'a>, &mut Sampler) -> Option<Supplied>> Supplie
         let Some(depth) = self.technique.photon_depth(beam.segments) else {
             return Some(Components::default());
         };
+        // Of the many rays of a gather point, or behind a glossy surface, a few are asked for all.
+        let mut share = 1.0;
+        if beam.rough > 0 {
+            if sampler.next_1d() >= GATHERED {
+                return Some(Components::default());
+            }
+            share = GATHERED;
+        }
         let setting = &self.technique.setting;
         let medium = setting.scene.medium(beam.medium);
         let mut found = match (setting.show, beam.rough) {
@@ -145,6 +150,9 @@ impl<'a, F: FnMut(&EyeVertex<'_, 'a>, &mut Sampler) -> Option<Supplied>> Supplie
             _ => self.maps.radiance(beam, medium, depth),
         };
         found.direct = self.technique.single_scattering(beam, medium, sampler);
+        found.direct = found.direct / share;
+        found.indirect = found.indirect / share;
+        found.caustic = found.caustic / share;
         Some(found)
     }
 }
