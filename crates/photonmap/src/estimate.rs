@@ -161,7 +161,7 @@ mod tests {
 
     fn estimator(kernel: Kernel, k: usize, max_radius: f32) -> Estimator {
         let scene = lit_plane();
-        let source = Source { scene: &scene, seed: 5, max_segments: None };
+        let source = Source { scene: &scene, seed: 5, max_segments: None, media: false };
         let shot = source.shoot(Wanted::Global, 100_000);
         let map = PhotonMap::build(shot.photons, shot.emitted, Layout::Fast, Order::Any, false);
         Estimator::new(map, kernel, k, max_radius)
@@ -224,7 +224,7 @@ mod tests {
     #[test]
     fn photons_that_went_further_than_is_asked_for_do_not_count() {
         let scene = crate::test_scenes::lit_sphere();
-        let source = Source { scene: &scene, seed: 5, max_segments: None };
+        let source = Source { scene: &scene, seed: 5, max_segments: None, media: false };
         let shot = source.shoot(Wanted::Global, 50_000);
         let map = PhotonMap::build(shot.photons, shot.emitted, Layout::Fast, Order::Any, true);
         let estimator = Estimator::new(map, Kernel::Box, 200, 0.0);

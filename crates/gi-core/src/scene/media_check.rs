@@ -1,11 +1,11 @@
 //! What is odd about the media of a scene, and what is assumed then.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap};
 
 use glam::Vec3;
 
 use super::Scene;
-use crate::geometry::{Geometry, Shape};
+use crate::geometry::{Geometry, Shape, Surface};
 use crate::medium::Medium;
 use crate::ray::Ray;
 
@@ -58,58 +58,47 @@ impl Scene {
         ))
     }
 
-    /// Pairs of boundaries that see each other and do not agree.
+    /// Pairs of boundaries that see each other and do not agree, and boundaries of media without end.
     fn disagreements(&self) -> Vec<String> {
-        let mut found: BTreeMap<(String, String), ()> = BTreeMap::new();
-        let mut endless = BTreeSet::new();
+        let (mut pairs, mut endless) = (BTreeSet::new(), BTreeSet::new());
         let own = self.shapes.len() - self.group_shapes.iter().map(|g| g.len()).sum::<usize>();
         for shape in self.shapes[..own].iter().filter(|s| s.is_boundary()) {
-            for (p, n) in posts(shape) {
-                // The normal of the surface as rays meet it, which shading normals may turn.
-                let Some(surface) = self.surface_at(p, n) else { continue };
+            // The normal is that of the surface as rays meet it, which shading normals may turn.
+            for surface in posts(shape).into_iter().filter_map(|(p, n)| self.surface_at(p, n)) {
                 for d in [surface.ng, -surface.ng] {
-                    let here = self.medium_toward(&surface, d, None).map(|m| &self.media[m]);
+                    let here = self.medium_beside(&surface, d);
                     let ray = self.spawn(&surface, d);
-                    match self.first_boundary(ray, false) {
-                        Some(other)
-                            if self.medium_toward(&other, -d, None).map(|m| &self.media[m])
-                                != here =>
-                        {
-                            let name = &self.shapes[other.shape as usize].name;
-                            let mut pair = [shape.name.clone(), name.clone()];
-                            pair.sort();
-                            let [a, b] = pair;
-                            found.insert((a, b), ());
+                    if let Some(other) = self.first_boundary(ray, false) {
+                        if self.medium_beside(&other, -d) != here {
+                            let name = self.shapes[other.shape as usize].name.as_str();
+                            let own = shape.name.as_str();
+                            pairs.insert([own.min(name), own.max(name)]);
                         }
-                        None if here.is_some() && self.first_boundary(ray, true).is_none() => {
-                            if self.intersect(&ray).is_none() {
-                                endless.insert(shape.name.clone());
-                            }
-                        }
-                        _ => {}
+                    } else if here.is_some() && self.closest(&ray).is_none() {
+                        endless.insert(shape.name.as_str());
                     }
                 }
             }
         }
-        let mut warnings: Vec<String> = found
-            .into_keys()
-            .map(|(a, b)| {
-                format!(
-                    "boundaries \"{a}\" and \"{b}\" do not say the same medium for what lies between them: each counts where it \
-                     is crossed (give a solid inside a medium that medium as its `exterior`)"
-                )
-            })
-            .collect();
-        if let Some(names) = listed(endless.iter().map(String::as_str)) {
-            warnings.push(format!(
-                "the medium at {names} has no end on one side: it is taken as infinite"
-            ));
-        }
-        warnings
+        let say = |[a, b]: [&str; 2]| {
+            format!(
+                "boundaries \"{a}\" and \"{b}\" do not say the same medium for what lies between them: each counts where it \
+                 is crossed (give a solid inside a medium that medium as its `exterior`)"
+            )
+        };
+        let endless = listed(endless.into_iter()).map(|names| {
+            format!("the medium at {names} has no end on one side: it is taken as infinite")
+        });
+        pairs.into_iter().map(say).chain(endless).collect()
+    }
+
+    /// What a boundary says of its side toward `d`.
+    fn medium_beside(&self, surface: &Surface, d: Vec3) -> Option<&Medium> {
+        self.medium_toward(surface, d, None).map(|m| &self.media[m])
     }
 
     /// The boundary's surface at a point of it, met by a ray from a little above.
-    fn surface_at(&self, p: Vec3, n: Vec3) -> Option<crate::geometry::Surface> {
+    fn surface_at(&self, p: Vec3, n: Vec3) -> Option<Surface> {
         let gap = 1e-4 * self.radius();
         let ray = Ray { tmax: 2.0 * gap, ..Ray::new(p + n * gap, -n) };
         let (surface, _) = self.intersect(&ray)?;
