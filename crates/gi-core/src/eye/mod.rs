@@ -4,6 +4,7 @@
 //! cache, a photon map, virtual lights), it supplies that at a vertex, and the path goes on only for what
 //! is left: light that comes straight from a light or through mirrors and glass, and lobes that it did not answer for.
 
+mod light;
 mod media;
 mod prefix;
 mod supply;
@@ -12,13 +13,13 @@ use glam::Vec3;
 
 use crate::bsdf::{Bsdf, DiffusePart, Transport};
 use crate::camera::Camera;
-use crate::film::{Components, Sample, Show};
+use crate::film::{Sample, Show};
 use crate::geometry::Surface;
 use crate::math::Rgb;
-use crate::nee::{direct_light, direct_light_through_media, emitter_weight};
 use crate::ray::{Hit, Ray};
 use crate::sampler::Sampler;
 use crate::scene::Scene;
+use light::add_supplied;
 use media::Crossing;
 use prefix::Prefix;
 use supply::OnSurfaces;
@@ -323,78 +324,5 @@ impl<'a> EyePath<'a> {
                 Show::Direct | Show::Caustic => prefix.rough > 1,
                 Show::Indirect => prefix.rough == 1 && prefix.unanswered.is_black(),
             }
-    }
-
-    /// Whether light that is sampled where the path is scattered now is asked for.
-    #[inline]
-    fn wants_direct(&self, prefix: &Prefix) -> bool {
-        match self.show {
-            Show::All => true,
-            Show::Direct => prefix.rough == 0,
-            Show::Indirect => prefix.rough > 0,
-            Show::Caustic => false,
-        }
-    }
-
-    /// Light that is sampled and scattered here.
-    #[inline]
-    fn add_direct<S: Supplier<'a>>(
-        &self,
-        surface: &Surface,
-        bsdf: &Bsdf,
-        wo: Vec3,
-        (prefix, here): (&Prefix, Rgb),
-        sampler: &mut Sampler,
-        out: &mut Components,
-    ) {
-        if !self.wants_direct(prefix) || here.is_black() {
-            return sampler.skip();
-        }
-        let direct = if S::MEDIA {
-            let place = (surface, prefix.medium);
-            direct_light_through_media(self.scene, place, bsdf, wo, sampler)
-        } else {
-            direct_light(self.scene, surface, bsdf, wo, sampler)
-        };
-        *out.of_path(prefix.rough + 1, false) += prefix.throughput * here * direct;
-    }
-
-    /// Light of a surface that the path has met, weighted against having sampled it as a light.
-    #[inline]
-    fn add_emitted(&self, surface: &Surface, wo: Vec3, prefix: &Prefix, out: &mut Components) {
-        let emitted = self.scene.emitted(surface, wo);
-        if emitted.is_black() || prefix.has_answered_lights() {
-            return;
-        }
-        let weight = match prefix.last {
-            Some((p, pdf_w)) => emitter_weight(Some(pdf_w), self.scene.light_pdf_w(p, surface)),
-            None => 1.0,
-        };
-        *out.of_path(prefix.rough, prefix.after_delta) += prefix.throughput * emitted * weight;
-    }
-
-    /// Light from infinity, where the path has left the scene.
-    #[inline]
-    fn add_background(&self, d: Vec3, prefix: &Prefix, out: &mut Components) {
-        if prefix.has_answered_lights() {
-            return;
-        }
-        for (radiance, pdf_light) in self.scene.escaped(d) {
-            let weight = emitter_weight(prefix.last.map(|(_, pdf_w)| pdf_w), pdf_light);
-            *out.of_path(prefix.rough, prefix.after_delta) += prefix.throughput * radiance * weight;
-        }
-    }
-}
-
-#[inline]
-fn add_supplied(supplied: Option<&Supplied>, prefix: &Prefix, here: Rgb, out: &mut Components) {
-    let Some(supplied) = supplied else { return };
-    let factor = prefix.throughput * here;
-    *out.of_path(prefix.rough + 2, false) += factor * supplied.indirect;
-    if let Some(direct) = supplied.direct {
-        *out.of_path(prefix.rough + 1, false) += factor * direct;
-    }
-    if let Some(caustic) = supplied.caustic {
-        *out.of_path(prefix.rough + 1, true) += factor * caustic;
     }
 }
