@@ -170,7 +170,7 @@ impl<'a> EyePath<'a> {
 
     /// Light along a ray that leaves a surface, of which the path had `segments` segments with this one and `length`
     /// world units without it: only light that was scattered by other than delta lobes on its way counts, and stands in
-    /// [`Components::indirect`] of the sample; its depth is the distance to the first surface.
+    /// [`crate::film::Components::indirect`] of the sample; its depth is the distance to the first surface.
     #[inline]
     pub fn gather(
         &self,
