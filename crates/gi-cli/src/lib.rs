@@ -12,6 +12,7 @@ mod presets;
 mod progress;
 mod run;
 mod save;
+mod values;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -21,6 +22,7 @@ use gi_core::technique::Technique;
 
 pub use budget::{Budget, parse_time};
 pub use common::{Common, Component};
+pub use values::{check_points_file, parse_bound, parse_pixel};
 
 /// A program: its command line, and what it makes of it.
 pub trait Program: Parser {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
-use gi_cli::{Common, Program};
+use gi_cli::{Common, Program, check_points_file, parse_bound, parse_pixel};
 use gi_core::eye::PathLimits;
 use instant_radiosity::figures::Figure;
 use instant_radiosity::{InstantRadiosity, Params};
@@ -26,7 +26,7 @@ struct Args {
     #[arg(long, value_enum, default_value_t = TerminationFlag::Roulette)]
     termination: TerminationFlag,
     /// Bound of the geometric term cos cos'/d^2, in units of one over the squared scene radius; inf is none
-    #[arg(long, value_name = "B", default_value_t = Params::default().clamp, value_parser = parse_clamp)]
+    #[arg(long, value_name = "B", default_value_t = Params::default().clamp, value_parser = parse_bound)]
     clamp: f32,
     /// What becomes of the light that the bound cuts off
     #[arg(long, value_enum, default_value_t = CompensationFlag::Path)]
@@ -86,21 +86,9 @@ enum ShowFlag {
     Connections,
 }
 
-fn parse_clamp(text: &str) -> Result<f32, String> {
-    let wrong = "expected a number above 0, or inf";
-    text.parse().ok().filter(|b: &f32| *b > 0.0).ok_or_else(|| wrong.into())
-}
-
 fn parse_exponent(text: &str) -> Result<f32, String> {
     let wrong = "expected a number from 0 to 2";
     text.parse().ok().filter(|r| (0.0..=2.0).contains(r)).ok_or_else(|| wrong.into())
-}
-
-fn parse_pixel(text: &str) -> Result<[usize; 2], String> {
-    let wrong = "expected two pixel coordinates: X,Y";
-    let (x, y) = text.split_once(',').ok_or(wrong)?;
-    let number = |t: &str| t.trim().parse().map_err(|_| wrong.to_string());
-    Ok([number(x)?, number(y)?])
 }
 
 impl Program for Args {
@@ -112,12 +100,7 @@ impl Program for Args {
     }
 
     fn params(&self) -> Result<Params, String> {
-        let extension = self.vpls_out.as_ref().and_then(|p| p.extension());
-        if self.vpls_out.is_some()
-            && !extension.is_some_and(|e| ["ply", "csv"].iter().any(|k| e.eq_ignore_ascii_case(k)))
-        {
-            return Err("--vpls-out: the file's name ends in .ply or .csv".into());
-        }
+        check_points_file("--vpls-out", &self.vpls_out)?;
         Ok(Params {
             limits: PathLimits { max_depth: self.common.max_depth(), ..PathLimits::default() },
             vpls: self.vpls,

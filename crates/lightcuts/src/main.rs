@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
-use gi_cli::{Common, Program};
+use gi_cli::{Common, Program, check_points_file, parse_bound, parse_pixel};
 use gi_core::eye::PathLimits;
 use lightcuts::cut::{Limits, Rule};
 use lightcuts::figures::{Figure, bounds_csv, cuts_csv};
@@ -43,7 +43,7 @@ struct Args {
     direct: DirectFlag,
     /// Bound of the geometric term cos cos'/d^2 of lights of surfaces, in units of one over the squared scene radius; inf is
     /// none
-    #[arg(long, value_name = "B", default_value_t = Params::default().clamp, value_parser = parse_clamp)]
+    #[arg(long, value_name = "B", default_value_t = Params::default().clamp, value_parser = parse_bound)]
     clamp: f32,
     /// What becomes of the light that the bound cuts off
     #[arg(long, value_enum, default_value_t = CompensationFlag::Path)]
@@ -135,11 +135,6 @@ fn most_clusters(error: f32) -> u32 {
     if error == 0.0 { u32::MAX } else { Params::default().cut.max_cut }
 }
 
-fn parse_clamp(text: &str) -> Result<f32, String> {
-    let wrong = "expected a number above 0, or inf";
-    text.parse().ok().filter(|b: &f32| *b > 0.0).ok_or_else(|| wrong.into())
-}
-
 fn parse_share(text: &str) -> Result<f32, String> {
     let wrong = "expected a number from 0 to 1";
     text.parse().ok().filter(|e| (0.0..=1.0).contains(e)).ok_or_else(|| wrong.into())
@@ -165,13 +160,6 @@ fn parse_lights(text: &str) -> Result<LightNumbers, String> {
     Ok(numbers)
 }
 
-fn parse_pixel(text: &str) -> Result<[usize; 2], String> {
-    let wrong = "expected two pixel coordinates: X,Y";
-    let (x, y) = text.split_once(',').ok_or(wrong)?;
-    let number = |t: &str| t.trim().parse().map_err(|_| wrong.to_string());
-    Ok([number(x)?, number(y)?])
-}
-
 impl Program for Args {
     type Params = Params;
     type Technique<'a> = Lightcuts<'a>;
@@ -186,12 +174,7 @@ impl Program for Args {
         if self.reconstruct && !matches!(self.method, MethodFlag::Cuts) {
             return Err("--reconstruct shares cuts: it goes with --method cuts only".into());
         }
-        let extension = self.lights_out.as_ref().and_then(|p| p.extension());
-        if self.lights_out.is_some()
-            && !extension.is_some_and(|e| ["ply", "csv"].iter().any(|k| e.eq_ignore_ascii_case(k)))
-        {
-            return Err("--lights-out: the file's name ends in .ply or .csv".into());
-        }
+        check_points_file("--lights-out", &self.lights_out)?;
         Ok(Params {
             limits: PathLimits { max_depth: self.common.max_depth(), ..PathLimits::default() },
             cut: Limits {

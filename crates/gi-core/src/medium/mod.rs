@@ -119,6 +119,14 @@ pub fn equiangular(along: f32, across: f32, reach: f32, u: f32) -> (f32, f32) {
     (x + along, across / ((to - from) * (across * across + x * x)))
 }
 
+/// Density with which [`equiangular`] draws the distance `t`.
+#[inline]
+pub fn equiangular_pdf(along: f32, across: f32, reach: f32, t: f32) -> f32 {
+    let (from, to) = ((-along / across).atan(), ((reach - along) / across).atan());
+    let x = t - along;
+    across / ((to - from) * (across * across + x * x))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -216,6 +224,8 @@ mod tests {
                     - equiangular(along, across, reach, u - h).0)
                     / (2.0 * h);
                 let (t, pdf) = equiangular(along, across, reach, u);
+                let again = equiangular_pdf(along, across, reach, t);
+                assert!((again / pdf - 1.0).abs() < 1e-3, "{again} is not {pdf}");
                 assert!(t > 0.0 && t < reach);
                 // Central differences err by a sixth of h^2 times the third derivative: below 1 % away from the ends.
                 assert!((slope * pdf - 1.0).abs() < 0.02, "{along} {across} {u}: {slope} {pdf}");

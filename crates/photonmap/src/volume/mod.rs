@@ -18,7 +18,7 @@ mod shoot;
 use gi_core::eye::{Beam, EyeVertex, Supplied, Supplier};
 use gi_core::film::{Components, Show};
 use gi_core::math::Rgb;
-use gi_core::medium::{Medium, equiangular};
+use gi_core::medium::{Medium, equiangular, equiangular_pdf};
 use gi_core::nee::all_direct_light_within;
 use gi_core::sampler::Sampler;
 
@@ -181,10 +181,7 @@ impl PhotonMapping<'_> {
             }
             Some((along, across)) => {
                 let (t, pdf) = by_transmittance.sample(u);
-                let x = t - along;
-                let (from, to) = ((-along / across).atan(), ((beam.reach - along) / across).atan());
-                let near = across / ((to - from) * (across * across + x * x));
-                (t, 0.5 * (pdf + near))
+                (t, 0.5 * (pdf + equiangular_pdf(along, across, beam.reach, t)))
             }
         };
         if !(pdf > 0.0 && pdf.is_finite() && t < beam.reach) {
