@@ -31,6 +31,8 @@ pub struct LightVertex<'a> {
     pub rough: u32,
     /// Whether the last scattering, if any, was by a delta lobe.
     pub after_delta: bool,
+    /// The medium that the path reached it in, for walks through media.
+    pub medium: Option<usize>,
 }
 
 /// A light path that is being walked.
@@ -97,6 +99,16 @@ impl<'a> LightWalk<'a> {
         self.rough
     }
 
+    /// The medium that the path is in, for walks through media.
+    pub fn medium(&self) -> Option<usize> {
+        self.medium
+    }
+
+    /// Power that leaves the last vertex, divided by all densities, not by the number of paths.
+    pub fn power(&self) -> Rgb {
+        self.power
+    }
+
     /// The sampler, for what a visitor draws at a vertex (a lens point, say): at most
     /// six dimensions a vertex.
     pub fn sampler(&mut self) -> &mut Sampler {
@@ -117,8 +129,8 @@ impl<'a> LightWalk<'a> {
     fn vertex(&self, surface: Surface) -> LightVertex<'a> {
         let wo = -self.ray.d;
         let bsdf = self.scene.bsdf(&surface, wo, Transport::Power);
-        let LightWalk { power, depth, rough, after_delta, .. } = *self;
-        LightVertex { surface, wo, bsdf, power, depth, rough, after_delta }
+        let LightWalk { power, depth, rough, after_delta, medium, .. } = *self;
+        LightVertex { surface, wo, bsdf, power, depth, rough, after_delta, medium }
     }
 
     /// Scatter at a vertex that [`LightWalk::next_vertex`] gave. Returns whether the path goes on.

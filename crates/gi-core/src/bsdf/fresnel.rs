@@ -67,8 +67,9 @@ fn conductor_polarised(cos_i: f32, eta: Rgb, k: Rgb) -> [Rgb; 2] {
     [s, unpolarised * 2.0 - s]
 }
 
-/// Hemispherical reflectance under uniform light from the side where `cos_i > 0`: 2 int F(c) c dc.
-pub(crate) fn dielectric_hemispherical(eta: f32) -> f32 {
+/// Reflectance of a smooth dielectric under uniform light, 2 int F(c) c dc; `eta` is the index behind the surface over
+/// that in front, where the light is.
+pub fn dielectric_hemispherical(eta: f32) -> f32 {
     const N: usize = 4096; // midpoint rule; the kink at the critical angle costs less than 1e-6
     let f = |i: usize| {
         let c = (i as f32 + 0.5) / N as f32;

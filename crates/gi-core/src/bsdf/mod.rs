@@ -18,6 +18,7 @@ use glam::Vec3;
 use crate::math::{Frame, Rgb, sqr};
 pub use bound::{ScatterBound, Toward};
 pub(crate) use coat::Coat;
+pub use fresnel::dielectric_hemispherical;
 pub use glossy::{GlossyLobe, Kind, LobeView};
 use lobe::Lobe;
 pub(crate) use resolve::{PreparedMaterial, check_children, component_count};

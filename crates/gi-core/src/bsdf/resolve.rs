@@ -18,6 +18,8 @@ pub(crate) struct PreparedMaterial {
     pub(crate) has_null: bool,
     /// Whether anything is thrown on by a delta lobe.
     pub(crate) has_delta: bool,
+    /// Whether anything is refracted, and nothing passes straight through.
+    pub(crate) refracts: bool,
     /// Whether the lobes depend on the directions of the texture coordinates.
     needs_tangents: bool,
 }
@@ -38,10 +40,13 @@ impl PreparedMaterial {
             material,
             Material::Null | Material::Mask { .. } | Material::ThinDielectric { .. }
         );
+        let has_null = has_null || children.iter().any(|c| c.has_null);
+        let refracts = matches!(material, Material::Dielectric { .. });
         let bends = matches!(material, Material::Bump { .. } | Material::NormalMap { .. });
         PreparedMaterial {
             coat,
-            has_null: has_null || children.iter().any(|c| c.has_null),
+            has_null,
+            refracts: !has_null && (refracts || children.iter().any(|c| c.refracts)),
             has_delta: has_delta(&material) || children.iter().any(|c| c.has_delta),
             needs_tangents: bends || roughness(&material).is_some_and(is_anisotropic),
             material,

@@ -1,8 +1,11 @@
 //! The eye walk in media.
 
+use glam::Vec3;
+
 use super::{Beam, EyePath, Prefix, Supplier};
 use crate::camera::Camera;
 use crate::film::Components;
+use crate::geometry::Surface;
 use crate::medium::Flight;
 use crate::nee::direct_light_within;
 use crate::ray::Ray;
@@ -24,6 +27,14 @@ impl<'a> EyePath<'a> {
         let [w, h] = camera.size();
         let ray = camera.ray([0.5 * w as f32, 0.5 * h as f32], [0.5; 2]);
         self.scene.medium_at(ray.o, ray.d)
+    }
+
+    /// Take in which medium the path comes into where it leaves `surface` along `d`.
+    #[inline]
+    pub(super) fn enter(&self, surface: &Surface, d: Vec3, prefix: &mut Prefix) {
+        let medium = self.scene.medium_toward(surface, d, prefix.medium);
+        prefix.entered = (medium != prefix.medium).then_some(surface.prim);
+        prefix.medium = medium;
     }
 
     /// Cross the medium that the path is in, up to the distance `reach` along `ray`, or be scattered in it.
@@ -52,8 +63,8 @@ impl<'a> EyePath<'a> {
         }
         // Ask the technique.
         let throughput = prefix.throughput * here;
-        let Prefix { segments, rough, .. } = *prefix;
-        let beam = Beam { ray, reach, medium: index, segments, rough, throughput };
+        let Prefix { segments, rough, entered, eta_sq, .. } = *prefix;
+        let beam = Beam { ray, reach, medium: index, entered, eta_sq, segments, rough, throughput };
         if let Some(found) = supplier.beam(&beam, sampler) {
             *out.of_path(rough + 1, false) += throughput * found.direct;
             *out.of_path(rough + 1, true) += throughput * found.caustic;

@@ -285,7 +285,7 @@ impl<'a> EyePath<'a> {
                 return;
             }
             if S::MEDIA {
-                prefix.medium = scene.medium_toward(&surface, scatter.wi, prefix.medium);
+                self.enter(&surface, scatter.wi, &mut prefix);
             }
             ray = scene.spawn(&surface, scatter.wi);
         }

@@ -35,6 +35,8 @@ pub(super) struct Prefix {
     pub(super) length: f32,
     /// The medium that it is in, for walks that know media.
     pub(super) medium: Option<usize>,
+    /// The primitive of the boundary that it has come in over just now.
+    pub(super) entered: Option<u32>,
 }
 
 impl Prefix {
@@ -51,6 +53,7 @@ impl Prefix {
         segments: 1,
         length: 0.0,
         medium: None,
+        entered: None,
     };
 
     /// The path's point for a technique to answer at, of which `here` nobody has answered for.
@@ -125,6 +128,7 @@ impl Prefix {
         self.segments += 1;
         self.rough += 1;
         (self.after_delta, self.last, self.straight) = (false, Some((p, pdf_w)), None);
+        self.entered = None;
         (self.unanswered, self.caustic_answered, self.direct_answered) = (Rgb::WHITE, false, false);
     }
 

@@ -30,6 +30,12 @@ pub struct Beam<'r> {
     pub reach: f32,
     /// The medium, by its index in [`crate::scene::Scene::media`].
     pub medium: usize,
+    /// The primitive of the boundary that the path has come in over just now; `None` where it was in the medium before, and
+    /// was reflected or scattered, and where it begins.
+    pub entered: Option<u32>,
+    /// Product of the squared indices that refraction has divided the throughput by: the squared index of the medium over that of
+    /// what the eye is in.
+    pub eta_sq: f32,
     /// Segments from the eye up to and with the one that this is a piece of, straight passes not counted.
     pub segments: u32,
     /// Scatterings by other than delta lobes before.

@@ -17,6 +17,14 @@ pub enum Phase {
 }
 
 impl Phase {
+    /// Mean cosine of the deflection.
+    pub fn mean_cosine(self) -> f32 {
+        match self {
+            Phase::Isotropic => 0.0,
+            Phase::HenyeyGreenstein { g } => g,
+        }
+    }
+
     /// Share of scattered light that goes along `wi`, per solid angle: it integrates to 1, and is also the density of
     /// [`Phase::sample`]. Both directions are unit and point away from the point; `wo` is where the path came from.
     #[inline]
@@ -38,10 +46,7 @@ impl Phase {
     /// Draw where a path goes on.
     #[inline]
     pub fn sample(self, wo: Vec3, [u, v]: [f32; 2]) -> Vec3 {
-        let g = match self {
-            Phase::Isotropic => 0.0,
-            Phase::HenyeyGreenstein { g } => g,
-        };
+        let g = self.mean_cosine();
         // Henyey and Greenstein's inversion multiplied out, so that nothing is divided by g.
         let x = 2.0 * u - 1.0;
         let numerator = 2.0 * x + g * (x * x + 3.0) + g * g * (2.0 * x + g * (x * x - 1.0));

@@ -5,6 +5,7 @@ mod lighting;
 mod media;
 mod media_check;
 mod parts;
+mod solids;
 mod surface;
 
 use glam::{Affine3A, Mat3, Vec3};
@@ -18,6 +19,7 @@ use crate::medium::Medium;
 use crate::ray::{Hit, Ray};
 pub use build::SceneError;
 pub use parts::SceneParts;
+pub use solids::Solids;
 
 /// A scene ready for rays. It does not change once made.
 pub struct Scene {
