@@ -6,6 +6,8 @@ mod agreement;
 mod analytic;
 /// The same bits for any number of threads.
 mod determinism;
+/// What the dipole of translucent solids is held to.
+mod dipole;
 /// What instant radiosity is held to.
 mod instant_radiosity_facts;
 /// What irradiance caching is held to.

@@ -279,11 +279,11 @@ fn misty() -> World {
     World::new(parts, &camera)
 }
 
-/// What photons of a ball's medium lose at most where their discs reach over its edge, as a share: radii are (k / n)^(1/3) of the
-/// ball's where density is even, a coordinate of Epanechnikov's kernel is on average 0.17 r on its positive side, and a ball
-/// has 3 / R of surface per volume: 0.51 r / R. Photons are at most twice as dense at the lit side.
+/// What photons of a ball's medium lose at most where their discs reach over its edge, as a share. What they reach beyond a flat edge is
+/// turned back; of a disc of radius r the edge of a ball leaves r^2 / 2 R beyond itself and before the plane, times 3 / R of surface per
+/// volume: 1.5 (r / R)^2. Radii are (k / n)^(1/3) of the ball's where density is even; at the lit side it is at most twice that.
 fn lost_over_the_edge(k: usize, n: usize) -> f64 {
-    2.0 * 0.51 * (k as f64 / n as f64).cbrt()
+    2.0 * 1.5 * (k as f64 / n as f64).powf(2.0 / 3.0)
 }
 
 #[test]

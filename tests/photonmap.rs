@@ -5,7 +5,7 @@ use gi_core::film::{Film, Show};
 use gi_core::image_io::Layers;
 use gi_tests::{World, furnace, mean_and_variance};
 use pathtrace::{Mode, PathTracer};
-use photonmap::{Gather, Params, PhotonMapping};
+use photonmap::{Gather, Params, PhotonMapping, Subsurface};
 
 fn reference(world: &World, passes: u32, max_depth: Option<u32>, show: Show) -> Film {
     let limits = PathLimits { max_depth, ..PathLimits::default() };
@@ -147,16 +147,19 @@ fn every_layer_has_the_same_bits_at_1_2_and_4_threads() {
                 channels.map(|(name, v)| (name, v.iter().map(|x| x.to_bits()).collect())).collect()
             })
         };
-    for (scene, gather) in [
-        ("cornell-spheres.xml", Gather::Final),
-        ("cornell-spheres.xml", Gather::None),
-        ("marble.xml", Gather::Final),
-        ("fog.xml", Gather::Direct),
+    const PHOTONS: Subsurface = Subsurface::Photons;
+    for (scene, gather, subsurface) in [
+        ("cornell-spheres.xml", Gather::Final, PHOTONS),
+        ("cornell-spheres.xml", Gather::None, PHOTONS),
+        ("marble.xml", Gather::Final, PHOTONS),
+        ("marble.xml", Gather::Final, Subsurface::Dipole),
+        ("fog.xml", Gather::Direct, PHOTONS),
     ] {
-        let params = Params { gather, ..params.clone() };
+        let params = Params { gather, subsurface, ..params.clone() };
         let one = bits(scene, 1, &params, 7);
         let same = [2, 4].into_iter().all(|threads| bits(scene, threads, &params, 7) == one);
-        assert!(same, "{scene}, {gather:?}");
-        assert!(bits(scene, 2, &params, 8) != one, "{scene}, {gather:?}: the seed does nothing");
+        let name = format!("{scene}, {gather:?}, {subsurface:?}");
+        assert!(same, "{name}");
+        assert!(bits(scene, 2, &params, 8) != one, "{name}: the seed does nothing");
     }
 }

@@ -9,8 +9,8 @@ use gi_core::warp;
 
 use crate::estimate::facing;
 use crate::guide::Guide;
+use crate::media::InMedia;
 use crate::photon::Kind;
-use crate::volume::InMedia;
 use crate::{Gather, PhotonMapping};
 
 impl<'a> PhotonMapping<'a> {
@@ -108,7 +108,7 @@ impl<'a> PhotonMapping<'a> {
         let scene = self.setting.scene;
         let ray = scene.spawn(v.surface, wi);
         // What a medium adds on the way is met by a path.
-        if self.volume.is_some() && scene.medium_toward(v.surface, wi, v.medium).is_some() {
+        if self.media.is_some() && scene.medium_toward(v.surface, wi, v.medium).is_some() {
             return self.path_on(v, ray, sampler);
         }
         let Some(hit) = scene.closest(&ray) else { return Rgb::BLACK };
@@ -153,7 +153,7 @@ impl<'a> PhotonMapping<'a> {
         let limits = PathLimits { max_depth: self.params.max_depth, ..PathLimits::default() };
         let path = EyePath { scene: self.setting.scene, limits, show: Show::Indirect };
         let along = (v.segments + 1, v.length);
-        let found = match &self.volume {
+        let found = match &self.media {
             Some(maps) => {
                 let medium = self.setting.scene.medium_toward(v.surface, ray.d, v.medium);
                 let mut supplier = InMedia::new(self, maps, supply);

@@ -6,23 +6,27 @@
 //! | `--gather final` | direct light by sampling lights, caustics from a map of their own at the first diffuse surface [slide 27], indirect light by gather rays to the global map at the second [slides 28, 31] (default) |
 //! | `--gather none` | the global map seen directly [slides 29, 30]; `--gather direct`: the same, with direct light by sampling lights |
 //! | `--photons`, `--caustic-photons` | photons to store (100000 each) |
-//! | `--volume-photons`, `--volume-lookup` | photons to store where media scatter light, and how many of them their radius reaches to (100000, 12) [slide 34]; read by [`volume`] |
+//! | `--volume-photons`, `--volume-lookup` | photons to store where media scatter light, and how many of them their radius reaches to (100000, 20) [slide 34]; read by [`volume`] |
+//! | `--subsurface photons` | translucent solids by photons in the medium (default), or by diffusion from photons that enter (`dipole`) |
 //! | `--lookup`, `--max-radius`, `--kernel` | photons of an estimate (50); bound on its radius (0: automatic); how photons count (epanechnikov) |
 //! | `--gather-rays` | rays of a gather point in a pass (16) |
 //! | bias, and how it looks | light is blurred over r: soft caustics, light through thin walls and round corners, dark rims of walls; blotches where photons are few |
-//! | sources | \[Jensen95\], \[Jensen96\], \[Jensen98\], \[Christensen99\], \[Jensen01\], \[Jarosz08\] |
+//! | sources | \[Jensen95\], \[Jensen96\], \[Jensen98\], \[Christensen99\], \[Jensen01\], \[Jensen01b\], \[Jensen02\], \[Jarosz08\] |
 
 #![forbid(unsafe_code)]
 
+mod dipole;
 pub mod estimate;
 mod file;
 mod gather;
 mod guide;
+mod heap;
 mod irradiance;
 mod jensen;
 mod kd;
 pub mod kernel;
 pub mod map;
+mod media;
 mod nearest;
 pub mod photon;
 mod pictures;
@@ -41,9 +45,9 @@ use gather::Rays;
 use irradiance::IrradianceMap;
 use kernel::Kernel;
 use map::{Layout, Order, PhotonMap};
+use media::{InMedia, MediaMaps};
 pub use pictures::Show;
 use shoot::{Shot, Source, Wanted};
-use volume::{InMedia, VolumeMaps};
 
 /// Where the maps are read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -57,6 +61,16 @@ pub enum Gather {
     Final,
 }
 
+/// How the light in translucent solids is found [slide 34].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Subsurface {
+    /// From photons in the medium.
+    #[default]
+    Photons,
+    /// By diffusion, from photons that enter.
+    Dipole,
+}
+
 /// The knobs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Params {
@@ -68,6 +82,8 @@ pub struct Params {
     pub volume_photons: usize,
     /// Photons in a medium that the radius of one of them reaches to.
     pub volume_lookup: usize,
+    /// How the light in translucent solids is found.
+    pub subsurface: Subsurface,
     /// Most photons of an estimate.
     pub lookup: usize,
     /// Largest radius of an estimate, relative to the scene's radius; 0 is automatic.
@@ -96,7 +112,8 @@ impl Default for Params {
             photons: 100_000,
             caustic_photons: 100_000,
             volume_photons: 100_000,
-            volume_lookup: 12,
+            volume_lookup: 20,
+            subsurface: Subsurface::default(),
             lookup: 50,
             max_radius: 0.0,
             kernel: Kernel::default(),
@@ -117,8 +134,8 @@ pub struct PhotonMapping<'a> {
     params: Params,
     global: Estimator,
     caustic: Option<Estimator>,
-    /// Photons in media, where there are any.
-    volume: Option<VolumeMaps>,
+    /// Light in media, where there are any.
+    media: Option<MediaMaps>,
     /// Irradiance ahead, by the depth that light may have; one for all where depth is unbounded.
     irradiance: Vec<IrradianceMap>,
     gave_up: [bool; 2],
@@ -145,11 +162,13 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
             Gather::Final => irradiance_maps(&setting, params, &global),
             Gather::None | Gather::Direct => Vec::new(),
         };
-        let volume = params
-            .knows_media(setting.scene)
-            .then(|| VolumeMaps::shoot(&source(&setting, params), params));
+        let media = match params.knows_media(setting.scene) {
+            true => Some(MediaMaps::shoot(&setting, &source(&setting, params), params)?),
+            false if params.subsurface == Subsurface::Dipole => return Err(media::NO_SOLID.into()),
+            false => None,
+        };
         let params = params.clone();
-        Ok(PhotonMapping { setting, params, global, caustic, volume, irradiance, gave_up })
+        Ok(PhotonMapping { setting, params, global, caustic, media, irradiance, gave_up })
     }
 
     /// One path from the eye a pixel; the maps answer where it meets what scatters light.
@@ -162,7 +181,7 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
         film.add_pass(|pixel| {
             let stream = (pixel[1] * camera.size()[0] + pixel[0]) as u32;
             let rays = Rays { seed, stream, pass: index };
-            if let Some(maps) = &this.volume {
+            if let Some(maps) = &this.media {
                 let mut supplier =
                     InMedia::new(this, maps, |v, sampler: &mut _| this.supply(v, sampler, &rays));
                 return path.sample_pixel_by(camera, medium, seed, pixel, index, &mut supplier);
@@ -189,8 +208,8 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
             out.push((format!("{name}_max_radius"), f64::from(radius)));
             out.push((format!("{name}_gave_up"), f64::from(u8::from(gave_up))));
         }
-        if let Some(volume) = &self.volume {
-            out.extend(volume.statistics());
+        if let Some(media) = &self.media {
+            out.extend(media.statistics());
         }
         let bytes: usize = self.irradiance.iter().map(IrradianceMap::bytes).sum();
         out.push(("irradiance_bytes".into(), bytes as f64));

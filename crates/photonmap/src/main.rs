@@ -8,7 +8,7 @@ use clap::{Parser, ValueEnum};
 use gi_cli::{Common, Program};
 use photonmap::kernel::Kernel;
 use photonmap::map::Layout;
-use photonmap::{Gather, Params, PhotonMapping, Show};
+use photonmap::{Gather, Params, PhotonMapping, Show, Subsurface};
 
 /// Photon mapping: photons from the lights, density estimates, final gather.
 ///
@@ -31,6 +31,9 @@ struct Args {
     /// Photons in a medium that the radius of one of them reaches to: more are smoother and blur more
     #[arg(long, value_name = "K", default_value_t = Params::default().volume_lookup, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=1000))]
     volume_lookup: usize,
+    /// How the light in translucent solids is found [slide 34]
+    #[arg(long, value_enum, default_value_t = SubsurfaceFlag::Photons)]
+    subsurface: SubsurfaceFlag,
     /// Photons of an estimate [slide 24]: more are smoother and blur more
     #[arg(long, value_name = "K", default_value_t = Params::default().lookup)]
     lookup: usize,
@@ -96,6 +99,14 @@ enum GatherFlag {
     Direct,
     /// At the second diffuse surface, caustics at the first [slide 31]
     Final,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum SubsurfaceFlag {
+    /// Photons in the medium
+    Photons,
+    /// Diffusion from the photons that enter: smooth, wrong in thin parts
+    Dipole,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -174,11 +185,16 @@ impl Program for Args {
             LayoutFlag::Jensen => Layout::Jensen,
             LayoutFlag::Fast => Layout::Fast,
         };
+        let subsurface = match self.subsurface {
+            SubsurfaceFlag::Photons => Subsurface::Photons,
+            SubsurfaceFlag::Dipole => Subsurface::Dipole,
+        };
         Ok(Params {
             photons: self.photons,
             caustic_photons: self.caustic_photons,
             volume_photons: self.volume_photons,
             volume_lookup: self.volume_lookup,
+            subsurface,
             lookup: self.lookup,
             max_radius: self.max_radius,
             kernel,

@@ -13,7 +13,7 @@ use crate::PhotonMapping;
 use crate::estimate::{Estimator, facing};
 use crate::gather::Rays;
 use crate::photon::Kind;
-use crate::shoot::{Source, Wanted, kind};
+use crate::shoot::{Source, Step, Wanted, kind};
 
 /// What can be drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,11 +95,11 @@ impl PhotonMapping<'_> {
     fn paths(&self, mut canvas: Canvas) -> Canvas {
         let scene = self.setting.scene;
         let max_segments = self.params.max_depth.map(|most| most.saturating_sub(1));
-        let media = self.volume.is_some();
+        let media = self.media.is_some();
         let source = Source { scene, seed: self.setting.seed, max_segments, media };
         for path in 0..PATHS {
             let mut from = None;
-            source.walk(Wanted::Global, path, &mut |start, event| {
+            source.walk(Wanted::Global, path, &mut |Step { start, event, .. }| {
                 let a = from.unwrap_or(start);
                 self.line(&mut canvas, a, event.p(), 0.8, colour(kind(event)));
                 from = Some(event.p());

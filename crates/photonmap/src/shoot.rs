@@ -86,6 +86,16 @@ pub(crate) struct Hits<T> {
     pub(crate) gave_up: bool,
 }
 
+/// What a path meets.
+pub(crate) struct Step<'s, 'a> {
+    /// Where the path began.
+    pub(crate) start: Vec3,
+    /// What it meets now.
+    pub(crate) event: &'s LightEvent<'a>,
+    /// The path after it was scattered; `None` where it ends.
+    pub(crate) after: Option<&'s LightWalk<'a>>,
+}
+
 /// Walk chunks of paths until there are `count` hits; the path that reaches the number is the last.
 pub(crate) fn collect<T: Send>(count: usize, walk: impl Fn(u64) -> Chunk<T> + Sync) -> Hits<T> {
     let (mut chunks, mut hits, mut emitted, mut gave_up) = (Vec::new(), 0, 0u64, false);
@@ -162,7 +172,7 @@ impl Source<'_> {
     fn chunk(&self, wanted: Wanted, chunk: u64) -> Chunk<Hit> {
         let mut out = Chunk { hits: Vec::new(), ends: Vec::with_capacity(CHUNK as usize) };
         for path in paths(chunk) {
-            self.walk(wanted, path, &mut |_, event| {
+            self.walk(wanted, path, &mut |Step { event, .. }| {
                 let LightEvent::Surface(vertex) = event else { return };
                 let asked_for = match wanted {
                     Wanted::Caustic(_) => kind(event) == Kind::Caustic,
@@ -177,13 +187,8 @@ impl Source<'_> {
         out
     }
 
-    /// Walk path number `path`; `visit` gets the point that it began at and all that it meets.
-    pub(crate) fn walk(
-        &self,
-        wanted: Wanted,
-        path: u64,
-        visit: &mut impl FnMut(Vec3, &LightEvent),
-    ) {
+    /// Walk path number `path`; `visit` gets all that it meets.
+    pub(crate) fn walk(&self, wanted: Wanted, path: u64, visit: &mut impl FnMut(Step)) {
         // Each map has a stream of its own; within one, paths are the points of a sequence.
         let sampler =
             |stream: u32| Sampler::new(self.seed ^ stream, (path >> 32) as u32, path as u32);
@@ -201,13 +206,13 @@ impl Source<'_> {
             if self.max_segments.is_some_and(|most| event.depth() >= most) {
                 return;
             }
-            visit(start, &event);
             // Roulette from the first scattering on keeps powers nearly equal [Jensen01, 5.1].
             let roulette = Roulette::ByAlbedo { from: 1 };
             let goes_on = match &event {
                 LightEvent::Surface(vertex) => walk.scatter(vertex, roulette),
                 LightEvent::Medium(vertex) => walk.scatter_within(vertex, roulette),
             };
+            visit(Step { start, event: &event, after: goes_on.then_some(&walk) });
             if !goes_on || (matches!(wanted, Wanted::Caustic(_)) && walk.rough() > 0) {
                 return;
             }

@@ -1,7 +1,4 @@
-//! The photons of a medium, each with its radius, in a balanced hierarchy of boxes: which of them does a ray pierce?
-//!
-//! Photons lie in the order of the tree. Node i of the heap covers a run of them, halved at its middle down to leaves of at
-//! most [`LEAF`]; neither pointers nor counts are stored.
+//! The photons of a medium, each with its radius, in a [`Heap`] of boxes: which of them does a ray pierce?
 
 use gi_core::math::Bounds;
 use gi_core::ray::Ray;
@@ -10,50 +7,24 @@ use rayon::prelude::*;
 use std::f32::consts::PI;
 
 use super::VolumePhoton;
-
-/// Most photons of a leaf.
-const LEAF: usize = 8;
+use crate::heap::{Heap, Node};
 
 /// Photons that a ray can be asked about.
 pub(super) struct Hierarchy {
     photons: Vec<VolumePhoton>,
     /// Squared radius of each photon, world units.
     radius_sq: Vec<f32>,
-    /// The box round the spheres of each node's photons; node 1 is the root, the children of i are 2 i and 2 i + 1.
+    heap: Heap,
+    /// The box round the spheres of each node's photons.
     boxes: Vec<Bounds>,
-    levels: u32,
-}
-
-/// A node and its run of photons.
-#[derive(Clone, Copy)]
-struct Node {
-    index: usize,
-    from: usize,
-    to: usize,
-    level: u32,
-}
-
-impl Node {
-    fn halves(self) -> [Node; 2] {
-        let Node { index, from, to, level } = self;
-        let (middle, level) = ((from + to) / 2, level + 1);
-        [
-            Node { index: 2 * index, from, to: middle, level },
-            Node { index: 2 * index + 1, from: middle, to, level },
-        ]
-    }
 }
 
 impl Hierarchy {
     /// Order the photons, and give each the radius of the sphere that holds its `k` nearest.
     pub(super) fn build(mut photons: Vec<VolumePhoton>, k: usize) -> Self {
-        let mut levels = 0;
-        while photons.len() >> levels > LEAF {
-            levels += 1;
-        }
-        order(&mut photons, levels);
+        let heap = Heap::order(&mut photons, |s| s.photon.p());
         let radius_sq = vec![0.0; photons.len()];
-        let mut tree = Hierarchy { photons, radius_sq, boxes: Vec::new(), levels };
+        let mut tree = Hierarchy { photons, radius_sq, heap, boxes: Vec::new() };
         tree.enclose();
         let radii = (0..tree.photons.len()).into_par_iter();
         tree.radius_sq = radii.map(|i| tree.kth_nearest(tree.photons[i].photon.p(), k)).collect();
@@ -71,41 +42,26 @@ impl Hierarchy {
             + size_of_val(&self.boxes[..])
     }
 
-    fn root(&self) -> Node {
-        Node { index: 1, from: 0, to: self.photons.len(), level: 0 }
-    }
-
-    /// Boxes round the spheres, from the leaves to the root.
+    /// Boxes round the spheres.
     fn enclose(&mut self) {
-        let mut boxes = vec![Bounds::EMPTY; 2 << self.levels];
-        self.enclose_node(self.root(), &mut boxes);
-        self.boxes = boxes;
-    }
-
-    fn enclose_node(&self, node: Node, boxes: &mut [Bounds]) -> Bounds {
-        let found = if node.level == self.levels {
-            (node.from..node.to).fold(Bounds::EMPTY, |bounds, i| {
-                let (p, r) = (self.photons[i].photon.p(), self.radius_sq[i].sqrt());
-                bounds.with(p - r).with(p + r)
-            })
-        } else {
-            let [a, b] = node.halves().map(|half| self.enclose_node(half, boxes));
-            a.union(b)
+        let sphere = |bounds: Bounds, i: usize| {
+            let (p, r) = (self.photons[i].photon.p(), self.radius_sq[i].sqrt());
+            bounds.with(p - r).with(p + r)
         };
-        boxes[node.index] = found;
-        found
+        let leaf = |run: std::ops::Range<usize>| run.fold(Bounds::EMPTY, sphere);
+        self.boxes = self.heap.sum_up(leaf, |&a, &b| a.union(b));
     }
 
     /// Squared distance of the `k`-th nearest photon to `p`, itself not counted; of the farthest where there are fewer.
     fn kth_nearest(&self, p: Vec3, k: usize) -> f32 {
         // The nearest k + 1 so far, nearest first: the photon itself is among them.
         let mut nearest: Vec<f32> = Vec::with_capacity(k + 2);
-        let mut stack = vec![(0.0, self.root())];
+        let mut stack = vec![(0.0, self.heap.root())];
         while let Some((far, node)) = stack.pop() {
             if nearest.len() > k && far >= nearest[k] {
                 continue;
             }
-            if node.level < self.levels {
+            if !self.heap.is_leaf(node) {
                 let mut halves = node.halves().map(|h| (distance_sq(&self.boxes[h.index], p), h));
                 if halves[0].0 < halves[1].0 {
                     halves.swap(0, 1);
@@ -113,7 +69,7 @@ impl Hierarchy {
                 stack.extend(halves);
                 continue;
             }
-            for stored in &self.photons[node.from..node.to] {
+            for stored in &self.photons[node.run()] {
                 let d = stored.photon.p().distance_squared(p);
                 if nearest.len() <= k || d < nearest[k] {
                     let at = nearest.partition_point(|&other| other <= d);
@@ -125,17 +81,22 @@ impl Hierarchy {
         nearest.last().copied().unwrap_or(0.0)
     }
 
-    /// Visit the photons whose disc across `ray` (unit direction) the ray pierces before the distance `reach`, with that
-    /// distance and the density per area that the photon has there: 2 (1 - d^2 / r^2) / (pi r^2), Epanechnikov's kernel.
+    /// Visit the photons whose disc across `ray` (unit direction) the ray pierces, with the distance at which it does and the density
+    /// per area that the photon has there: 2 (1 - d^2 / r^2) / (pi r^2), Epanechnikov's kernel.
+    ///
+    /// Where the ray ends at a surface, `reach` away, discs that it would pierce a little beyond count as if the ray ran back
+    /// from there, and so at its near end if it starts at a surface: discs of photons that are missing behind the surface would
+    /// have been pierced that far on this side. (Turning everything round the end takes the ones to the others.)
     pub(super) fn pierced(
         &self,
         ray: &Ray,
         reach: f32,
+        from_surface: bool,
         mut visit: impl FnMut(&VolumePhoton, f32, f32),
     ) {
         let inverse = ray.d.recip();
         // No level leaves more than one node behind.
-        let mut stack = [self.root(); 64];
+        let mut stack: [Node; 64] = [self.heap.root(); 64];
         let mut count = usize::from(!self.photons.is_empty());
         while count > 0 {
             count -= 1;
@@ -143,37 +104,34 @@ impl Hierarchy {
             if !meets(&self.boxes[node.index], ray.o, inverse, reach) {
                 continue;
             }
-            if node.level < self.levels {
+            if !self.heap.is_leaf(node) {
                 let [a, b] = node.halves();
                 (stack[count], stack[count + 1]) = (b, a);
                 count += 2;
                 continue;
             }
-            let run = node.from..node.to;
+            let run = node.run();
             for (stored, &r2) in self.photons[run.clone()].iter().zip(&self.radius_sq[run]) {
                 let to = stored.photon.p() - ray.o;
                 let t = to.dot(ray.d);
                 let d2 = (to - ray.d * t).length_squared();
-                if t > 0.0 && t < reach && d2 < r2 {
-                    visit(stored, t, 2.0 * (1.0 - d2 / r2) / (PI * r2));
+                if d2 >= r2 {
+                    continue;
                 }
+                // Beyond an end, photons count whose sphere holds it.
+                let t = if t > 0.0 && t < reach {
+                    t
+                } else if t <= 0.0 && from_surface && d2 + t * t < r2 {
+                    (-t).min(reach)
+                } else if t >= reach && d2 + (t - reach) * (t - reach) < r2 {
+                    (2.0 * reach - t).max(0.0)
+                } else {
+                    continue;
+                };
+                visit(stored, t, 2.0 * (1.0 - d2 / r2) / (PI * r2));
             }
         }
     }
-}
-
-/// Halve at the median along the longest side, `levels` times.
-fn order(photons: &mut [VolumePhoton], levels: u32) {
-    if levels == 0 {
-        return;
-    }
-    let bounds = Bounds::of(photons.iter().map(|s| s.photon.p()));
-    let axis = bounds.extent().max_position();
-    let middle = photons.len() / 2;
-    let key = |s: &VolumePhoton| s.photon.position[axis];
-    photons.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)));
-    let (a, b) = photons.split_at_mut(middle);
-    rayon::join(|| order(a, levels - 1), || order(b, levels - 1));
 }
 
 /// Squared distance of `p` from a box; 0 inside.
@@ -237,7 +195,7 @@ mod tests {
                 }
                 let (ray, reach) = (Ray::new(o, d), 0.2 + rng.next_f32());
                 let mut found = Vec::new();
-                tree.pierced(&ray, reach, |s, _, _| {
+                tree.pierced(&ray, reach, k % 2 == 0, |s, _, _| {
                     found.push(s.photon.position.map(f32::to_bits))
                 });
                 let mut expected: Vec<[u32; 3]> = tree
@@ -247,7 +205,13 @@ mod tests {
                     .filter(|(s, r2)| {
                         let to = s.photon.p() - o;
                         let t = to.dot(d);
-                        t > 0.0 && t < reach && (to - d * t).length_squared() < **r2
+                        let holds = |end: Vec3| s.photon.p().distance_squared(end) < **r2;
+                        let counts = match t {
+                            _ if t <= 0.0 => k % 2 == 0 && holds(o),
+                            _ if t >= reach => holds(o + d * reach),
+                            _ => true,
+                        };
+                        counts && (to - d * t).length_squared() < **r2
                     })
                     .map(|(s, _)| s.photon.position.map(f32::to_bits))
                     .collect();

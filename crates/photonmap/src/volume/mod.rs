@@ -6,29 +6,22 @@
 //!
 //! where t is the distance along the ray to the photon's nearest point, d the photon's distance from it, and r the photon's own
 //! radius: that of the sphere round it which holds its k nearest. Light that comes straight from a light
-//! and is scattered once (single scattering) is not in the maps: it is sampled, the distance half of the time in proportion
-//! to one over the squared distance from a point of a light, else in proportion to transmittance. There is a map for each
+//! and is scattered once is not in the maps: it is sampled. There is a map for each
 //! medium: what a photon of another medium adds, across a boundary, would be wrong.
 //!
-//! Bias: light is blurred over r, and fades toward boundaries over that length.
+//! Bias: light is blurred over r. Discs that reach over a flat boundary are turned back at it; round ones and thin parts still lose light.
 
 mod hierarchy;
 mod shoot;
 
-use gi_core::eye::{Beam, EyeVertex, Supplied, Supplier};
-use gi_core::film::{Components, Show};
-use gi_core::math::Rgb;
-use gi_core::medium::{Medium, equiangular, equiangular_pdf};
-use gi_core::nee::all_direct_light_within;
-use gi_core::sampler::Sampler;
+use gi_core::eye::Beam;
+use gi_core::film::Components;
+use gi_core::medium::Medium;
 
+use crate::Params;
 use crate::photon::{Kind, Photon};
 use crate::shoot::Source;
-use crate::{Params, PhotonMapping};
 use hierarchy::Hierarchy;
-
-/// Share of the beams behind a rough scattering that are looked along: their light is a small part, and costs as much.
-const GATHERED: f32 = 0.25;
 
 /// A photon in a medium: [`Photon`] without a normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,13 +46,18 @@ pub struct VolumeMaps {
 }
 
 impl VolumeMaps {
-    /// Shoot photons until as many are stored as the parameters say.
-    pub fn shoot(source: &Source, params: &Params) -> Self {
+    /// Shoot photons until as many are stored as the parameters say, in media that are asked for.
+    pub(crate) fn shoot(
+        source: &Source,
+        params: &Params,
+        is_wanted: impl Fn(usize) -> bool + Sync,
+    ) -> Self {
         let media = source.scene.media();
         // Equal media are one.
         let first = |m: &Medium| media.iter().position(|other| other == m).unwrap_or_default();
         let map_of: Vec<usize> = media.iter().map(first).collect();
-        let shot = shoot::shoot(source, params.volume_photons, &map_of);
+        let count = if (0..media.len()).any(&is_wanted) { params.volume_photons } else { 0 };
+        let shot = shoot::shoot(source, count, &map_of, &is_wanted);
         let maps = shot.photons.into_iter();
         let maps = maps.map(|photons| Hierarchy::build(photons, params.volume_lookup)).collect();
         VolumeMaps { maps, map_of, emitted: shot.emitted, kept: shot.kept, gave_up: shot.gave_up }
@@ -93,7 +91,10 @@ impl VolumeMaps {
     pub fn radiance(&self, beam: &Beam, medium: &Medium, depth: u8) -> Components {
         let mut out = Components::default();
         let wi = -beam.ray.d;
-        self.maps[self.map_of[beam.medium]].pierced(beam.ray, beam.reach, |stored, t, density| {
+        let map = &self.maps[self.map_of[beam.medium]];
+        // All beams but those from an eye inside the medium begin at a surface.
+        let from_surface = beam.entered.is_some() || beam.segments > 1;
+        map.pierced(beam.ray, beam.reach, from_surface, |stored, t, density| {
             if stored.depth > depth {
                 return;
             }
@@ -106,111 +107,5 @@ impl VolumeMaps {
             }
         });
         out
-    }
-}
-
-/// Photon mapping with media: `F` answers on surfaces, the maps in between.
-pub(crate) struct InMedia<'s, 'a, F> {
-    technique: &'s PhotonMapping<'a>,
-    maps: &'s VolumeMaps,
-    vertex: F,
-}
-
-impl<'s, 'a, F: FnMut(&EyeVertex<'_, 'a>, &mut Sampler) -> Option<Supplied>> InMedia<'s, 'a, F> {
-    pub(crate) fn new(technique: &'s PhotonMapping<'a>, maps: &'s VolumeMaps, vertex: F) -> Self {
-        InMedia { technique, maps, vertex }
-    }
-}
-
-impl<'a, F: FnMut(&EyeVertex<'_, 'a>, &mut Sampler) -> Option<Supplied>> Supplier<'a>
-    for InMedia<'_, 'a, F>
-{
-    const MEDIA: bool = true;
-
-    fn vertex(&mut self, v: &EyeVertex<'_, 'a>, sampler: &mut Sampler) -> Option<Supplied> {
-        (self.vertex)(v, sampler)
-    }
-
-    fn beam(&mut self, beam: &Beam, sampler: &mut Sampler) -> Option<Components> {
-        let Some(depth) = self.technique.photon_depth(beam.segments) else {
-            return Some(Components::default());
-        };
-        // Of the many rays of a gather point, or behind a glossy surface, a few are asked for all.
-        let mut share = 1.0;
-        if beam.rough > 0 {
-            if sampler.next_1d() >= GATHERED {
-                return Some(Components::default());
-            }
-            share = GATHERED;
-        }
-        let setting = &self.technique.setting;
-        let medium = setting.scene.medium(beam.medium);
-        let mut found = match (setting.show, beam.rough) {
-            (Show::Direct, _) => Components::default(),
-            _ => self.maps.radiance(beam, medium, depth),
-        };
-        found.direct = self.technique.single_scattering(beam, medium, sampler);
-        found.direct = found.direct / share;
-        found.indirect = found.indirect / share;
-        found.caustic = found.caustic / share;
-        Some(found)
-    }
-}
-
-impl PhotonMapping<'_> {
-    /// Light that comes straight from a light and is scattered once, back along a beam; one distance sampled.
-    fn single_scattering(&self, beam: &Beam, medium: &Medium, sampler: &mut Sampler) -> Rgb {
-        let scene = self.setting.scene;
-        let (u_light, [u_way, u]) = (sampler.next_2d(), sampler.next_2d());
-        let sigma = medium.sigma_t.mean();
-        let by_transmittance = Exponential { sigma, reach: beam.reach };
-        // A point of a light to be near to, as it is drawn from the beam's middle, or one free path away.
-        let middle = beam.ray.at((0.5 * beam.reach).min(1.0 / sigma));
-        let near = scene.sample_light(middle, u_light).and_then(|light| {
-            let to = light.p? - beam.ray.o;
-            let along = to.dot(beam.ray.d);
-            let across = (to - beam.ray.d * along).length();
-            (across > 1e-6 * to.length()).then_some((along, across))
-        });
-        // One sample of both ways, weighted by the balance heuristic.
-        let (t, pdf) = match near {
-            None => by_transmittance.sample(u),
-            Some((along, across)) if u_way < 0.5 => {
-                let (t, pdf) = equiangular(along, across, beam.reach, u);
-                (t, 0.5 * (pdf + by_transmittance.pdf(t)))
-            }
-            Some((along, across)) => {
-                let (t, pdf) = by_transmittance.sample(u);
-                (t, 0.5 * (pdf + equiangular_pdf(along, across, beam.reach, t)))
-            }
-        };
-        if !(pdf > 0.0 && pdf.is_finite() && t < beam.reach) {
-            return Rgb::BLACK;
-        }
-        let (p, wo) = (beam.ray.at(t), -beam.ray.d);
-        let scattered = all_direct_light_within(scene, beam.medium, p, wo, sampler);
-        medium.transmittance(t) * medium.sigma_s() * scattered / pdf
-    }
-}
-
-/// Distances up to `reach` in proportion to exp(-sigma t).
-struct Exponential {
-    sigma: f32,
-    reach: f32,
-}
-
-impl Exponential {
-    /// 1 - exp(-sigma reach).
-    fn whole(&self) -> f32 {
-        -(-self.sigma * self.reach).exp_m1()
-    }
-
-    fn sample(&self, u: f32) -> (f32, f32) {
-        let t = -(-u * self.whole()).ln_1p() / self.sigma;
-        (t, self.pdf(t))
-    }
-
-    fn pdf(&self, t: f32) -> f32 {
-        self.sigma * (-self.sigma * t).exp() / self.whole()
     }
 }

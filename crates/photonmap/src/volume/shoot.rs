@@ -6,7 +6,7 @@ use gi_core::walk::{LightEvent, MediumVertex};
 
 use super::VolumePhoton;
 use crate::photon::{Kind, Photon, Rgbe};
-use crate::shoot::{Chunk, Hits, Source, Wanted, collect, dither, kind, paths};
+use crate::shoot::{Chunk, Hits, Source, Step, Wanted, collect, dither, kind, paths};
 
 /// Photons that a path which scatters in media stores on average, at most. A path in marble is scattered hundreds of times: kept
 /// all, so many photons would come of few paths, which all share their noise.
@@ -29,10 +29,15 @@ struct Scattering {
 }
 
 /// Shoot until `count` photons are there: scatterings of all light but what comes straight from a light. `map_of` says for
-/// each medium which map its photons go to.
-pub(super) fn shoot(source: &Source, count: usize, map_of: &[usize]) -> VolumeShot {
-    let kept = share_to_keep(source);
-    let Hits { chunks, emitted, gave_up } = collect(count, |k| chunk(source, k, kept));
+/// each medium which map its photons go to, `is_wanted` whether they are wanted.
+pub(super) fn shoot(
+    source: &Source,
+    count: usize,
+    map_of: &[usize],
+    is_wanted: &(impl Fn(usize) -> bool + Sync),
+) -> VolumeShot {
+    let kept = if count > 0 { share_to_keep(source, is_wanted) } else { 1.0 };
+    let Hits { chunks, emitted, gave_up } = collect(count, |k| chunk(source, k, kept, is_wanted));
     let share = (1.0 / (emitted.max(1) as f64 * f64::from(kept))) as f32;
     let mut photons = vec![Vec::new(); map_of.len()];
     for (k, Scattering { vertex, kind }) in chunks.into_iter().flatten().enumerate() {
@@ -46,22 +51,28 @@ pub(super) fn shoot(source: &Source, count: usize, map_of: &[usize]) -> VolumeSh
 }
 
 /// Share of the scatterings to keep, found out from the first chunk of paths.
-fn share_to_keep(source: &Source) -> f32 {
-    let Chunk { hits, ends } = chunk(source, 0, 1.0);
+fn share_to_keep(source: &Source, is_wanted: &impl Fn(usize) -> bool) -> f32 {
+    let Chunk { hits, ends } = chunk(source, 0, 1.0, is_wanted);
     let starts = std::iter::once(&0).chain(&ends);
     let scattered = ends.iter().zip(starts).filter(|(end, start)| end > start).count();
     (KEPT_OF_PATH * scattered as f32 / hits.len().max(1) as f32).min(1.0)
 }
 
 /// Scatterings of a chunk of paths, the share `keep` of them.
-fn chunk(source: &Source, chunk: u64, keep: f32) -> Chunk<Scattering> {
+fn chunk(
+    source: &Source,
+    chunk: u64,
+    keep: f32,
+    is_wanted: &impl Fn(usize) -> bool,
+) -> Chunk<Scattering> {
     let mut out = Chunk { hits: Vec::new(), ends: Vec::new() };
     for path in paths(chunk) {
-        source.walk(Wanted::Volume, path, &mut |_, event| {
+        source.walk(Wanted::Volume, path, &mut |Step { event, .. }| {
             let LightEvent::Medium(vertex) = event else { return };
             let kind = kind(event);
             let words = [source.seed ^ 0x6b65_6570, path as u32, (path >> 32) as u32, vertex.depth];
             let is_light = vertex.power != Rgb::BLACK && vertex.power.is_finite();
+            let is_light = is_light && is_wanted(vertex.medium);
             if kind != Kind::Direct && is_light && bits_to_unit(hash_words(&words)) < keep {
                 out.hits.push(Scattering { vertex: *vertex, kind });
             }

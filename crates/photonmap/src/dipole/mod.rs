@@ -1,0 +1,125 @@
+//! Translucent solids by diffusion: the dipole, the named alternative to photons in the medium [slide 34].
+//!
+//! Photons are kept where they enter a solid body. What leaves it at x is
+//!
+//! B(x) = sum over those photons of R_d(|x - p|) power   [Jensen01b; clusters: Jensen02]
+//!
+//! where R_d is what a half-space of the medium throws back that far from where light came in. Seen from outside it is
+//! L(wo) = (1 - F(wo)) / (1 - F) B / pi, F the Fresnel reflectance and its hemispherical mean: the path from the eye refracts
+//! into the body, and finds the radiance B / (pi (1 - F_in)) there.
+//!
+//! All scattered light is in B, and counts as indirect. Photons walk on through the medium as they are: what the body sheds on others is exact.
+//!
+//! Bias: every point is taken for one of a flat half-space, with as much medium behind it as light can reach. Thin parts and edges
+//! come out wrong, as does what a few scatterings send on (light from behind, peaked phase functions); shadows and
+//! texture of the light that comes in are blurred as they should be. Absorption is assumed to be small beside scattering.
+
+mod entries;
+mod profile;
+
+use std::collections::BTreeMap;
+
+use gi_core::eye::Beam;
+use gi_core::math::Rgb;
+use gi_core::scene::{Scene, Solids};
+use gi_core::walk::LightEvent;
+use glam::Vec3;
+
+use crate::photon::Rgbe;
+use crate::shoot::{Chunk, Hits, Source, Step, Wanted, collect, dither, paths};
+use entries::{Entries, Entry};
+use profile::Dipole;
+
+/// Rounding of powers has random numbers of its own.
+const STREAM: u32 = 0x6469_706f;
+
+/// The photons that entered the solid bodies of a scene.
+pub(crate) struct Dipoles {
+    /// By body and medium.
+    bodies: BTreeMap<Body, Entries>,
+    /// Paths begun.
+    emitted: u64,
+    gave_up: bool,
+}
+
+/// A body by one of its primitives, and the first of the scene's media that is equal to what fills it.
+type Body = (u32, usize);
+
+fn body(scene: &Scene, solids: &Solids, prim: u32, medium: usize) -> Body {
+    let (media, own) = (scene.media(), scene.medium(medium));
+    (solids.body(prim), media.iter().position(|other| other == own).unwrap_or(medium))
+}
+
+impl Dipoles {
+    /// Shoot photons until `count` have entered a solid.
+    pub(crate) fn shoot(source: &Source, solids: &Solids, count: usize) -> Self {
+        let scene = source.scene;
+        let Hits { chunks, emitted, gave_up } = collect(count, |k| chunk(source, solids, k));
+        let share = (1.0 / emitted.max(1) as f64) as f32;
+        let mut bodies: BTreeMap<Body, Vec<Entry>> = BTreeMap::new();
+        for (k, Entering { prim, medium, p, power, depth }) in
+            chunks.into_iter().flatten().enumerate()
+        {
+            let power = Rgbe::dithered(power * share, dither(source.seed ^ STREAM, k));
+            let entry = Entry { position: p.to_array(), power, depth };
+            bodies.entry(body(scene, solids, prim, medium)).or_default().push(entry);
+        }
+        let bodies = bodies.into_iter().map(|(body, e)| (body, Entries::build(e))).collect();
+        Dipoles { bodies, emitted, gave_up }
+    }
+
+    /// Radiance that diffused light of at most `depth` segments has where a beam comes into a solid body. Beams that were
+    /// reflected inside find none: it was found where they came in.
+    pub(crate) fn radiance(&self, scene: &Scene, solids: &Solids, beam: &Beam, depth: u8) -> Rgb {
+        let Some(prim) = beam.entered else { return Rgb::BLACK };
+        let body = body(scene, solids, prim, beam.medium);
+        let Some(entries) = self.bodies.get(&body) else { return Rgb::BLACK };
+        let dipole = Dipole::new(scene.medium(beam.medium), beam.eta_sq.sqrt());
+        dipole.radiance_inside(entries.exitance(beam.ray.o, &dipole, depth))
+    }
+
+    /// What is worth knowing.
+    pub(crate) fn statistics(&self) -> Vec<(String, f64)> {
+        let sum = |what: fn(&Entries) -> usize| self.bodies.values().map(what).sum::<usize>();
+        [
+            ("dipole_photons", sum(Entries::len) as f64),
+            ("dipole_paths", self.emitted as f64),
+            ("dipole_bytes", sum(Entries::bytes) as f64),
+            ("dipole_bodies", self.bodies.len() as f64),
+            ("dipole_gave_up", f64::from(u8::from(self.gave_up))),
+        ]
+        .map(|(name, value)| (name.to_string(), value))
+        .to_vec()
+    }
+}
+
+/// A photon that enters a body, before it is packed: its power is not yet divided by the number of paths.
+struct Entering {
+    prim: u32,
+    medium: usize,
+    p: Vec3,
+    power: Rgb,
+    depth: u8,
+}
+
+/// What the paths of a chunk bring into solid bodies.
+fn chunk(source: &Source, solids: &Solids, chunk: u64) -> Chunk<Entering> {
+    let mut out = Chunk { hits: Vec::new(), ends: Vec::new() };
+    for path in paths(chunk) {
+        source.walk(Wanted::Volume, path, &mut |step| {
+            out.hits.extend(entering(&step).filter(|e| solids.is_solid(e.medium)));
+        });
+        out.ends.push(out.hits.len() as u32);
+    }
+    out
+}
+
+/// The photon that a step brings into a medium from outside.
+fn entering(step: &Step) -> Option<Entering> {
+    let (LightEvent::Surface(vertex), Some(walk)) = (step.event, step.after) else { return None };
+    let (medium, power) = (walk.medium()?, walk.power());
+    let enters = vertex.medium != Some(medium) && power.is_finite();
+    let depth = (vertex.depth + 2).min(255) as u8;
+    let (prim, p) = (vertex.surface.prim, vertex.surface.p);
+    enters.then_some(Entering { prim, medium, p, power, depth })
+}

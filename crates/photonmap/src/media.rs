@@ -1,0 +1,198 @@
+//! What is known of the light that a medium scatters back along a beam: photons, the dipole, and samples of lights.
+
+use gi_core::eye::{Beam, EyePath, EyeVertex, PathLimits, Supplied, Supplier};
+use gi_core::film::{Components, Show};
+use gi_core::math::Rgb;
+use gi_core::medium::{Medium, equiangular, equiangular_pdf};
+use gi_core::nee::all_direct_light_within;
+use gi_core::sampler::Sampler;
+use gi_core::scene::Solids;
+use gi_core::technique::Setting;
+
+use crate::dipole::Dipoles;
+use crate::shoot::Source;
+use crate::volume::VolumeMaps;
+use crate::{Params, PhotonMapping, Subsurface};
+
+/// Share of the beams behind a rough scattering that are looked along: their light is a small part, and costs as much.
+const GATHERED: f32 = 0.25;
+
+/// The light in all media.
+pub(crate) struct MediaMaps {
+    pub(crate) solids: Solids,
+    /// Photons in media, but for those that the dipole stands for.
+    pub(crate) volume: VolumeMaps,
+    pub(crate) dipoles: Option<Dipoles>,
+}
+
+/// Why the dipole is refused where it has nothing to stand for.
+pub(crate) const NO_SOLID: &str = "--subsurface dipole: no medium fills a solid here, that is: all of its boundaries refract \
+     (dielectric, roughdielectric), and --volume-photons is not 0; leave it out to use photons in the medium";
+
+impl MediaMaps {
+    /// Shoot photons.
+    ///
+    /// # Errors
+    /// Where the dipole can't stand for what it is asked to.
+    pub(crate) fn shoot(
+        setting: &Setting,
+        source: &Source,
+        params: &Params,
+    ) -> Result<Self, String> {
+        let scene = source.scene;
+        let solids = scene.solids();
+        let count = params.volume_photons;
+        if params.subsurface == Subsurface::Photons {
+            let volume = VolumeMaps::shoot(source, params, |_| true);
+            return Ok(MediaMaps { solids, volume, dipoles: None });
+        }
+        if !(0..scene.media().len()).any(|m| solids.is_solid(m)) {
+            return Err(NO_SOLID.into());
+        }
+        let path = EyePath { scene, limits: PathLimits::default(), show: setting.show };
+        if path.medium_round(setting.camera).is_some_and(|m| solids.is_solid(m)) {
+            return Err(
+                "--subsurface dipole: the camera stands inside a solid, and the dipole knows only what \
+                 leaves it; leave it out to use photons in the medium"
+                    .into(),
+            );
+        }
+        let dipoles = Some(Dipoles::shoot(source, &solids, count));
+        let volume = VolumeMaps::shoot(source, params, |m| !solids.is_solid(m));
+        Ok(MediaMaps { solids, volume, dipoles })
+    }
+
+    /// What is worth knowing.
+    pub(crate) fn statistics(&self) -> Vec<(String, f64)> {
+        let dipoles = self.dipoles.iter().flat_map(Dipoles::statistics);
+        self.volume.statistics().into_iter().chain(dipoles).collect()
+    }
+}
+
+/// Photon mapping with media: `F` answers on surfaces, the maps in between.
+pub(crate) struct InMedia<'s, 'a, F> {
+    technique: &'s PhotonMapping<'a>,
+    maps: &'s MediaMaps,
+    vertex: F,
+}
+
+impl<'s, 'a, F: FnMut(&EyeVertex<'_, 'a>, &mut Sampler) -> Option<Supplied>> InMedia<'s, 'a, F> {
+    pub(crate) fn new(technique: &'s PhotonMapping<'a>, maps: &'s MediaMaps, vertex: F) -> Self {
+        InMedia { technique, maps, vertex }
+    }
+}
+
+impl<'a, F: FnMut(&EyeVertex<'_, 'a>, &mut Sampler) -> Option<Supplied>> Supplier<'a>
+    for InMedia<'_, 'a, F>
+{
+    const MEDIA: bool = true;
+
+    fn vertex(&mut self, v: &EyeVertex<'_, 'a>, sampler: &mut Sampler) -> Option<Supplied> {
+        (self.vertex)(v, sampler)
+    }
+
+    fn beam(&mut self, beam: &Beam, sampler: &mut Sampler) -> Option<Components> {
+        let Some(depth) = self.technique.photon_depth(beam.segments) else {
+            return Some(Components::default());
+        };
+        // Of the many rays of a gather point, or behind a glossy surface, a few are asked for all.
+        let mut share = 1.0;
+        if beam.rough > 0 {
+            if sampler.next_1d() >= GATHERED {
+                return Some(Components::default());
+            }
+            share = GATHERED;
+        }
+        let found = self.technique.scattered(self.maps, beam, depth, sampler);
+        let Components { direct, indirect, caustic } = found;
+        let (direct, indirect, caustic) = (direct / share, indirect / share, caustic / share);
+        Some(Components { direct, indirect, caustic })
+    }
+}
+
+impl PhotonMapping<'_> {
+    /// All light of at most `depth` segments that a medium scatters back along a beam.
+    fn scattered(
+        &self,
+        maps: &MediaMaps,
+        beam: &Beam,
+        depth: u8,
+        sampler: &mut Sampler,
+    ) -> Components {
+        let (scene, show) = (self.setting.scene, self.setting.show);
+        let medium = scene.medium(beam.medium);
+        let (mut direct, mut indirect, mut caustic) = (Rgb::BLACK, Rgb::BLACK, Rgb::BLACK);
+        if let Some(dipoles) = &maps.dipoles
+            && maps.solids.is_solid(beam.medium)
+        {
+            if matches!(show, Show::All | Show::Indirect) {
+                indirect = dipoles.radiance(scene, &maps.solids, beam, depth);
+            }
+            return Components { direct, indirect, caustic };
+        }
+        if show != Show::Direct {
+            Components { indirect, caustic, .. } = maps.volume.radiance(beam, medium, depth);
+        }
+        if !maps.solids.is_dark(beam.medium) {
+            direct = self.single_scattering(beam, medium, sampler);
+        }
+        Components { direct, indirect, caustic }
+    }
+
+    /// Light that comes straight from a light and is scattered once (single scattering), back along a beam. One distance is sampled: half of the time
+    /// in proportion to one over the squared distance from a point of a light, else in proportion to transmittance.
+    fn single_scattering(&self, beam: &Beam, medium: &Medium, sampler: &mut Sampler) -> Rgb {
+        let scene = self.setting.scene;
+        let (u_light, [u_way, u]) = (sampler.next_2d(), sampler.next_2d());
+        let sigma = medium.sigma_t.mean();
+        let by_transmittance = Exponential { sigma, reach: beam.reach };
+        // A point of a light to be near to, as it is drawn from the beam's middle, or one free path away.
+        let middle = beam.ray.at((0.5 * beam.reach).min(1.0 / sigma));
+        let near = scene.sample_light(middle, u_light).and_then(|light| {
+            let to = light.p? - beam.ray.o;
+            let along = to.dot(beam.ray.d);
+            let across = (to - beam.ray.d * along).length();
+            (across > 1e-6 * to.length()).then_some((along, across))
+        });
+        // One sample of both ways, weighted by the balance heuristic.
+        let (t, pdf) = match near {
+            None => by_transmittance.sample(u),
+            Some((along, across)) if u_way < 0.5 => {
+                let (t, pdf) = equiangular(along, across, beam.reach, u);
+                (t, 0.5 * (pdf + by_transmittance.pdf(t)))
+            }
+            Some((along, across)) => {
+                let (t, pdf) = by_transmittance.sample(u);
+                (t, 0.5 * (pdf + equiangular_pdf(along, across, beam.reach, t)))
+            }
+        };
+        if !(pdf > 0.0 && pdf.is_finite() && t < beam.reach) {
+            return Rgb::BLACK;
+        }
+        let (p, wo) = (beam.ray.at(t), -beam.ray.d);
+        let scattered = all_direct_light_within(scene, beam.medium, p, wo, sampler);
+        medium.transmittance(t) * medium.sigma_s() * scattered / pdf
+    }
+}
+
+/// Distances up to `reach` in proportion to exp(-sigma t).
+struct Exponential {
+    sigma: f32,
+    reach: f32,
+}
+
+impl Exponential {
+    /// 1 - exp(-sigma reach).
+    fn whole(&self) -> f32 {
+        -(-self.sigma * self.reach).exp_m1()
+    }
+
+    fn sample(&self, u: f32) -> (f32, f32) {
+        let t = -(-u * self.whole()).ln_1p() / self.sigma;
+        (t, self.pdf(t))
+    }
+
+    fn pdf(&self, t: f32) -> f32 {
+        self.sigma * (-self.sigma * t).exp() / self.whole()
+    }
+}

@@ -1,0 +1,159 @@
+//! What the dipole of translucent solids is held to: what diffusion says in closed form.
+
+use std::f64::consts::PI;
+
+use gi_core::camera::CameraSpec;
+use gi_core::film::Show;
+use gi_core::geometry::{Geometry, Mesh, Shape};
+use gi_core::light::LightSource;
+use gi_core::material::Material;
+use gi_core::math::Rgb;
+use gi_core::medium::{Medium, Phase};
+use gi_core::scene::SceneParts;
+use gi_core::technique::Technique;
+use gi_core::texture::Texture;
+use gi_stats::{Running, z_test};
+use gi_tests::{World, cube_inside, mean_and_variance, sphere};
+use glam::Vec3;
+use photonmap::{Params, PhotonMapping, Subsurface};
+
+/// Probability below which a deviation is no chance. Seeds are fixed: a pass stays a pass.
+const ALPHA: f64 = 1e-3;
+
+/// Index of all bodies here.
+const ETA: f64 = 1.5;
+
+fn polish() -> Material {
+    Material::Dielectric {
+        eta: ETA as f32,
+        reflectance: Texture::grey(1.0),
+        transmittance: Texture::grey(1.0),
+        roughness: None,
+    }
+}
+
+fn medium(sigma_t: f32, albedo: f32) -> Medium {
+    Medium { sigma_t: Rgb::grey(sigma_t), albedo: Rgb::grey(albedo), phase: Phase::Isotropic }
+}
+
+fn solid(geometry: Geometry) -> Shape {
+    Shape { interior: Some(0), ..Shape::new("solid", geometry, 0) }
+}
+
+fn params(volume_photons: usize) -> Params {
+    // No surface here can hold a photon of another map.
+    let (photons, caustic_photons, subsurface) = (1, 0, Subsurface::Dipole);
+    Params { photons, caustic_photons, volume_photons, subsurface, ..Params::default() }
+}
+
+/// Fresnel reflectance of the index [`ETA`] from outside.
+fn fresnel(cos: f64) -> f64 {
+    let t = (1.0 - (1.0 - cos * cos) / (ETA * ETA)).sqrt();
+    let s = (cos - ETA * t) / (cos + ETA * t);
+    let p = (ETA * cos - t) / (ETA * cos + t);
+    0.5 * (s * s + p * p)
+}
+
+/// Share of diffuse light that enters from outside.
+fn enters() -> f64 {
+    let n = 20_000;
+    let at = |k: i32| (f64::from(k) + 0.5) / f64::from(n);
+    (0..n).map(|k| 2.0 * (1.0 - fresnel(at(k))) * at(k)).sum::<f64>() / f64::from(n)
+}
+
+/// (1 + F) / (1 - F), F the share of diffuse light that is reflected inward: 1 - F = (1 - F outside) / eta^2.
+fn boundary() -> f64 {
+    let leaves = enters() / (ETA * ETA);
+    (2.0 - leaves) / leaves
+}
+
+/// The mean over seeds of a picture's mean, and its variance.
+fn mean_of_seeds(world: &World, photons: usize, seeds: u32) -> (f64, f64) {
+    let mut means = Running::default();
+    for seed in 0..seeds {
+        let film = world.render::<PhotonMapping>(&params(photons), 8, seed, Show::All);
+        means.push(mean_and_variance(&film).0);
+    }
+    (means.mean(), means.variance_of_mean())
+}
+
+#[test]
+fn a_plane_under_a_distant_light_sends_back_the_dipoles_total_reflectance() {
+    // The top of a flat box of 20 mean free paths: beyond them lies exp(-7.7) of what is thrown back. Seen from 45 degrees.
+    let (half, albedo) = (10.0, 0.8f32);
+    let Geometry::Mesh(mut cube) = cube_inside() else { unreachable!("a mesh") };
+    for p in &mut cube.positions {
+        *p *= Vec3::new(half, half, 0.5);
+    }
+    cube.triangles.iter_mut().for_each(|t| t.reverse());
+    let direction = -Vec3::Z;
+    let parts = SceneParts {
+        shapes: vec![solid(Geometry::Mesh(Mesh { ..cube }))],
+        materials: vec![polish()],
+        media: vec![medium(1.0, albedo)],
+        lights: vec![LightSource::Directional { direction, irradiance: Rgb::WHITE }],
+        ..SceneParts::default()
+    };
+    let (top, eye) = (Vec3::new(0.0, 0.0, 0.5), Vec3::new(3.0, 0.0, 3.5));
+    let camera = CameraSpec::look_at(eye, top, Vec3::Y, 0.02, [8, 8]);
+    let world = World::new(parts, &camera);
+    let albedo = f64::from(albedo);
+    let s = (3.0 * (1.0 - albedo)).sqrt();
+    let total = 0.5 * albedo * (1.0 + (-4.0 / 3.0 * boundary() * s).exp()) * (-s).exp();
+    let cos = 0.5f64.sqrt();
+    let expected = (1.0 - fresnel(1.0)) * total / PI * (1.0 - fresnel(cos)) / enters();
+    let (mean, variance) = mean_of_seeds(&world, 50_000, 12);
+    assert!(variance.sqrt() < 0.01 * expected, "noise {:.1e}", variance.sqrt() / expected);
+    // What lies beyond the box, at most.
+    let p = z_test(mean, variance + (5e-4 * expected).powi(2), expected, 0.0);
+    assert!(p > ALPHA, "{mean} is not {expected} +- {:.1e} (p = {p:.1e})", variance.sqrt());
+}
+
+#[test]
+fn a_ball_of_albedo_one_in_a_white_furnace_reads_what_the_chords_of_a_sphere_say() {
+    // Of a sphere the piece within a chord r is pi r^2 large: over all of it the dipole adds up to
+    // 1 - z_r / 2 |(z_r, 2)| - z_v / 2 |(z_v, 2)|, which only half-spaces, not balls, have at 1.
+    let sigma_t = 40.0;
+    let parts = SceneParts {
+        shapes: vec![solid(sphere(Vec3::ZERO, 1.0))],
+        materials: vec![polish()],
+        media: vec![medium(sigma_t, 1.0)],
+        lights: vec![LightSource::Constant { radiance: Rgb::WHITE }],
+        ..SceneParts::default()
+    };
+    let eye = Vec3::new(0.0, 0.0, 3.0);
+    let world = World::new(parts, &CameraSpec::look_at(eye, Vec3::ZERO, Vec3::Y, 0.02, [8, 8]));
+    let z_r = 1.0 / f64::from(sigma_t);
+    let z_v = z_r * (1.0 + 4.0 / 3.0 * boundary());
+    let beyond = |z: f64| 0.5 * z / (z * z + 4.0).sqrt();
+    let diffused = 1.0 - beyond(z_r) - beyond(z_v);
+    let expected = fresnel(1.0) + (1.0 - fresnel(1.0)) * diffused;
+    let (mean, variance) = mean_of_seeds(&world, 50_000, 12);
+    assert!(variance.sqrt() < 0.01 * expected, "noise {:.1e}", variance.sqrt() / expected);
+    let p = z_test(mean, variance, expected, 0.0);
+    assert!(p > ALPHA, "{mean} is not {expected} +- {:.1e} (p = {p:.1e})", variance.sqrt());
+}
+
+#[test]
+fn it_is_refused_where_there_is_no_solid_and_where_the_camera_is_inside_one() {
+    let world = |material: Material, eye: f32| {
+        let parts = SceneParts {
+            shapes: vec![solid(sphere(Vec3::ZERO, 1.0))],
+            materials: vec![material],
+            media: vec![medium(3.0, 0.9)],
+            lights: vec![LightSource::Constant { radiance: Rgb::WHITE }],
+            ..SceneParts::default()
+        };
+        let eye = Vec3::new(0.0, 0.0, eye);
+        World::new(parts, &CameraSpec::look_at(eye, Vec3::ZERO, Vec3::Y, 0.5, [4, 4]))
+    };
+    let refusal = |world: &World, photons| {
+        PhotonMapping::prepare(world.setting(1, Show::All), &params(photons))
+            .err()
+            .unwrap_or_default()
+    };
+    assert_eq!(refusal(&world(polish(), 3.0), 100), "");
+    assert!(refusal(&world(polish(), 3.0), 0).contains("no medium fills a solid"));
+    assert!(refusal(&world(Material::Null, 3.0), 100).contains("no medium fills a solid"));
+    assert!(refusal(&world(polish(), 0.5), 100).contains("camera stands inside"));
+}
