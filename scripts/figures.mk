@@ -239,15 +239,19 @@ figure-33:
 	  --caption "Slabs, glass walls, a pool, and a wall of onyx, under sun and sky. Light under the roof came from the pavement and the ceiling." pavilion.png="photon mapping with final gather"
 
 # Light inside things: most of what the stone sends back was scattered in it many times.
+SOLID = $(BIN)/photonmap --volume-photons $(call q,100000,1000000) --volume-lookup 60 --photons $(PHOTONS) --spp $(call q,16,128)
 figure-34:
 	mkdir -p $D
-	$(BIN)/photonmap scenes/marble.xml $(RUN) --volume-photons $(call q,100000,1000000) --photons $(PHOTONS) --spp $(call q,16,128) -o $D/marble.exr
+	$(SOLID) scenes/marble.xml $(RUN) -o $D/marble.exr
+	$(SOLID) scenes/marble.xml $(RUN) --subsurface dipole -o $D/marble-dipole.exr
 	$(BIN)/pathtrace scenes/marble.xml $(RUN) --mode volpath --spp $(call q,64,1024) -o $D/volpath.exr
-	$(BIN)/photonmap scenes/milk.xml $(RUN) --volume-photons $(call q,100000,1000000) --photons $(PHOTONS) --spp $(call q,16,128) -o $D/milk.exr
+	$(SOLID) scenes/milk.xml $(RUN) -o $D/milk.exr
+	$(SOLID) scenes/milk.xml $(RUN) --subsurface dipole -o $D/milk-dipole.exr
 	$(BIN)/photonmap scenes/fog.xml $(RUN) --volume-photons $(call q,100000,500000) --photons $(PHOTONS) --spp $(call q,4,32) -o $D/fog.exr
-	$(DRAW) figure $D --slide 34 --columns 2 --title "Subsurface scattering" \
-	  --caption "Marble lit from behind, milk, and a caustic in mist, from photons stored where the medium scatters them. The path tracer must leave the polished stone by chance toward the lamp: its picture is right in the mean, and grainy." \
-	  marble.png="photons in the medium" volpath.png="volumetric path tracing" milk.png="milk" fog.png="mist round a ball of glass"
+	$(DRAW) figure $D --slide 34 --columns 3 --title "Subsurface scattering" \
+	  --caption "Marble lit from behind, milk, and a caustic in mist, from photons stored where the medium scatters them. The dipole takes every point for one of a flat half-space: smooth, too bright where the stone is thin and lit from behind. The path tracer must leave the polished stone by chance toward the lamp: its picture is right in the mean, and grainy." \
+	  marble.png="photons in the medium" marble-dipole.png="dipole" volpath.png="volumetric path tracing" \
+	  milk.png="milk, photons" milk-dipole.png="milk, dipole" fog.png="mist round a ball of glass"
 
 # ------------------------------------------------------------------ 35 to 46: progressive photon mapping
 figure-35:

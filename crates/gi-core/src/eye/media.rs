@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{Beam, EyePath, Prefix, Supplier};
+use super::{Beam, EyePath, MAX_SURVIVAL_WITHIN, Prefix, Supplier};
 use crate::camera::Camera;
 use crate::film::Components;
 use crate::geometry::Surface;
@@ -94,7 +94,7 @@ impl<'a> EyePath<'a> {
                 // Choose the next direction.
                 let wi = medium.phase.sample(wo, u_phase);
                 prefix.scatter_within(p, medium.phase.eval(wo, wi), here);
-                if self.is_done(prefix) || !self.survives(prefix, u_roulette) {
+                if self.is_done(prefix) || !self.survives(prefix, MAX_SURVIVAL_WITHIN, u_roulette) {
                     return Crossing::Ended;
                 }
                 Crossing::Scattered(Ray::new(p, wi))

@@ -25,8 +25,11 @@ use prefix::Prefix;
 use supply::OnSurfaces;
 pub use supply::{Beam, InMedia, Supplier};
 
-/// Russian roulette lets at least one path in twenty end, so that no path is endless.
+/// Russian roulette lets at least one path in twenty end at a surface, so that no path is endless.
 const MAX_SURVIVAL: f32 = 0.95;
+/// In media, which scatter light hundreds of times before they let it go, one in a thousand: a path that survived a hundred
+/// times by chance would weigh as much as a hundred others.
+const MAX_SURVIVAL_WITHIN: f32 = 0.999;
 
 /// How long paths may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -281,7 +284,7 @@ impl<'a> EyePath<'a> {
             } else {
                 prefix.throughput *= scatter.weight;
             }
-            if self.is_done(&prefix) || !self.survives(&mut prefix, u_roulette) {
+            if self.is_done(&prefix) || !self.survives(&mut prefix, MAX_SURVIVAL, u_roulette) {
                 return;
             }
             if S::MEDIA {
@@ -298,12 +301,13 @@ impl<'a> EyePath<'a> {
         (out.albedo, out.normal, out.depth) = (bsdf.albedo_hint(-ray.d), surface.ns(), hit.t);
     }
 
-    /// Play Russian roulette with what is left, the squeezing by refraction undone.
+    /// Play Russian roulette with what is left, the squeezing by refraction undone; the path survives with a probability of at
+    /// most `most`.
     #[inline]
-    fn survives(&self, prefix: &mut Prefix, u: f32) -> bool {
+    fn survives(&self, prefix: &mut Prefix, most: f32, u: f32) -> bool {
         let mut survival = 1.0;
         if prefix.segments > self.limits.rr_depth {
-            survival = (prefix.throughput.max() * prefix.eta_sq).min(MAX_SURVIVAL);
+            survival = (prefix.throughput.max() * prefix.eta_sq).min(most);
         }
         prefix.throughput = prefix.throughput / survival;
         u < survival
