@@ -16,6 +16,8 @@ mod irrcache_facts;
 mod lightcuts_facts;
 /// What light in participating media is held to.
 mod media;
+/// Paths from the lights in participating media.
+mod media_light;
 /// Photon mapping.
 mod photonmap;
 /// What progressive photon mapping is held to.

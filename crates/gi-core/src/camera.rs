@@ -75,8 +75,8 @@ pub struct Connection {
     pub film: [f32; 2],
     /// Unit direction from the point to the camera.
     pub wi: Vec3,
-    /// The point of the lens; `None` for orthographic cameras, whose rays come from infinity.
-    pub lens: Option<Vec3>,
+    /// Where its way ends: where the camera's ray through the point begins to see, on the lens where `near` is 0.
+    pub end: Vec3,
     /// Power that leaves the point toward the camera per solid angle (times the cosine at the point), times
     /// this, is the radiance that a pixel would see if all of it fell on that one pixel.
     pub importance: f32,
@@ -148,7 +148,8 @@ impl Camera {
         if self.orthographic {
             let film = self.plane_to_film(local.truncate(), margin)?;
             let wi = -self.to_world.transform_vector3(Vec3::Z).normalize();
-            return Some(Connection { film, wi, lens: None, importance: 1.0 / self.pixel_area });
+            let end = self.to_world.transform_point3(local.with_z(self.near));
+            return Some(Connection { film, wi, end, importance: 1.0 / self.pixel_area });
         }
         let lens = if self.aperture > 0.0 {
             (warp::disk(u) * self.aperture).extend(0.0)
@@ -159,13 +160,13 @@ impl Camera {
         let d = local - lens;
         let sharp = lens + d * (self.focus / d.z);
         let film = self.plane_to_film(sharp.truncate() / self.focus, margin)?;
-        let lens = self.to_world.transform_point3(lens);
-        let to = lens - p;
+        let end = self.to_world.transform_point3(lens + d * (self.near / d.z));
+        let to = self.to_world.transform_point3(lens) - p;
         let distance_sq = to.length_squared();
         let cos = d.z / d.length();
         // A pixel sees the solid angle pixel_area cos^3; the point fills 1 / d^2.
         let importance = 1.0 / (self.pixel_area * cos * sqr(cos) * distance_sq);
-        Some(Connection { film, wi: to / distance_sq.sqrt(), lens: Some(lens), importance })
+        Some(Connection { film, wi: to / distance_sq.sqrt(), end, importance })
     }
 
     /// Width of what a pixel sees of a surface that faces it, in units of its distance; for orthographic cameras
@@ -233,6 +234,21 @@ mod tests {
                     .connect(camera.ray([32.0, 24.0], [0.5; 2]).at(-1.0), [0.5; 2], 0.0)
                     .is_none()
             );
+        }
+    }
+
+    #[test]
+    fn light_that_goes_to_a_camera_ends_where_its_ray_begins_to_see() {
+        let mut rng = Pcg::new(4, 0);
+        for near in [0.0, 0.7] {
+            for camera in cameras().map(|camera| Camera { near, ..camera }) {
+                for _ in 0..100 {
+                    let (film, u) = ([64.0 * rng.next_f32(), 48.0 * rng.next_f32()], rng.next_2d());
+                    let ray = camera.ray(film, u);
+                    let back = camera.connect(ray.at(5.0), u, 0.0).expect("in the picture");
+                    assert!((back.end - ray.at(ray.tmin)).length() < 1e-5, "{back:?}");
+                }
+            }
         }
     }
 

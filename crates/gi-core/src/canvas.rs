@@ -79,10 +79,7 @@ impl Canvas {
 pub fn seen_at(scene: &Scene, camera: &Camera, p: Vec3, n: Vec3) -> Option<Vec2> {
     let c = camera.connect(p, [0.5; 2], 0.0)?;
     let facing = c.wi.dot(n) > 0.0;
-    let ray = match c.lens {
-        Some(lens) => scene.tree().shadow_ray(p, n, lens),
-        None => crate::ray::Ray::new(scene.tree().offset_origin(p, n, c.wi), c.wi),
-    };
+    let ray = scene.tree().shadow_ray(p, n, c.end);
     (facing && !scene.transmittance(ray).is_black()).then(|| Vec2::from_array(c.film))
 }
 

@@ -5,10 +5,10 @@
 //! | estimated | every kind of light path that its walk can find, without bias |
 //! | `--mode path` | paths from the eye; at each vertex light is sampled too, both weighted by the power heuristic |
 //! | `--mode volpath` | the same in participating media: a path flies a distance drawn in proportion to transmittance, is scattered as the phase function says, and light sampled from there is dimmed on its way [slide 34] |
-//! | `--mode light` | paths from the lights; each vertex is connected to the eye |
+//! | `--mode light` | paths from the lights; each vertex, on surfaces and in media, is connected to the eye |
 //! | `--max-depth` | path segments: 1 shows lights, 2 adds direct light; -1 is unbounded |
 //! | `--rr-depth` | segments after which Russian roulette may end a path (5) |
-//! | how it fails | noise: `path` where light is focused (caustics of small lights), `light` behind mirrors and glass |
+//! | how it fails | noise: `path` where light is focused (caustics of small lights), `light` behind mirrors and glass, and in media near the eye |
 //! | sources | \[Kajiya86\], \[Veach97\] |
 
 mod light;
@@ -103,7 +103,7 @@ impl<'a> Technique<'a> for PathTracer<'a> {
             Mode::Path | Mode::VolPath => "all paths but those from point, spot and directional lights that reach the eye over \
                            delta lobes only after the last rough surface (E S* D S+ L)"
                 .into(),
-            Mode::Light => "E L and E D (S|D)* L: what is seen without mirrors or glass; nothing that the eye sees \
+            Mode::Light => "E L and E D (S|D)* L, D in media too: what is seen without mirrors or glass; nothing that the eye sees \
                             through a delta lobe"
                 .into(),
         }

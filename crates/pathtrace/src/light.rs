@@ -2,13 +2,16 @@
 
 use gi_core::bsdf::Transport;
 use gi_core::camera::Connection;
+use gi_core::eye::EyePath;
 use gi_core::film::{Components, Film, Sample};
 use gi_core::filter::FilterTable;
 use gi_core::light::Light;
 use gi_core::math::Rgb;
-use gi_core::ray::Ray;
 use gi_core::sampler::Sampler;
-use gi_core::walk::{LightVertex, LightWalk, Roulette, adjoint_correction};
+use gi_core::technique::Setting;
+use gi_core::walk::{
+    LightEvent, LightVertex, LightWalk, MediumVertex, Roulette, adjoint_correction,
+};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -49,8 +52,10 @@ impl PathTracer<'_> {
             *picture[splat.pixel as usize].of_path(splat.rough, splat.after_delta) +=
                 splat.power * (1.0 / paths as f32);
         }
+        let Setting { scene, camera, show, .. } = self.setting;
+        let medium = EyePath { scene, limits: self.params.limits, show }.medium_round(camera);
         film.add_unfiltered(|[x, y]| {
-            let mut sample = self.look([x, y], index);
+            let mut sample = self.look([x, y], index, medium);
             let light = &picture[y * w + x];
             sample.radiance.direct += light.direct;
             sample.radiance.indirect += light.indirect;
@@ -65,7 +70,8 @@ impl PathTracer<'_> {
         let scene = self.setting.scene;
         // Passes are streams; within one, paths are the points of a sequence.
         let sampler = Sampler::new(self.setting.seed ^ 0x6c69_6768, pass, path as u32);
-        let Some(mut walk) = LightWalk::begin(scene, sampler) else { return };
+        let Some(walk) = LightWalk::begin(scene, sampler) else { return };
+        let mut walk = walk.through_media();
         let roulette = Roulette::ByAlbedo { from: self.params.limits.rr_depth };
         // Seen directly: connect the point on the light itself.
         let emission = *walk.emission();
@@ -78,25 +84,34 @@ impl PathTracer<'_> {
             let power = if power.is_black() {
                 power
             } else {
-                power * self.visibility(emission.p, emission.ng, &c)
+                power * self.visibility(emission.p, emission.ng, walk.medium(), &c)
             };
             splats.push(Splat { pixel, rough: 0, after_delta: false, power });
         }
-        while let Some(vertex) = walk.next_vertex() {
+        while let Some(event) = walk.next_event() {
             // Segments from the light to here; the connection would be one more.
-            if !self.params.limits.goes_on(vertex.depth + 1) {
+            if !self.params.limits.goes_on(event.depth() + 1) {
                 return;
             }
-            if !vertex.bsdf.is_delta() {
-                self.connect_vertex(&vertex, filter, walk.sampler(), splats);
-            }
-            if !walk.scatter(&vertex, roulette) {
+            let goes_on = match &event {
+                LightEvent::Surface(vertex) => {
+                    if !vertex.bsdf.is_delta() {
+                        self.connect_surface(vertex, filter, walk.sampler(), splats);
+                    }
+                    walk.scatter(vertex, roulette)
+                }
+                LightEvent::Medium(vertex) => {
+                    self.connect_within(vertex, filter, walk.sampler(), splats);
+                    walk.scatter_within(vertex, roulette)
+                }
+            };
+            if !goes_on {
                 return;
             }
         }
     }
 
-    fn connect_vertex(
+    fn connect_surface(
         &self,
         vertex: &LightVertex,
         filter: &FilterTable,
@@ -109,7 +124,8 @@ impl PathTracer<'_> {
             * f_cos
             * (c.importance * adjoint_correction(&vertex.surface, vertex.wo, c.wi));
         if !power.is_black() {
-            let power = power * self.visibility(vertex.surface.p, vertex.surface.ng, &c);
+            let medium = self.setting.scene.medium_toward(&vertex.surface, c.wi, vertex.medium);
+            let power = power * self.visibility(vertex.surface.p, vertex.surface.ng, medium, &c);
             splats.push(Splat {
                 pixel,
                 rough: vertex.rough + 1,
@@ -117,6 +133,26 @@ impl PathTracer<'_> {
                 power,
             });
         }
+    }
+
+    /// Of the power that a medium scatters at a point, the phase function's share per solid angle goes to the eye.
+    fn connect_within(
+        &self,
+        vertex: &MediumVertex,
+        filter: &FilterTable,
+        sampler: &mut Sampler,
+        splats: &mut Vec<Splat>,
+    ) {
+        let Some((c, pixel)) = self.connect(vertex.p, filter, sampler) else { return };
+        let phase = self.setting.scene.medium(vertex.medium).phase.eval(vertex.wo, c.wi);
+        // No surface to be lifted off.
+        let left = self.visibility(vertex.p, Vec3::ZERO, Some(vertex.medium), &c);
+        splats.push(Splat {
+            pixel,
+            rough: vertex.rough + 1,
+            after_delta: vertex.after_delta,
+            power: vertex.power * left * (phase * c.importance),
+        });
     }
 }
 
@@ -138,18 +174,20 @@ impl PathTracer<'_> {
         (inside && weight != 0.0).then(|| (c, (y as usize * w + x as usize) as u32))
     }
 
-    /// The share of light that passes from a point to the camera.
-    fn visibility(&self, p: Vec3, ng: Vec3, c: &Connection) -> Rgb {
+    /// The share of light that passes from a point, in `medium`, to the camera.
+    fn visibility(&self, p: Vec3, ng: Vec3, medium: Option<usize>, c: &Connection) -> Rgb {
         let scene = self.setting.scene;
-        let ray = match c.lens {
-            Some(lens) => scene.tree().shadow_ray(p, ng, lens),
-            None => Ray::new(scene.tree().offset_origin(p, ng, c.wi), c.wi),
-        };
-        scene.transmittance(ray)
+        let ray = scene.tree().shadow_ray(p, ng, c.end);
+        if scene.has_media() {
+            scene.transmittance_through_media(ray, medium)
+        } else {
+            scene.transmittance(ray)
+        }
     }
 
-    /// What only the eye can find: light from infinity seen directly, and the layers of the first surface.
-    fn look(&self, [x, y]: [usize; 2], index: u32) -> Sample {
+    /// What only the eye can find: light from infinity seen directly, and the layers of the first surface. The eye is in
+    /// `medium`.
+    fn look(&self, [x, y]: [usize; 2], index: u32, mut medium: Option<usize>) -> Sample {
         let (scene, camera) = (self.setting.scene, self.setting.camera);
         let mut sampler = Sampler::new(self.setting.seed, (y * camera.size()[0] + x) as u32, index);
         let [u, v] = sampler.next_2d();
@@ -157,7 +195,12 @@ impl PathTracer<'_> {
         let mut sample = Sample::default();
         let mut left = Rgb::WHITE;
         while !left.is_black() {
-            let Some((surface, t)) = scene.intersect(&ray) else {
+            let met = scene.intersect(&ray);
+            if medium.is_some() {
+                let reach = met.as_ref().map_or(f32::INFINITY, |(_, t)| *t);
+                left *= scene.dimmed(medium, reach - ray.tmin);
+            }
+            let Some((surface, t)) = met else {
                 sample.radiance.direct = left * scene.background(ray.d);
                 break;
             };
@@ -167,6 +210,7 @@ impl PathTracer<'_> {
                     (bsdf.albedo_hint(-ray.d), surface.ns(), t);
             }
             left *= bsdf.straight_through(-ray.d);
+            medium = scene.medium_toward(&surface, ray.d, medium);
             ray = scene.spawn(&surface, ray.d);
         }
         sample

@@ -30,7 +30,7 @@ enum ModeFlag {
     Path,
     /// The same, absorbed and scattered by participating media
     Volpath,
-    /// From the lights, each vertex connected to the eye
+    /// From the lights, each vertex connected to the eye, through participating media too
     Light,
 }
 
@@ -43,7 +43,7 @@ impl Program for Args {
     }
 
     fn knows_media(&self) -> bool {
-        matches!(self.mode, ModeFlag::Volpath)
+        matches!(self.mode, ModeFlag::Volpath | ModeFlag::Light)
     }
 
     fn params(&self) -> Result<Params, String> {

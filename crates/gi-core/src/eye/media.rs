@@ -26,7 +26,7 @@ impl<'a> EyePath<'a> {
     pub fn medium_round(&self, camera: &Camera) -> Option<usize> {
         let [w, h] = camera.size();
         let ray = camera.ray([0.5 * w as f32, 0.5 * h as f32], [0.5; 2]);
-        self.scene.medium_at(ray.o, ray.d)
+        self.scene.medium_at(ray.at(ray.tmin), ray.d)
     }
 
     /// Take in which medium the path comes into where it leaves `surface` along `d`.
@@ -49,6 +49,9 @@ impl<'a> EyePath<'a> {
         out: &mut Components,
     ) -> Crossing {
         let Some(index) = prefix.medium else { return Crossing::Passed };
+        // The eye sees nothing before its near plane, media neither.
+        let (near, reach) = (ray.tmin, reach - ray.tmin);
+        let ray = &Ray { o: ray.at(near), tmin: 0.0, ..*ray };
         let medium = self.scene.medium(index);
         // What is scattered in the last segment has none left to go on with, and what is answered for is only dimmed.
         let ends = !self.limits.goes_on(prefix.segments);
@@ -82,7 +85,7 @@ impl<'a> EyePath<'a> {
             }
             Flight::Scattered { t, weight } => {
                 prefix.throughput *= weight;
-                prefix.length += t;
+                prefix.length += near + t;
                 let (p, wo) = (ray.at(t), -ray.d);
                 // Sample a light.
                 if self.wants_direct(prefix) {

@@ -116,9 +116,9 @@ impl Scene {
         self.light_media.get(light).copied().flatten()
     }
 
-    /// What a medium leaves over a distance, world units.
+    /// What a medium leaves of light over a distance, world units, which may be infinite.
     #[inline]
-    fn dimmed(&self, medium: Option<usize>, distance: f32) -> Rgb {
+    pub fn dimmed(&self, medium: Option<usize>, distance: f32) -> Rgb {
         medium.map_or(Rgb::WHITE, |m| self.media[m].transmittance(distance))
     }
 

@@ -63,6 +63,8 @@ pub struct MediumVertex {
     pub depth: u32,
     /// Scatterings by other than delta lobes before this point; media scatter like rough surfaces.
     pub rough: u32,
+    /// Whether the last scattering, if any, was by a delta lobe.
+    pub after_delta: bool,
     /// Share of the power that is scattered.
     left: Rgb,
 }
@@ -75,9 +77,12 @@ impl<'a> LightWalk<'a> {
         self
     }
 
-    /// Walk to the next surface, or to where a medium scatters the path before. A visitor has one dimension less than on
-    /// surfaces alone.
+    /// Walk to the next surface, or to where a medium scatters the path before. Where there are media, a visitor has one
+    /// dimension less than on surfaces alone.
     pub fn next_event(&mut self) -> Option<LightEvent<'a>> {
+        if !self.media {
+            return self.next_vertex().map(LightEvent::Surface);
+        }
         if self.power.is_black() {
             return None;
         }
@@ -95,9 +100,9 @@ impl<'a> LightWalk<'a> {
         match (medium.flight(t, reach, self.power), met) {
             (Flight::Scattered { t, weight }, _) => {
                 let (p, wo, power) = (self.ray.at(t), -self.ray.d, self.power * weight);
-                let LightWalk { depth, rough, .. } = *self;
-                let left = weight;
-                let vertex = MediumVertex { p, wo, medium: index, power, depth, rough, left };
+                let LightWalk { depth, rough, after_delta, .. } = *self;
+                let (medium, left) = (index, weight);
+                let vertex = MediumVertex { p, wo, medium, power, depth, rough, after_delta, left };
                 Some(LightEvent::Medium(vertex))
             }
             (Flight::Passed { weight }, Some((surface, _))) => {

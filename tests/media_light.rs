@@ -1,0 +1,171 @@
+//! What paths from the lights are held to in participating media: closed forms, and `pathtrace --mode volpath`.
+//!
+//! A path from a light may splat many times on one picture, so that pixels of a pass are not independent: how far means may
+//! be off is told by seeds, not by the film.
+
+use gi_core::camera::CameraSpec;
+use gi_core::eye::PathLimits;
+use gi_core::film::Show;
+use gi_core::geometry::Shape;
+use gi_core::light::LightSource;
+use gi_core::material::Material;
+use gi_core::math::Rgb;
+use gi_core::medium::{Medium, Phase};
+use gi_core::scene::SceneParts;
+use gi_core::texture::Texture;
+use gi_stats::{Running, sidak, welch_t_test};
+use gi_tests::{World, furnace, grey, polygon, sphere};
+use glam::Vec3;
+use pathtrace::{Mode, Params, PathTracer};
+
+use crate::agreement::blocks;
+
+const SEEDS: u32 = 16;
+
+/// Means over seeds, of blocks of `side` pixels and of each channel.
+fn block_means(
+    world: &World,
+    params: &Params,
+    passes: u32,
+    show: Show,
+    side: usize,
+) -> Vec<Running> {
+    let mut means = Vec::new();
+    for seed in 0..SEEDS {
+        let found = blocks(&world.render::<PathTracer>(params, passes, seed, show), side);
+        means.resize(found.len(), Running::default());
+        means.iter_mut().zip(found).for_each(|(running, (mean, _))| running.push(mean));
+    }
+    means
+}
+
+fn assert_agree(name: &str, found: &[Running], expected: &[Running]) {
+    let level = sidak(1e-3, found.len());
+    for (k, (a, b)) in found.iter().zip(expected).enumerate() {
+        let p = welch_t_test(a, b);
+        let [ea, eb] = [a, b].map(|r| r.variance_of_mean().sqrt());
+        assert!(
+            p > level,
+            "{name}, block {k}: {:.5} +- {ea:.1e} against {:.5} +- {eb:.1e}, p = {p:.1e}",
+            a.mean(),
+            b.mean()
+        );
+    }
+}
+
+fn mode(mode: Mode, max_depth: Option<u32>) -> Params {
+    Params { mode, limits: PathLimits { max_depth, ..PathLimits::default() } }
+}
+
+/// A medium that is not there to be seen: the picture reads `expected` all over.
+fn assert_reads(name: &str, world: &World, passes: u32, expected: f64) {
+    let found = block_means(world, &mode(Mode::Light, None), passes, Show::All, 8);
+    // A sample without spread makes Welch's test Student's.
+    let exact: Running = [expected; 2].into_iter().collect();
+    assert_agree(name, &found, &vec![exact; found.len()]);
+    let error = found.iter().map(|r| r.variance_of_mean().sqrt()).fold(0.0, f64::max);
+    assert!(error < 0.02 * expected, "{name}: noise {error:.1e}");
+}
+
+fn mist(sigma_t: f32, g: f32) -> Medium {
+    let phase = if g == 0.0 { Phase::Isotropic } else { Phase::HenyeyGreenstein { g } };
+    Medium { sigma_t: Rgb::grey(sigma_t), albedo: Rgb::WHITE, phase }
+}
+
+fn ball(center: Vec3, radius: f32, material: usize) -> Shape {
+    Shape::new("ball", sphere(center, radius), material)
+}
+
+#[test]
+fn a_medium_of_albedo_one_cannot_be_seen_in_a_white_furnace() {
+    for (sigma_t, g) in [(0.5, 0.0), (4.0, 0.7), (4.0, -0.4)] {
+        let parts = SceneParts {
+            shapes: vec![Shape { interior: Some(0), ..ball(Vec3::ZERO, 0.6, 0) }],
+            materials: vec![Material::Null],
+            media: vec![mist(sigma_t, g)],
+            lights: vec![LightSource::Constant { radiance: Rgb::WHITE }],
+            ..SceneParts::default()
+        };
+        let camera =
+            CameraSpec::look_at(Vec3::new(0.0, 0.0, -2.0), Vec3::ZERO, Vec3::Y, 0.6, [16, 16]);
+        assert_reads(&format!("sigma_t {sigma_t}, g {g}"), &World::new(parts, &camera), 64, 1.0);
+    }
+}
+
+#[test]
+fn a_furnace_filled_with_a_medium_of_albedo_one_reads_one_over_one_minus_a() {
+    // The camera is inside. What is scattered just before it would count without bound: it sees from its near plane on.
+    let (mut parts, camera) = furnace(0.5);
+    parts.media = vec![mist(0.8, 0.3)];
+    parts.shapes[0].exterior = Some(0);
+    let world = World::new(parts, &CameraSpec { near: 0.3, ..camera });
+    assert_reads("full furnace", &world, 64, 2.0);
+}
+
+/// Mist with a denser ball in it, over a floor under a lamp and a sky; a ball of glass, out of the picture, focuses the lamp
+/// onto both; all within a ball of air that absorbs, the camera too. Media differ by channel.
+fn murky() -> World {
+    let floor = [[-2.0, -1.0, -2.0], [-2.0, -1.0, 2.0], [2.0, -1.0, 2.0], [2.0, -1.0, -2.0]];
+    let lamp = [[-0.6, 1.6, -0.4], [0.2, 1.6, -0.4], [0.2, 1.6, 0.4], [-0.6, 1.6, 0.4]];
+    let phase = Phase::HenyeyGreenstein { g: 0.5 };
+    let (air, thin, dense) = (Some(0), Some(1), Some(2));
+    let within = |interior, exterior, shape| Shape { interior, exterior, ..shape };
+    let emission = Some(Texture::Constant(Rgb::new(5.0, 4.0, 3.0)));
+    let parts = SceneParts {
+        shapes: vec![
+            Shape::new("floor", polygon(&floor.map(Vec3::from_array)), 0),
+            within(air, None, ball(Vec3::ZERO, 3.0, 1)),
+            within(thin, air, ball(Vec3::new(0.0, -0.1, 0.0), 0.8, 1)),
+            within(dense, thin, ball(Vec3::new(0.2, -0.2, 0.1), 0.4, 1)),
+            within(None, air, ball(Vec3::new(-0.2, 1.15, 0.0), 0.3, 2)),
+            Shape { emission, ..Shape::new("lamp", polygon(&lamp.map(Vec3::from_array)), 0) },
+        ],
+        materials: vec![
+            grey(0.5),
+            Material::Null,
+            Material::Dielectric {
+                eta: 1.5,
+                reflectance: Texture::grey(1.0),
+                transmittance: Texture::grey(1.0),
+                roughness: None,
+            },
+        ],
+        media: vec![
+            Medium { sigma_t: Rgb::new(0.05, 0.1, 0.2), albedo: Rgb::BLACK, phase },
+            Medium { sigma_t: Rgb::new(2.0, 1.2, 0.7), albedo: Rgb::new(0.9, 0.7, 0.5), phase },
+            Medium {
+                sigma_t: Rgb::new(3.0, 4.0, 6.0),
+                albedo: Rgb::new(0.5, 0.9, 0.95),
+                phase: Phase::Isotropic,
+            },
+        ],
+        lights: vec![LightSource::Constant { radiance: Rgb::new(0.05, 0.1, 0.2) }],
+        ..SceneParts::default()
+    };
+    let target = Vec3::new(0.0, -0.1, 0.0);
+    let camera = CameraSpec::look_at(Vec3::new(0.3, 0.2, 2.6), target, Vec3::Y, 0.7, [24, 24]);
+    World::new(parts, &CameraSpec { near: 0.4, ..camera })
+}
+
+#[test]
+fn paths_from_the_eye_and_from_the_lights_agree_in_media() {
+    let world = murky();
+    assert!(world.scene.media_warnings().is_empty(), "{:?}", world.scene.media_warnings());
+    for (show, max_depth, passes) in [
+        (Show::All, None, [8, 64]),
+        (Show::Direct, None, [8, 32]),
+        (Show::Indirect, None, [16, 96]),
+        (Show::Indirect, Some(3), [16, 96]),
+        (Show::Caustic, None, [64, 64]),
+    ] {
+        let [eye, light] = [(Mode::VolPath, passes[0]), (Mode::Light, passes[1])]
+            .map(|(m, n)| block_means(&world, &mode(m, max_depth), n, show, 8));
+        assert_agree(&format!("{show:?}, {max_depth:?}"), &light, &eye);
+        // In the mean over the picture both know what they say to 2 %.
+        for all in [&eye, &light] {
+            let mean = all.iter().map(Running::mean).sum::<f64>();
+            let variance = all.iter().map(Running::variance_of_mean).sum::<f64>();
+            assert!(variance.sqrt() < 0.02 * mean, "{show:?}: {mean} +- {}", variance.sqrt());
+        }
+    }
+}
