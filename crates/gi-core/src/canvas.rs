@@ -2,8 +2,10 @@
 
 use glam::{Vec2, Vec3};
 
+use crate::bsdf::Transport;
 use crate::camera::Camera;
 use crate::math::Rgb;
+use crate::ray::Ray;
 use crate::scene::Scene;
 
 /// A picture to draw on, linear; positions are in pixels from the top left corner.
@@ -83,6 +85,20 @@ pub fn seen_at(scene: &Scene, camera: &Camera, p: Vec3, n: Vec3) -> Option<Vec2>
     (facing && !scene.transmittance(ray).is_black()).then(|| Vec2::from_array(c.film))
 }
 
+/// Where the picture shows the world point `p`, which is on no surface: `None` outside of the picture, and where something opaque
+/// stands before it. Glass is taken not to bend the way.
+pub fn seen_within(scene: &Scene, camera: &Camera, p: Vec3) -> Option<Vec2> {
+    let c = camera.connect(p, [0.5; 2], 0.0)?;
+    let mut ray = scene.tree().shadow_ray(p, Vec3::ZERO, c.end);
+    while let Some((surface, t)) = scene.intersect(&ray) {
+        if scene.bsdf(&surface, -c.wi, Transport::Radiance).is_opaque() {
+            return None;
+        }
+        ray = Ray { tmax: ray.tmax - t, ..scene.spawn(&surface, ray.d) };
+    }
+    Some(Vec2::from_array(c.film))
+}
+
 /// The colour of a number in [0, 1]: viridis, dark blue over green to yellow, which reads the same in grey and to the
 /// colour-blind.
 pub fn viridis(t: f32) -> Rgb {
@@ -98,6 +114,44 @@ fn srgb_to_linear(byte: u8) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::CameraSpec;
+    use crate::geometry::{Geometry, Shape};
+    use crate::material::Material;
+    use crate::math::Frame;
+    use crate::scene::SceneParts;
+    use crate::texture::Texture;
+
+    #[test]
+    fn points_in_glass_are_seen_and_points_behind_walls_are_not() {
+        let sphere = |x: f32, material| {
+            let (center, axes) = (Vec3::X * x, Frame::from_normal(Vec3::Z));
+            Shape::new("ball", Geometry::Sphere { center, radius: 1.0, axes }, material)
+        };
+        let (reflectance, transmittance) = (Texture::grey(1.0), Texture::grey(1.0));
+        let parts = SceneParts {
+            shapes: vec![sphere(-1.5, 0), sphere(1.5, 1)],
+            materials: vec![
+                Material::Dielectric { eta: 1.5, reflectance, transmittance, roughness: None },
+                Material::Diffuse { reflectance: Texture::grey(0.5) },
+            ],
+            ..SceneParts::default()
+        };
+        let scene = Scene::new(parts).expect("a scene");
+        let eye = Vec3::new(0.0, 0.0, 8.0);
+        let camera = Camera::new(&CameraSpec::look_at(eye, Vec3::ZERO, Vec3::Y, 0.8, [64, 64]));
+        for (x, z, seen) in [
+            (-1.5, 0.0, true),
+            (1.5, 0.0, false),
+            (-1.5, -2.0, true),
+            (1.5, -2.0, false),
+            (1.5, 2.0, true),
+            (0.0, 0.0, true),
+            (30.0, 0.0, false),
+        ] {
+            let at = seen_within(&scene, &camera, Vec3::new(x, 0.0, z));
+            assert_eq!(at.is_some(), seen, "at {x}, {z}");
+        }
+    }
 
     #[test]
     fn shapes_cover_their_area_and_stay_on_the_canvas() {

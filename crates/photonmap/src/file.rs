@@ -1,17 +1,25 @@
-//! Maps as files: saved for another run, or exported to look at.
+//! Maps as files, saved for another run.
 //!
-//! A saved map is the line `gilab photons 1`, then little-endian numbers: the world's identity (u64), how many maps there
-//! are, the most segments of a path and the layout (u32 each), and for each map the number of paths begun and of photons (u64 each)
-//! and the photons, 21 bytes each: the lecture's 20 [slide 25] and the number of segments.
+//! A saved map is the line `gilab photons 2`, then little-endian numbers: the world's identity (u64), which maps there are
+//! besides the global one (1: caustic, 2: those of media, 4: of these, solids are left to the dipole), the most segments of a path and the layout (u32 each). For each map on
+//! surfaces follow the number of paths begun and of photons (u64 each) and the photons, 21 bytes each: the lecture's 20 [slide 25]
+//! and the number of segments. For media follow the number of paths begun (u64), the share of scatterings that was stored (f32) and how
+//! many media there are (u32), and for each the number of photons (u64) and the photons. All are in the order of their trees.
 
-use std::fmt::Write;
+use gi_core::technique::Setting;
 
 use crate::map::{Layout, PhotonMap};
-use crate::photon::{Kind, Payload, Photon, Rgbe};
+use crate::photon::{Payload, Photon, Rgbe};
 use crate::shoot::{Shot, Stored};
+use crate::volume::{VolumeMaps, VolumePhoton, VolumeShot};
+use crate::{Gather, Params, Subsurface};
 
-const MAGIC: &[u8] = b"gilab photons 1\n";
+const MAGIC: &[u8] = b"gilab photons 2\n";
 const RECORD: usize = 21;
+/// Which maps there are.
+const CAUSTIC: u32 = 1;
+const VOLUME: u32 = 2;
+const DIPOLE: u32 = 4;
 
 /// What a file holds.
 pub(crate) struct Saved {
@@ -25,6 +33,49 @@ pub(crate) struct Saved {
     pub(crate) global: Shot,
     /// The caustic map, if it was made.
     pub(crate) caustic: Option<Shot>,
+    /// The photons of media, if light knew of them.
+    pub(crate) volume: Option<VolumeShot>,
+    /// What stood for the light in solids.
+    pub(crate) subsurface: Subsurface,
+}
+
+impl Saved {
+    /// Whether these photons can be used here.
+    ///
+    /// # Errors
+    /// Why not, and what to do.
+    pub(crate) fn check(&self, setting: &Setting, params: &Params) -> Result<(), String> {
+        let wants_caustic = params.gather == Gather::Final && params.caustic_photons > 0;
+        let wants_media = params.knows_media(setting.scene);
+        let media = setting.scene.media().len();
+        let refuse = |why: &str| Err(why.to_string());
+        if self.world != setting.world {
+            return refuse("these photons are of another scene; shoot them anew");
+        }
+        if self.max_depth != params.max_depth.unwrap_or(0) {
+            return refuse("these photons were shot with another --max-depth");
+        }
+        if wants_caustic && self.caustic.is_none() {
+            return refuse(
+                "there is no caustic map in it; give --caustic-photons 0, or shoot anew",
+            );
+        }
+        if self.subsurface != params.subsurface {
+            return refuse("these photons were shot with another --subsurface");
+        }
+        match &self.volume {
+            None if wants_media => refuse(
+                "these photons were shot without media; give --volume-photons 0, or shoot anew",
+            ),
+            Some(_) if !wants_media => refuse(
+                "these photons were shot in media; give no --volume-photons 0, or shoot anew",
+            ),
+            Some(shot) if shot.photons.len() != media => {
+                refuse("these photons are of other media; shoot them anew")
+            }
+            _ => Ok(()),
+        }
+    }
 }
 
 /// Write maps.
@@ -32,25 +83,43 @@ pub(crate) fn to_bytes(
     world: u64,
     max_depth: u32,
     layout: Layout,
-    maps: [Option<&PhotonMap>; 2],
+    [global, caustic]: [Option<&PhotonMap>; 2],
+    (volume, subsurface): (Option<&VolumeMaps>, Subsurface),
 ) -> Vec<u8> {
     let mut out = MAGIC.to_vec();
     out.extend(world.to_le_bytes());
-    out.extend((1 + u32::from(maps[1].is_some())).to_le_bytes());
+    let flag = |is_there: bool, flag: u32| if is_there { flag } else { 0 };
+    let maps = flag(caustic.is_some(), CAUSTIC)
+        | flag(volume.is_some(), VOLUME)
+        | flag(subsurface == Subsurface::Dipole, DIPOLE);
+    out.extend(maps.to_le_bytes());
     out.extend(max_depth.to_le_bytes());
     out.extend(u32::from(layout == Layout::Fast).to_le_bytes());
-    for map in maps.into_iter().flatten() {
+    for map in [global, caustic].into_iter().flatten() {
         out.extend(map.emitted.to_le_bytes());
-        out.extend((map.len() as u64).to_le_bytes());
-        for Stored { photon: Photon { position, payload }, depth } in map.photons() {
-            out.extend(position.iter().flat_map(|x| x.to_le_bytes()));
-            out.extend(payload.power.to_bytes());
-            out.extend([payload.phi, payload.theta]);
-            out.extend(payload.flags.to_le_bytes());
-            out.push(depth);
+        write_photons(&mut out, map.len(), map.photons());
+    }
+    if let Some(volume) = volume {
+        out.extend(volume.emitted.to_le_bytes());
+        out.extend(volume.kept.to_le_bytes());
+        out.extend((volume.photons().count() as u32).to_le_bytes());
+        for photons in volume.photons() {
+            let stored = |p: &VolumePhoton| Stored { photon: p.photon, depth: p.depth };
+            write_photons(&mut out, photons.len(), photons.iter().map(stored));
         }
     }
     out
+}
+
+fn write_photons(out: &mut Vec<u8>, count: usize, photons: impl Iterator<Item = Stored>) {
+    out.extend((count as u64).to_le_bytes());
+    for Stored { photon: Photon { position, payload }, depth } in photons {
+        out.extend(position.iter().flat_map(|x| x.to_le_bytes()));
+        out.extend(payload.power.to_bytes());
+        out.extend([payload.phi, payload.theta]);
+        out.extend(payload.flags.to_le_bytes());
+        out.push(depth);
+    }
 }
 
 /// Read maps.
@@ -63,11 +132,13 @@ pub(crate) fn from_bytes(bytes: &[u8]) -> Result<Saved, String> {
     let (world, maps, max_depth) = (input.u64()?, input.u32()?, input.u32()?);
     let layout = if input.u32()? == 1 { Layout::Fast } else { Layout::Jensen };
     let global = input.shot()?;
-    let caustic = if maps > 1 { Some(input.shot()?) } else { None };
+    let caustic = if maps & CAUSTIC != 0 { Some(input.shot()?) } else { None };
+    let volume = if maps & VOLUME != 0 { Some(input.volume()?) } else { None };
     if !input.0.is_empty() {
         return Err("the file goes on after its last photon".into());
     }
-    Ok(Saved { world, max_depth, layout, global, caustic })
+    let subsurface = if maps & DIPOLE != 0 { Subsurface::Dipole } else { Subsurface::Photons };
+    Ok(Saved { world, max_depth, layout, global, caustic, volume, subsurface })
 }
 
 struct Input<'a>(&'a [u8]);
@@ -88,7 +159,22 @@ impl<'a> Input<'a> {
     }
 
     fn shot(&mut self) -> Result<Shot, String> {
-        let (emitted, count) = (self.u64()?, self.u64()?);
+        let (emitted, photons) = (self.u64()?, self.photons()?);
+        Ok(Shot { photons, emitted, gave_up: false })
+    }
+
+    fn volume(&mut self) -> Result<VolumeShot, String> {
+        let (emitted, kept, media) = (self.u64()?, f32::from_bits(self.u32()?), self.u32()?);
+        let mut photons = Vec::new();
+        for _ in 0..media {
+            let volume = |Stored { photon, depth }| VolumePhoton { photon, depth };
+            photons.push(self.photons()?.into_iter().map(volume).collect());
+        }
+        Ok(VolumeShot { photons, emitted, kept, gave_up: false })
+    }
+
+    fn photons(&mut self) -> Result<Vec<Stored>, String> {
+        let count = self.u64()?;
         // A count that the file cannot hold is refused before anything is reserved for it.
         let size = usize::try_from(count).ok().and_then(|n| n.checked_mul(RECORD));
         let records = self.take(size.ok_or("the file ends too early")?)?;
@@ -96,7 +182,7 @@ impl<'a> Input<'a> {
         if photons.iter().any(|s| !s.photon.p().is_finite()) {
             return Err("a photon is nowhere".into());
         }
-        Ok(Shot { photons, emitted, gave_up: false })
+        Ok(photons)
     }
 }
 
@@ -111,67 +197,13 @@ fn stored(b: &[u8]) -> Stored {
     Stored { photon: Photon { position: [float(0), float(4), float(8)], payload }, depth: b[20] }
 }
 
-/// The map that a photon is of.
-const MAPS: [&str; 2] = ["global", "caustic"];
-
-fn kind_name(kind: Kind) -> &'static str {
-    match kind {
-        Kind::Direct => "direct",
-        Kind::Caustic => "caustic",
-        Kind::Indirect => "indirect",
-    }
-}
-
-/// Photons as comma-separated values, with the number of the map (see the first column) and all that they carry.
-pub(crate) fn to_csv(maps: [Option<&PhotonMap>; 2]) -> Vec<u8> {
-    let mut out = "map,kind,x,y,z,red,green,blue,dx,dy,dz,nx,ny,nz\n".to_string();
-    for (name, map) in MAPS.into_iter().zip(maps) {
-        for Stored { photon, .. } in map.into_iter().flat_map(PhotonMap::photons) {
-            let (c, d, n) = (
-                photon.payload.power.to_rgb(),
-                photon.payload.direction(),
-                photon.payload.normal(),
-            );
-            let (kind, [x, y, z]) = (kind_name(photon.payload.kind()), photon.position);
-            let _ = writeln!(
-                out,
-                "{name},{kind},{x},{y},{z},{:e},{:e},{:e},{},{},{},{},{},{}",
-                c.r, c.g, c.b, d.x, d.y, d.z, n.x, n.y, n.z
-            ); // a String takes everything
-        }
-    }
-    out.into_bytes()
-}
-
-/// Photons as the points of a binary PLY: position, direction back to the light as `nx ny nz`, power, and as `type` 0, 1, 2 for
-/// direct, caustic and indirect photons of the global map, 3 for those of the caustic map.
-pub(crate) fn to_ply(maps: [Option<&PhotonMap>; 2]) -> Vec<u8> {
-    let (mut points, mut count) = (Vec::new(), 0);
-    for (which, map) in maps.into_iter().enumerate() {
-        for Stored { photon, .. } in map.into_iter().flat_map(PhotonMap::photons) {
-            let (power, d) = (photon.payload.power.to_rgb().to_array(), photon.payload.direction());
-            for x in photon.position.into_iter().chain(d.to_array()).chain(power) {
-                points.extend(x.to_le_bytes());
-            }
-            points.push(if which == 1 { 3 } else { photon.payload.kind() as u8 });
-            count += 1;
-        }
-    }
-    let floats = ["x", "y", "z", "nx", "ny", "nz", "red", "green", "blue"];
-    let properties: String = floats.iter().map(|f| format!("property float {f}\n")).collect();
-    let mut out = format!(
-        "ply\nformat binary_little_endian 1.0\nelement vertex {count}\n{properties}property uchar type\nend_header\n"
-    )
-    .into_bytes();
-    out.extend(points);
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::map::Order;
+    use crate::photon::Kind;
     use gi_core::math::Rgb;
+    use gi_core::medium::{Medium, Phase};
     use glam::Vec3;
 
     fn some() -> Vec<Stored> {
@@ -192,8 +224,29 @@ mod tests {
         [map(some(), 100), map(some()[3..].to_vec(), 50)]
     }
 
+    /// Three media, of which two are one: the second has no photons of its own.
+    fn volume(order: Order) -> VolumeMaps {
+        let medium = |sigma_t| Medium {
+            sigma_t: Rgb::grey(sigma_t),
+            albedo: Rgb::WHITE,
+            phase: Phase::Isotropic,
+        };
+        let of = |Stored { photon, depth }| VolumePhoton { photon, depth };
+        let photons: Vec<_> = some().into_iter().map(of).collect();
+        let photons = vec![photons.clone(), Vec::new(), photons[5..].to_vec()];
+        let shot = VolumeShot { photons, emitted: 70, kept: 0.25, gave_up: false };
+        VolumeMaps::build(shot, &[medium(1.0), medium(1.0), medium(2.0)], 3, order)
+    }
+
     fn bytes([global, caustic]: &[PhotonMap; 2]) -> Vec<u8> {
-        to_bytes(7, 4, Layout::Fast, [Some(global), Some(caustic)])
+        let volume = volume(Order::Any);
+        to_bytes(
+            7,
+            4,
+            Layout::Fast,
+            [Some(global), Some(caustic)],
+            (Some(&volume), Subsurface::Dipole),
+        )
     }
 
     #[test]
@@ -205,6 +258,10 @@ mod tests {
             assert_eq!(shot.emitted, map.emitted);
             assert_eq!(shot.photons, map.photons().collect::<Vec<_>>());
         }
+        assert_eq!(saved.subsurface, Subsurface::Dipole);
+        let (shot, volume) = (saved.volume.expect("photons of media"), volume(Order::Any));
+        assert_eq!((shot.emitted, shot.kept), (70, 0.25));
+        assert!(volume.photons().eq(shot.photons.iter().map(|photons| &photons[..])));
     }
 
     #[test]

@@ -41,14 +41,20 @@ impl Node {
 }
 
 impl Heap {
-    /// Put points in order: halved at the median along the longest side, again and again.
-    pub(crate) fn order<T: Send>(points: &mut [T], p: impl Fn(&T) -> Vec3 + Copy + Sync) -> Self {
+    /// The shape of a tree over `len` points, which lie in order.
+    pub(crate) fn over(len: usize) -> Self {
         let mut levels = 0;
-        while points.len() >> levels > LEAF {
+        while len >> levels > LEAF {
             levels += 1;
         }
-        halve(points, p, levels);
-        Heap { len: points.len(), levels }
+        Heap { len, levels }
+    }
+
+    /// Put points in order: halved at the median along the longest side, again and again.
+    pub(crate) fn order<T: Send>(points: &mut [T], p: impl Fn(&T) -> Vec3 + Copy + Sync) -> Self {
+        let heap = Heap::over(points.len());
+        halve(points, p, heap.levels);
+        heap
     }
 
     pub(crate) fn root(&self) -> Node {

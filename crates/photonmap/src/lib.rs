@@ -17,6 +17,7 @@
 
 mod dipole;
 pub mod estimate;
+mod export;
 mod file;
 mod gather;
 mod guide;
@@ -48,6 +49,7 @@ use map::{Layout, Order, PhotonMap};
 use media::{InMedia, MediaMaps};
 pub use pictures::Show;
 use shoot::{Shot, Source, Wanted};
+use volume::VolumeMaps;
 
 /// Where the maps are read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -146,7 +148,7 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
 
     /// Shoot photons, build the maps, compute irradiance ahead.
     fn prepare(setting: Setting<'a>, params: &Params) -> Result<Self, String> {
-        let Maps { global, caustic, order } = match &params.map_in {
+        let Maps { global, caustic, volume, order } = match &params.map_in {
             Some(bytes) => load(&setting, params, bytes)?,
             None => shoot(&setting, params),
         };
@@ -163,7 +165,7 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
             Gather::None | Gather::Direct => Vec::new(),
         };
         let media = match params.knows_media(setting.scene) {
-            true => Some(MediaMaps::shoot(&setting, &source(&setting, params), params)?),
+            true => Some(MediaMaps::shoot(&setting, &source(&setting, params), params, volume)?),
             false if params.subsurface == Subsurface::Dipole => return Err(media::NO_SOLID.into()),
             false => None,
         };
@@ -221,10 +223,11 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
     }
 }
 
-/// Photons for both maps.
+/// Photons for both maps on surfaces, and the maps of media if they were saved.
 struct Maps {
     global: Shot,
     caustic: Option<Shot>,
+    volume: Option<VolumeMaps>,
     order: Order,
 }
 
@@ -250,27 +253,18 @@ fn shoot(setting: &Setting, params: &Params) -> Maps {
         let count = if targets.is_empty() { 0 } else { params.caustic_photons };
         source.shoot(Wanted::Caustic(&targets), count)
     });
-    Maps { global, caustic, order: Order::Any }
+    Maps { global, caustic, volume: None, order: Order::Any }
 }
 
 /// Photons of an earlier run.
 fn load(setting: &Setting, params: &Params, bytes: &[u8]) -> Result<Maps, String> {
     let saved = file::from_bytes(bytes).map_err(|e| format!("--map-in: {e}"))?;
-    if saved.world != setting.world {
-        return Err("--map-in: these photons are of another scene; shoot them anew".into());
-    }
-    if saved.max_depth != params.max_depth.unwrap_or(0) {
-        return Err("--map-in: these photons were shot with another --max-depth".into());
-    }
-    if params.gather == Gather::Final && params.caustic_photons > 0 && saved.caustic.is_none() {
-        return Err(
-            "--map-in: there is no caustic map in it; give --caustic-photons 0, or shoot anew"
-                .into(),
-        );
-    }
+    saved.check(setting, params).map_err(|e| format!("--map-in: {e}"))?;
     let order = if saved.layout == params.layout { Order::Tree } else { Order::Any };
     let caustic = saved.caustic.filter(|_| params.caustic_photons > 0);
-    Ok(Maps { global: saved.global, caustic, order })
+    let media = setting.scene.media();
+    let build = |shot| VolumeMaps::build(shot, media, params.volume_lookup, Order::Tree);
+    Ok(Maps { global: saved.global, caustic, volume: saved.volume.map(build), order })
 }
 
 impl PhotonMapping<'_> {
@@ -278,15 +272,26 @@ impl PhotonMapping<'_> {
         [Some(&self.global.map), self.caustic.as_ref().map(|c| &c.map)]
     }
 
-    /// The maps as a file for `--map-in`.
+    fn volume(&self) -> Option<&VolumeMaps> {
+        self.media.as_ref().map(|media| &media.volume)
+    }
+
+    /// The maps as a file for `--map-in`; what the dipole reads is shot anew.
     pub fn save(&self) -> Vec<u8> {
         let max_depth = self.params.max_depth.unwrap_or(0);
-        file::to_bytes(self.setting.world, max_depth, self.params.layout, self.maps())
+        let Setting { world, .. } = self.setting;
+        let in_media = (self.volume(), self.params.subsurface);
+        file::to_bytes(world, max_depth, self.params.layout, self.maps(), in_media)
     }
 
     /// All photons, to look at: as comma-separated values, or as a PLY of points.
     pub fn export(&self, as_csv: bool) -> Vec<u8> {
-        if as_csv { file::to_csv(self.maps()) } else { file::to_ply(self.maps()) }
+        let volume = self.volume();
+        if as_csv {
+            export::to_csv(self.maps(), volume)
+        } else {
+            export::to_ply(self.maps(), volume)
+        }
     }
 
     /// The estimate of slide 24 at what the middle of a pixel shows, against the number of photons: one line for each k.

@@ -52,7 +52,7 @@ struct Args {
     /// Share of the gather rays that are led to where photons came from, from 0 to below 1 [slide 31]
     #[arg(long, value_name = "SHARE", default_value_t = Params::default().guided)]
     guided: f32,
-    /// Pictures of the maps beside the picture [slides 22, 23, 25, 26]; several joined by commas
+    /// Pictures of the maps beside the picture [slides 22, 23, 25, 26, 34]; several joined by commas
     #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT")]
     show: Vec<ShowFlag>,
     /// Save the photons
@@ -61,7 +61,7 @@ struct Args {
     /// Use photons that --map-out saved, for another view of the same scene
     #[arg(long, value_name = "FILE")]
     map_in: Option<PathBuf>,
-    /// Write the photons with their kinds: .ply (points) or .csv
+    /// Write the photons with their maps and kinds: .ply (points) or .csv
     #[arg(long, value_name = "FILE")]
     photons_out: Option<PathBuf>,
     /// Write the estimate at a pixel against the number of photons [slide 24], see --probe
@@ -121,7 +121,7 @@ enum LayoutFlag {
 enum ShowFlag {
     /// The first 200 photon paths
     Paths,
-    /// The photons of both maps as dots
+    /// The photons of each map as dots, those in media through glass too
     Photons,
     /// Cells of the tree
     Cells,

@@ -30,7 +30,7 @@ pub(crate) const NO_SOLID: &str = "--subsurface dipole: no medium fills a solid 
      (dielectric, roughdielectric), and --volume-photons is not 0; leave it out to use photons in the medium";
 
 impl MediaMaps {
-    /// Shoot photons.
+    /// Shoot photons, but for those in `saved`.
     ///
     /// # Errors
     /// Where the dipole can't stand for what it is asked to.
@@ -38,12 +38,13 @@ impl MediaMaps {
         setting: &Setting,
         source: &Source,
         params: &Params,
+        saved: Option<VolumeMaps>,
     ) -> Result<Self, String> {
         let scene = source.scene;
         let solids = scene.solids();
         let count = params.volume_photons;
         if params.subsurface == Subsurface::Photons {
-            let volume = VolumeMaps::shoot(source, params, |_| true);
+            let volume = saved.unwrap_or_else(|| VolumeMaps::shoot(source, params, |_| true));
             return Ok(MediaMaps { solids, volume, dipoles: None });
         }
         if !(0..scene.media().len()).any(|m| solids.is_solid(m)) {
@@ -58,7 +59,8 @@ impl MediaMaps {
             );
         }
         let dipoles = Some(Dipoles::shoot(source, &solids, count));
-        let volume = VolumeMaps::shoot(source, params, |m| !solids.is_solid(m));
+        let shoot = || VolumeMaps::shoot(source, params, |m| !solids.is_solid(m));
+        let volume = saved.unwrap_or_else(shoot);
         Ok(MediaMaps { solids, volume, dipoles })
     }
 

@@ -1,6 +1,6 @@
 //! Pictures that photon mapping draws of itself.
 
-use gi_core::canvas::{Canvas, seen_at};
+use gi_core::canvas::{Canvas, seen_at, seen_within};
 use gi_core::film::Film;
 use gi_core::geometry::Surface;
 use gi_core::math::{Bounds, Frame, Rgb};
@@ -14,13 +14,14 @@ use crate::estimate::{Estimator, facing};
 use crate::gather::Rays;
 use crate::photon::Kind;
 use crate::shoot::{Source, Step, Wanted, kind};
+use crate::volume::VolumeMaps;
 
 /// What can be drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Show {
     /// The first 200 photon paths [slide 22].
     Paths,
-    /// The photons of both maps as dots, a picture each [slides 23, 26].
+    /// The photons of the maps as dots, a picture each [slides 23, 26, 34].
     Photons,
     /// The cells of the tree over the global map [slide 25].
     Cells,
@@ -36,6 +37,8 @@ pub enum Show {
 const PATHS: u64 = 200;
 /// Levels of cells that are drawn.
 const LEVELS: u32 = 8;
+/// Pixels of the picture for each photon in media that is drawn, at least.
+const PIXELS_PER_DOT: usize = 16;
 /// What lies under the drawing is darkened to this share.
 const GROUND: f32 = 0.35;
 
@@ -66,6 +69,9 @@ impl PhotonMapping<'_> {
                     if let Some(caustic) = &self.caustic {
                         push("caustic-photons", self.dots(ground(), caustic));
                     }
+                    if let Some(volume) = self.volume() {
+                        push("volume-photons", self.dots_within(ground(), volume));
+                    }
                 }
                 Show::Cells => push("cells", self.cells(ground())),
                 Show::Gathering { pixel } => {
@@ -86,6 +92,20 @@ impl PhotonMapping<'_> {
             let payload = stored.photon.payload;
             if let Some(at) = seen_at(scene, camera, stored.photon.p(), payload.normal()) {
                 canvas.disc(at, 0.6, colour(payload.kind()));
+            }
+        }
+        canvas
+    }
+
+    /// Photons in media that no opaque surface hides, as dots. They lie one behind another: of many every n-th is drawn, in the
+    /// order of the trees, so that those drawn are as dense as all.
+    fn dots_within(&self, mut canvas: Canvas, from: &VolumeMaps) -> Canvas {
+        let Setting { scene, camera, .. } = self.setting;
+        let [w, h] = canvas.size();
+        let step = (PIXELS_PER_DOT * from.len()).div_ceil(w * h).max(1);
+        for stored in from.photons().flatten().step_by(step) {
+            if let Some(at) = seen_within(scene, camera, stored.photon.p()) {
+                canvas.disc(at, 0.6, colour(stored.photon.payload.kind()));
             }
         }
         canvas

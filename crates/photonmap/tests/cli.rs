@@ -69,6 +69,56 @@ fn pictures_maps_and_exports_are_written_and_a_saved_map_gives_the_same_picture(
 }
 
 #[test]
+fn photons_in_media_are_drawn_exported_and_saved_with_the_others() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let (a, map) = (at("a.exr"), at("photons.map"));
+    let fog = |out: &str, more: &[&str]| {
+        let mut arguments = vec!["--volume-photons=3000", "--photons=1000", "-o", out];
+        arguments.extend(more);
+        run("fog", &arguments)
+    };
+    let (csv, ply) = (at("photons.csv"), at("photons.ply"));
+    let output = fog(&a, &["--map-out", &map, "--photons-out", &csv, "--show=photons"]);
+    assert!(output.status.success(), "{}", text(&output));
+    assert!(Path::new(&at("a.volume-photons.png")).exists());
+    let csv = std::fs::read_to_string(csv).expect("a table");
+    let mut lines = csv.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let head = lines.next().expect("a head");
+    let rows: Vec<Vec<&str>> = lines.collect();
+    assert!(rows.iter().all(|row| row.len() == head.len()));
+    // A photon lies on a surface, with a normal, or in a medium, which has a number.
+    let in_media: Vec<_> = rows.iter().filter(|row| row[0] == "volume").collect();
+    assert!((3000..3100).contains(&in_media.len()), "{} photons", in_media.len());
+    assert!(in_media.iter().all(|row| row[11..] == ["", "", "", "0"] && row[1] != "direct"));
+    let on_surfaces = rows.iter().filter(|row| row[0] != "volume");
+    assert!(on_surfaces.clone().all(|row| !row[11].is_empty() && row[14].is_empty()));
+
+    // Read again, they make the same picture and the same photons.
+    let b = at("b.exr");
+    let output = fog(&b, &["--map-in", &map, "--photons-out", &ply]);
+    assert!(output.status.success(), "{}", text(&output));
+    let pixels = |path: &str| read_exr(Path::new(path)).expect("an EXR").channels;
+    let shown = |name: &str| name.starts_with("Photons") || name.contains("-photons");
+    let first: Vec<_> = pixels(&a).into_iter().filter(|(name, _)| !shown(name)).collect();
+    assert!(first == pixels(&b), "another picture");
+    let ply = std::fs::read(ply).expect("points");
+    let end = b"end_header\n";
+    let body = ply.windows(end.len()).position(|w| w == end).expect("a head") + end.len();
+    let head = String::from_utf8_lossy(&ply[..body]);
+    assert!(head.contains(&format!("element vertex {}\n", rows.len())), "{head}");
+    assert_eq!(ply.len() - body, rows.len() * (9 * 4 + 1 + 4));
+
+    // With media and without are not the same light.
+    let none = at("none.map");
+    assert!(fog(&b, &["--volume-photons=0", "--map-out", &none]).status.success());
+    assert_refused(&fog(&b, &["--map-in", &none]), "without media");
+    assert_refused(&fog(&b, &["--map-in", &map, "--volume-photons=0"]), "in media");
+    assert!(fog(&b, &["--map-in", &none, "--volume-photons=0"]).status.success());
+    assert_refused(&fog(&b, &["--map-in", &map, "--subsurface=dipole"]), "another --subsurface");
+}
+
+#[test]
 fn what_cannot_be_used_is_refused_with_the_cause() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();

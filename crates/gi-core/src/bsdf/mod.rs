@@ -253,6 +253,11 @@ impl<'a> Bsdf<'a> {
         }
     }
 
+    /// Whether nothing passes to the other side.
+    pub fn is_opaque(&self) -> bool {
+        self.components().iter().all(|c| c.lobe.is_opaque())
+    }
+
     /// Width of the narrowest lobe that is no delta lobe: alpha of its facets, 1 for diffuse ones.
     pub fn roughness(&self) -> f32 {
         self.components().iter().map(|c| c.lobe.roughness()).fold(1.0, f32::min)

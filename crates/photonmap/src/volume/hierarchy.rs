@@ -8,6 +8,7 @@ use std::f32::consts::PI;
 
 use super::VolumePhoton;
 use crate::heap::{Heap, Node};
+use crate::map::Order;
 
 /// Photons that a ray can be asked about.
 pub(super) struct Hierarchy {
@@ -21,8 +22,11 @@ pub(super) struct Hierarchy {
 
 impl Hierarchy {
     /// Order the photons, and give each the radius of the sphere that holds its `k` nearest.
-    pub(super) fn build(mut photons: Vec<VolumePhoton>, k: usize) -> Self {
-        let heap = Heap::order(&mut photons, |s| s.photon.p());
+    pub(super) fn build(mut photons: Vec<VolumePhoton>, k: usize, found: Order) -> Self {
+        let heap = match found {
+            Order::Any => Heap::order(&mut photons, |s| s.photon.p()),
+            Order::Tree => Heap::over(photons.len()),
+        };
         let radius_sq = vec![0.0; photons.len()];
         let mut tree = Hierarchy { photons, radius_sq, heap, boxes: Vec::new() };
         tree.enclose();
@@ -30,6 +34,11 @@ impl Hierarchy {
         tree.radius_sq = radii.map(|i| tree.kth_nearest(tree.photons[i].photon.p(), k)).collect();
         tree.enclose();
         tree
+    }
+
+    /// The photons in the order of the tree.
+    pub(super) fn photons(&self) -> &[VolumePhoton] {
+        &self.photons
     }
 
     pub(super) fn len(&self) -> usize {
@@ -170,7 +179,7 @@ mod tests {
     #[test]
     fn radii_reach_to_the_kth_nearest_as_sorting_finds_it() {
         for (n, k) in [(1, 5), (7, 3), (9, 20), (1000, 12)] {
-            let tree = Hierarchy::build(strewn(n), k);
+            let tree = Hierarchy::build(strewn(n), k, Order::Any);
             for (stored, r2) in tree.photons.iter().zip(&tree.radius_sq) {
                 let p = stored.photon.p();
                 let mut all: Vec<f32> =
@@ -184,7 +193,7 @@ mod tests {
     #[test]
     fn a_ray_finds_the_photons_that_a_scan_of_all_finds() {
         for n in [0, 1, 8, 9, 3000] {
-            let tree = Hierarchy::build(strewn(n), 10);
+            let tree = Hierarchy::build(strewn(n), 10, Order::Any);
             let mut rng = Pcg::new(9, 1);
             for k in 0..300 {
                 let o = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32() - 0.2);
@@ -226,7 +235,7 @@ mod tests {
     fn a_photon_has_24_bytes_and_the_hierarchy_adds_less_than_18() {
         assert_eq!(size_of::<VolumePhoton>(), 24);
         let n = 100_000;
-        let tree = Hierarchy::build(strewn(n), 4);
+        let tree = Hierarchy::build(strewn(n), 4, Order::Any);
         assert!((tree.bytes() as f64 / n as f64) < 42.0, "{}", tree.bytes());
     }
 }

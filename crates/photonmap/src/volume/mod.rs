@@ -19,9 +19,11 @@ use gi_core::film::Components;
 use gi_core::medium::Medium;
 
 use crate::Params;
+use crate::map::Order;
 use crate::photon::{Kind, Photon};
 use crate::shoot::Source;
 use hierarchy::Hierarchy;
+pub(crate) use shoot::VolumeShot;
 
 /// A photon in a medium: [`Photon`] without a normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,14 +55,21 @@ impl VolumeMaps {
         is_wanted: impl Fn(usize) -> bool + Sync,
     ) -> Self {
         let media = source.scene.media();
-        // Equal media are one.
-        let first = |m: &Medium| media.iter().position(|other| other == m).unwrap_or_default();
-        let map_of: Vec<usize> = media.iter().map(first).collect();
         let count = if (0..media.len()).any(&is_wanted) { params.volume_photons } else { 0 };
-        let shot = shoot::shoot(source, count, &map_of, &is_wanted);
-        let maps = shot.photons.into_iter();
-        let maps = maps.map(|photons| Hierarchy::build(photons, params.volume_lookup)).collect();
-        VolumeMaps { maps, map_of, emitted: shot.emitted, kept: shot.kept, gave_up: shot.gave_up }
+        let shot = shoot::shoot(source, count, &maps_of(media), &is_wanted);
+        Self::build(shot, media, params.volume_lookup, Order::Any)
+    }
+
+    /// The maps over photons of a scene's media, the radius of each reaching to its `k` nearest.
+    pub(crate) fn build(shot: VolumeShot, media: &[Medium], k: usize, order: Order) -> Self {
+        let VolumeShot { photons, emitted, kept, gave_up } = shot;
+        let maps = photons.into_iter().map(|photons| Hierarchy::build(photons, k, order)).collect();
+        VolumeMaps { maps, map_of: maps_of(media), emitted, kept, gave_up }
+    }
+
+    /// For each medium its photons in the order of their tree; those of equal media stand at the first.
+    pub(crate) fn photons(&self) -> impl Iterator<Item = &[VolumePhoton]> {
+        self.maps.iter().map(Hierarchy::photons)
     }
 
     /// How many photons there are.
@@ -108,4 +117,10 @@ impl VolumeMaps {
         });
         out
     }
+}
+
+/// For each medium its map: equal media are one.
+fn maps_of(media: &[Medium]) -> Vec<usize> {
+    let first = |m: &Medium| media.iter().position(|other| other == m).unwrap_or_default();
+    media.iter().map(first).collect()
 }

@@ -13,12 +13,15 @@ use crate::shoot::{Chunk, Hits, Source, Step, Wanted, collect, dither, kind, pat
 const KEPT_OF_PATH: f32 = 4.0;
 
 /// What was shot.
-pub(super) struct VolumeShot {
+pub(crate) struct VolumeShot {
     /// For each map its photons, in the order of their paths. Powers are already divided by `emitted`.
-    pub(super) photons: Vec<Vec<VolumePhoton>>,
-    pub(super) emitted: u64,
-    pub(super) kept: f32,
-    pub(super) gave_up: bool,
+    pub(crate) photons: Vec<Vec<VolumePhoton>>,
+    /// Paths begun.
+    pub(crate) emitted: u64,
+    /// Share of scatterings that was stored.
+    pub(crate) kept: f32,
+    /// Whether emission was given up before there were as many photons as wanted.
+    pub(crate) gave_up: bool,
 }
 
 /// A scattering before it is packed: its power is not yet divided by the number of paths.

@@ -1,0 +1,100 @@
+//! Photons as tables and points, to look at.
+
+use std::fmt::Write;
+
+use crate::map::PhotonMap;
+use crate::photon::{Kind, Photon};
+use crate::volume::VolumeMaps;
+
+/// A photon of any map.
+struct Exported {
+    photon: Photon,
+    map: Map,
+}
+
+/// The map that a photon is of.
+#[derive(Clone, Copy)]
+enum Map {
+    Global,
+    Caustic,
+    /// That of a medium, by its index in the scene; equal media share the first one's.
+    Volume(usize),
+}
+
+fn all<'m>(
+    [global, caustic]: [Option<&'m PhotonMap>; 2],
+    volume: Option<&'m VolumeMaps>,
+) -> impl Iterator<Item = Exported> + 'm {
+    let on_surfaces = [(Map::Global, global), (Map::Caustic, caustic)].into_iter();
+    let on_surfaces = on_surfaces.flat_map(|(map, photons)| {
+        let photons = photons.into_iter().flat_map(PhotonMap::photons);
+        photons.map(move |s| Exported { photon: s.photon, map })
+    });
+    let media = volume.into_iter().flat_map(VolumeMaps::photons).enumerate();
+    let in_media = media.flat_map(|(medium, photons)| {
+        photons.iter().map(move |s| Exported { photon: s.photon, map: Map::Volume(medium) })
+    });
+    on_surfaces.chain(in_media)
+}
+
+fn kind_name(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Direct => "direct",
+        Kind::Caustic => "caustic",
+        Kind::Indirect => "indirect",
+    }
+}
+
+/// Photons as comma-separated values: the map that each is of, the kind of its path, where it is, its power, the direction back to
+/// the light, and the surface's normal or the number of the medium.
+pub(crate) fn to_csv(maps: [Option<&PhotonMap>; 2], volume: Option<&VolumeMaps>) -> Vec<u8> {
+    let mut out = "map,kind,x,y,z,red,green,blue,dx,dy,dz,nx,ny,nz,medium\n".to_string();
+    for Exported { photon, map } in all(maps, volume) {
+        let (c, d, n) =
+            (photon.payload.power.to_rgb(), photon.payload.direction(), photon.payload.normal());
+        let (kind, [x, y, z]) = (kind_name(photon.payload.kind()), photon.position);
+        let normal = || format!("{},{},{},", n.x, n.y, n.z);
+        let (name, place) = match map {
+            Map::Global => ("global", normal()),
+            Map::Caustic => ("caustic", normal()),
+            Map::Volume(medium) => ("volume", format!(",,,{medium}")),
+        };
+        let _ = writeln!(
+            out,
+            "{name},{kind},{x},{y},{z},{:e},{:e},{:e},{},{},{},{place}",
+            c.r, c.g, c.b, d.x, d.y, d.z
+        ); // a String takes everything
+    }
+    out.into_bytes()
+}
+
+/// Photons as the points of a binary PLY: position, direction back to the light as `nx ny nz`, power, as `type` 0, 1, 2 for
+/// direct, caustic and indirect photons of the global map, 3 for those of the caustic map, 4 and 5 for caustic and indirect
+/// photons in media, and as `medium` the number of the medium, -1 on surfaces.
+pub(crate) fn to_ply(maps: [Option<&PhotonMap>; 2], volume: Option<&VolumeMaps>) -> Vec<u8> {
+    let (mut points, mut count) = (Vec::new(), 0);
+    for Exported { photon, map } in all(maps, volume) {
+        let (power, d) = (photon.payload.power.to_rgb().to_array(), photon.payload.direction());
+        for x in photon.position.into_iter().chain(d.to_array()).chain(power) {
+            points.extend(x.to_le_bytes());
+        }
+        let kind = photon.payload.kind() as u8;
+        let (kind, medium) = match map {
+            Map::Global => (kind, -1),
+            Map::Caustic => (3, -1),
+            Map::Volume(medium) => (3 + kind, medium as i32),
+        };
+        points.push(kind);
+        points.extend(medium.to_le_bytes());
+        count += 1;
+    }
+    let floats = ["x", "y", "z", "nx", "ny", "nz", "red", "green", "blue"];
+    let properties: String = floats.iter().map(|f| format!("property float {f}\n")).collect();
+    let mut out = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {count}\n{properties}\
+         property uchar type\nproperty int medium\nend_header\n"
+    )
+    .into_bytes();
+    out.extend(points);
+    out
+}
