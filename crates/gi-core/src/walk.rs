@@ -169,7 +169,7 @@ pub enum Roulette {
     /// Never.
     Off,
     /// In proportion to what the surface absorbs, from this scattering on (1 is the first): powers then
-    /// stay nearly equal \[Jensen01\].
+    /// stay nearly equal \[Jensen01\]. Very long paths end even where nothing absorbs.
     ByAlbedo {
         /// The first scattering that may end the path.
         from: u32,
@@ -183,13 +183,19 @@ pub enum Roulette {
     },
 }
 
+/// A path may be this long before roulette is played with what absorbs nothing too: one that total reflection has caught in
+/// glass would never end.
+const LONG: u32 = 1000;
+/// The largest share that goes on from a scattering of a long path.
+const MAX_SURVIVAL: f32 = 0.999;
+
 impl Roulette {
     /// The share of all paths that go on from a scattering that leaves `factor` of the power, if this one does.
     #[inline]
     fn survival(self, u: f32, factor: Rgb, depth: u32) -> Option<f32> {
         let (survives, survival) = match self {
             Roulette::ByAlbedo { from } if depth + 1 >= from => {
-                let survival = factor.max().min(1.0);
+                let survival = factor.max().min(if depth < LONG { 1.0 } else { MAX_SURVIVAL });
                 (u < survival, survival)
             }
             Roulette::Decided { survives, survival } => (survives, survival),
@@ -221,15 +227,39 @@ mod tests {
     use crate::scene::SceneParts;
     use crate::texture::Texture;
 
-    #[test]
-    fn what_a_visitor_draws_does_not_know_that_the_path_survived() {
+    /// A point light in a sphere of this albedo.
+    fn lit_sphere(albedo: f32) -> Scene {
         let axes = Frame::from_normal(Vec3::Z);
         let sphere = Geometry::Sphere { center: Vec3::ZERO, radius: 1.0, axes };
         let shapes = vec![Shape { flip_normals: true, ..Shape::new("sphere", sphere, 0) }];
-        let materials = vec![Material::Diffuse { reflectance: Texture::grey(0.5) }];
+        let materials = vec![Material::Diffuse { reflectance: Texture::grey(albedo) }];
         let lights = vec![LightSource::Point { position: Vec3::ZERO, intensity: Rgb::WHITE }];
         let parts = SceneParts { shapes, materials, lights, ..SceneParts::default() };
-        let scene = Scene::new(parts).expect("a scene");
+        Scene::new(parts).expect("a scene")
+    }
+
+    #[test]
+    fn paths_that_nothing_absorbs_end() {
+        let scene = lit_sphere(1.0);
+        let mut scatterings = 0.0;
+        for path in 0..100 {
+            let mut walk = LightWalk::begin(&scene, Sampler::new(1, 0, path)).expect("it shines");
+            while let Some(vertex) = walk.next_vertex() {
+                // One in 10^17 is longer.
+                assert!(vertex.depth < 40_000, "path {path} goes on and on");
+                scatterings += 0.01;
+                if !walk.scatter(&vertex, Roulette::ByAlbedo { from: 1 }) {
+                    break;
+                }
+            }
+        }
+        // 1000 and then as many again in the mean, which a hundred paths tell to 100.
+        assert!((scatterings - 2000.0f64).abs() < 400.0, "{scatterings}");
+    }
+
+    #[test]
+    fn what_a_visitor_draws_does_not_know_that_the_path_survived() {
+        let scene = lit_sphere(0.5);
         let (mut sum, mut count) = (0.0f64, 0u32);
         for path in 0..20_000 {
             let mut walk = LightWalk::begin(&scene, Sampler::new(1, 0, path)).expect("it shines");
