@@ -228,9 +228,9 @@ figure-31: $(REFERENCES)/cornell-spheres.exr
 
 figure-32:
 	mkdir -p $D
-	$(BIN)/photonmap scenes/cognac.xml $(RUN) --photons $(PHOTONS) --caustic-photons $(call q,100000,1000000) --spp $(call q,16,128) -o $D/cognac.exr
+	$(BIN)/photonmap scenes/cognac.xml -D tint=1,1,1 -D absorption=0.36,2.08,6.37 $(RUN) --photons $(PHOTONS) --caustic-photons $(call q,100000,1000000) --spp $(call q,16,128) -o $D/cognac.exr
 	$(DRAW) figure $D --slide 32 --columns 1 --title "A glass of cognac" \
-	  --caption "Light through glass and an amber liquid that absorbs: the caustic on the table is coloured by what it came through." cognac.png="photon mapping, caustic map"
+	  --caption "Light through glass and an amber liquid that absorbs: the caustic on the table is coloured by what it came through, the liquid darker where it is deep." cognac.png="photon mapping, caustic map"
 
 figure-33:
 	mkdir -p $D

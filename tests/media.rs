@@ -10,6 +10,7 @@ use gi_core::math::Rgb;
 use gi_core::medium::{Medium, Phase};
 use gi_core::ray::Ray;
 use gi_core::scene::{Scene, SceneParts};
+use gi_core::technique::Technique;
 use gi_core::texture::Texture;
 use gi_stats::z_test;
 use gi_tests::{World, furnace, grey, mean_and_variance, polygon, sphere};
@@ -260,6 +261,26 @@ fn without_media_volpath_traces_the_paths_of_path_to_the_bit() {
         world.render::<PathTracer>(&params, 4, 3, Show::All).radiance()
     };
     assert_eq!(render(Mode::Path), render(Mode::VolPath));
+}
+
+#[test]
+fn cognac_is_tinted_for_all_programs_and_absorbs_where_asked_to() {
+    // A medium that does nothing is not there: no program says that it leaves it out.
+    assert!(!World::load("cognac.xml", [8, 8], &[]).scene.has_media());
+    let amber = [("tint", "1,1,1"), ("absorption", "0.36,2.08,6.37")];
+    let world = World::load("cognac.xml", [8, 8], &amber);
+    assert!(world.scene.has_media() && world.scene.media_warnings().is_empty());
+    // Photons are stored where media scatter: where none does, none are shot for it.
+    let (photons, caustic_photons, volume_photons) = (1000, 1000, 1 << 40);
+    let params = photonmap::Params {
+        photons,
+        caustic_photons,
+        volume_photons,
+        ..photonmap::Params::default()
+    };
+    let (technique, _) = world.run::<PhotonMapping>(&params, 1, 1, Show::All);
+    let paths = technique.statistics().into_iter().find(|(name, _)| name == "volume_paths");
+    assert_eq!(paths.expect("known").1, 0.0);
 }
 
 /// A ball of mist with a point light beside it, over a floor: `volpath` finds all of its light.

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 
 use crate::SceneFile;
 use crate::mesh::Mesh;
-use crate::xml::{self, Camera, bsdf, color, comment, diffuse, glass, mesh};
+use crate::xml::{self, Camera, bsdf, comment, default, diffuse, glass, mesh, parting};
 
 /// Height of the cognac in the glass.
 const LEVEL: f32 = 0.8;
@@ -55,8 +55,10 @@ pub(crate) fn cognac() -> SceneFile {
     let wall = Mesh::quad(
         [[-6.0, 0.0], [6.0, 0.0], [6.0, 6.0], [-6.0, 6.0]].map(|[x, y]| Vec3::new(x, y, -4.0)),
     );
-    // Absorption as a tint wherever light enters or leaves the cognac: light does not scatter in media yet.
-    let tint = color("specular_transmittance", [0.93, 0.66, 0.28]);
+    // A tint wherever light enters or leaves the cognac, which programs draw that know no media; or absorption on the way.
+    let tint = "<rgb name=\"specular_transmittance\" value=\"$tint\"/>";
+    let amber = "    <medium type=\"homogeneous\" id=\"amber\">\n        <rgb name=\"sigma_t\" value=\"$absorption\"/>\n        \
+                 <rgb name=\"albedo\" value=\"0, 0, 0\"/>\n    </medium>\n";
     let between = |int: f32, ext: f32| {
         format!(
             "<bsdf type=\"dielectric\">\n    <float name=\"int_ior\" value=\"{int}\"/>\n    \
@@ -64,6 +66,11 @@ pub(crate) fn cognac() -> SceneFile {
         )
     };
     let body = [
+        // Two tints are what 0.4 units of this absorption leave.
+        comment("The cognac's colour: a tint at its boundary, which all programs know, or with -D tint=1,1,1 -D absorption=0.36,2.08,6.37 by the length of the way"),
+        default("tint", "0.93, 0.66, 0.28"),
+        default("absorption", "0, 0, 0"),
+        amber.into(),
         comment("Materials; the cognac's index is 1.36"),
         bsdf("table", &diffuse([0.62, 0.52, 0.42])),
         bsdf("wall", &diffuse([0.45, 0.47, 0.5])),
@@ -73,8 +80,8 @@ pub(crate) fn cognac() -> SceneFile {
         bsdf("cognac", &between(1.36, 1.0)),
         comment("The glass where air is round it, its inside where cognac is, and the cognac's surface"),
         mesh("cognac-glass", "glass", None),
-        mesh("cognac-inside", "glass-cognac", None),
-        mesh("cognac-surface", "cognac", None),
+        parting(&mesh("cognac-inside", "glass-cognac", None), None, Some("amber")),
+        parting(&mesh("cognac-surface", "cognac", None), Some("amber"), None),
         comment("The room and the lamp"),
         mesh("cognac-table", "table", None),
         mesh("cognac-wall", "wall", None),

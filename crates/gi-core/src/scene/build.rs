@@ -107,7 +107,9 @@ impl Scene {
         let lights = Lights::new(&shapes[..own_shapes], lights, sphere);
         let instances = instances.iter().map(prepare_instance).collect();
         let materials = prepared;
-        let has_media = shapes.iter().any(Shape::is_boundary);
+        let is_there = |m: usize| !media[m].sigma_t.is_black();
+        let has_media =
+            shapes.iter().any(|s| s.interior.into_iter().chain(s.exterior).any(is_there));
         let mut scene = Scene {
             shapes,
             first_primitive,

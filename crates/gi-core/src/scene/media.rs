@@ -26,7 +26,7 @@ const LOOK: [Vec3; 8] = [
 ];
 
 impl Scene {
-    /// Whether any shape parts media.
+    /// Whether any shape is the boundary of a medium that absorbs or scatters.
     #[inline]
     pub fn has_media(&self) -> bool {
         self.has_media

@@ -55,7 +55,9 @@ impl VolumeMaps {
         is_wanted: impl Fn(usize) -> bool + Sync,
     ) -> Self {
         let media = source.scene.media();
-        let count = if (0..media.len()).any(&is_wanted) { params.volume_photons } else { 0 };
+        // No photon is stored where nothing is scattered, however many are shot.
+        let is_wanted = |m: usize| !media[m].only_absorbs() && is_wanted(m);
+        let count = if (0..media.len()).any(is_wanted) { params.volume_photons } else { 0 };
         let shot = shoot::shoot(source, count, &maps_of(media), &is_wanted);
         Self::build(shot, media, params.volume_lookup, Order::Any)
     }
