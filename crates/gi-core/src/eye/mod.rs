@@ -9,13 +9,9 @@ mod media;
 mod prefix;
 mod supply;
 
-use glam::Vec3;
-
-use crate::bsdf::{Bsdf, DiffusePart, Transport};
+use crate::bsdf::Transport;
 use crate::camera::Camera;
 use crate::film::{Sample, Show};
-use crate::geometry::Surface;
-use crate::math::Rgb;
 use crate::ray::{Hit, Ray};
 use crate::sampler::Sampler;
 use crate::scene::Scene;
@@ -23,7 +19,7 @@ use light::add_supplied;
 use media::Crossing;
 use prefix::Prefix;
 use supply::OnSurfaces;
-pub use supply::{Beam, InMedia, Supplier};
+pub use supply::{Answered, Beam, EyeVertex, InMedia, Supplied, Supplier, nothing};
 
 /// Russian roulette lets at least one path in twenty end at a surface, so that no path is endless.
 const MAX_SURVIVAL: f32 = 0.95;
@@ -63,62 +59,6 @@ pub struct EyePath<'a> {
     pub limits: PathLimits,
     /// What of their light is asked for: the rest may be left out.
     pub show: Show,
-}
-
-/// A surface point that a path has met, scattering by other than delta lobes.
-pub struct EyeVertex<'v, 'a> {
-    /// The point.
-    pub surface: &'v Surface,
-    /// Unit direction back along the path.
-    pub wo: Vec3,
-    /// How it scatters ([`Transport::Radiance`]).
-    pub bsdf: &'v Bsdf<'a>,
-    /// Segments from the eye to here, straight passes not counted.
-    pub segments: u32,
-    /// Scatterings by other than delta lobes before.
-    pub rough: u32,
-    /// Length of the path from the eye to here, world units.
-    pub length: f32,
-    /// The medium that the path reached it in, for walks that know media.
-    pub medium: Option<usize>,
-    /// What one unit of the radiance that is supplied here adds to the sample.
-    pub throughput: Rgb,
-}
-
-/// Light that a technique supplies at a vertex, and what it thereby answers for.
-#[derive(Clone, Copy, Debug)]
-pub struct Supplied {
-    /// Which scattering at the vertex is answered for.
-    pub answered: Answered,
-    /// Radiance of light that comes straight from a light and is scattered by other than delta lobes. `None` lets the path
-    /// look for it: a light is sampled, and met by scattering.
-    pub direct: Option<Rgb>,
-    /// Radiance that the answered scattering sends back along the path, of light that came over other surfaces that
-    /// scatter by other than delta lobes.
-    pub indirect: Rgb,
-    /// The same of light that came over delta lobes alone, one at least. `None` lets the path look for it.
-    pub caustic: Option<Rgb>,
-}
-
-/// Scattering that a technique answers for.
-#[derive(Clone, Copy, Debug)]
-pub enum Answered {
-    /// All but delta lobes.
-    Rough,
-    /// All but delta lobes, of light from other such surfaces that are seen straight, not over delta lobes, and of
-    /// that what a geometric term cos cos' / d^2 (geometric normals) bounded by `most` leaves, per squared world unit.
-    Straight {
-        /// The bound; infinite where there is none.
-        most: f32,
-    },
-    /// The diffuse part. What the whole scatters besides is left to the path.
-    Diffuse(DiffusePart),
-}
-
-/// A supplier for paths that nobody answers for.
-#[inline]
-pub fn nothing(_: &EyeVertex, _: &mut Sampler) -> Option<Supplied> {
-    None
 }
 
 impl<'a> EyePath<'a> {
@@ -215,12 +155,15 @@ impl<'a> EyePath<'a> {
         let scene = self.scene;
         let mut seen = false;
         loop {
+            // Draw how far the path may fly in a medium: what lies beyond need not be looked for, but to describe what is seen.
+            let flight = if S::MEDIA && !S::BEAMS { self.take_off(&prefix, sampler) } else { None };
+            let tmax = flight.as_ref().filter(|_| seen).map_or(ray.tmax, |f| f.t);
             // Intersect.
-            let hit = scene.closest(&ray);
+            let hit = scene.closest(&Ray { tmax, ..ray });
             // Cross the medium in between, or be scattered by it.
             if S::MEDIA && prefix.medium.is_some() {
-                let reach = hit.map_or(f32::INFINITY, |h| h.t);
-                match self.cross(&ray, reach, &mut prefix, sampler, supplier, &mut out.radiance) {
+                let way = (&ray, hit.map_or(f32::INFINITY, |h| h.t), flight);
+                match self.cross(way, &mut prefix, sampler, supplier, &mut out.radiance) {
                     Crossing::Passed => {}
                     Crossing::Ended => return,
                     Crossing::Scattered(next) => {
