@@ -5,10 +5,12 @@ use gi_core::math::Rgb;
 use gi_core::ray::Ray;
 use gi_core::rng::{bits_to_unit, hash_words};
 use gi_core::scene::Scene;
+use gi_core::technique::Setting;
 use gi_core::warp;
 use glam::Vec3;
 use rayon::prelude::*;
 
+use crate::Params;
 use crate::estimate::Estimator;
 use crate::kernel::Kernel;
 use crate::map::{Layout, Order, PhotonMap};
@@ -100,4 +102,23 @@ fn half(x: f32) -> u16 {
 
 fn from_half(x: u16) -> f32 {
     f32::from_bits(u32::from(x) << 16)
+}
+
+/// Irradiance for every depth that a gather ray can ask for: deeper than the deepest photon there is nothing new.
+pub(crate) fn irradiance_maps(
+    setting: &Setting,
+    params: &Params,
+    global: &Estimator,
+) -> Vec<IrradianceMap> {
+    let depths = match params.max_depth {
+        None => vec![u8::MAX],
+        Some(most) => {
+            let deepest = global.map.photons().map(|s| u32::from(s.depth)).max().unwrap_or(1);
+            (1..=most.saturating_sub(2).clamp(1, deepest.max(1)) as u8).collect()
+        }
+    };
+    depths
+        .into_iter()
+        .map(|depth| IrradianceMap::new(setting.scene, global, depth, setting.seed))
+        .collect()
 }

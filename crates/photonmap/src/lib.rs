@@ -27,8 +27,10 @@ mod jensen;
 mod kd;
 pub mod kernel;
 pub mod map;
+mod maps;
 mod media;
 mod nearest;
+mod outputs;
 pub mod photon;
 mod pictures;
 pub mod shoot;
@@ -38,17 +40,17 @@ pub mod volume;
 
 use gi_core::eye::{EyePath, PathLimits};
 use gi_core::film::Film;
-use gi_core::scene::Scene;
 use gi_core::technique::{Picture, Setting, Technique};
 
 use estimate::Estimator;
 use gather::Rays;
-use irradiance::IrradianceMap;
+use irradiance::{IrradianceMap, irradiance_maps};
 use kernel::Kernel;
-use map::{Layout, Order, PhotonMap};
+use map::{Layout, PhotonMap};
+use maps::{Maps, load, shoot, source};
 use media::{InMedia, MediaMaps};
 pub use pictures::Show;
-use shoot::{Shot, Source, Wanted};
+use shoot::Shot;
 use volume::VolumeMaps;
 
 /// Where the maps are read.
@@ -223,50 +225,6 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
     }
 }
 
-/// Photons for both maps on surfaces, and the maps of media if they were saved.
-struct Maps {
-    global: Shot,
-    caustic: Option<Shot>,
-    volume: Option<VolumeMaps>,
-    order: Order,
-}
-
-impl Params {
-    /// Whether media absorb and scatter light.
-    fn knows_media(&self, scene: &Scene) -> bool {
-        scene.has_media() && self.volume_photons > 0
-    }
-}
-
-fn source<'a>(setting: &Setting<'a>, params: &Params) -> Source<'a> {
-    let max_segments = params.max_depth.map(|most| most.saturating_sub(1));
-    let media = params.knows_media(setting.scene);
-    Source { scene: setting.scene, seed: setting.seed, max_segments, media }
-}
-
-/// Photon tracing [slide 22].
-fn shoot(setting: &Setting, params: &Params) -> Maps {
-    let source = source(setting, params);
-    let global = source.shoot(Wanted::Global, params.photons);
-    let caustic = (params.gather == Gather::Final && params.caustic_photons > 0).then(|| {
-        let targets = setting.scene.focusing();
-        let count = if targets.is_empty() { 0 } else { params.caustic_photons };
-        source.shoot(Wanted::Caustic(&targets), count)
-    });
-    Maps { global, caustic, volume: None, order: Order::Any }
-}
-
-/// Photons of an earlier run.
-fn load(setting: &Setting, params: &Params, bytes: &[u8]) -> Result<Maps, String> {
-    let saved = file::from_bytes(bytes).map_err(|e| format!("--map-in: {e}"))?;
-    saved.check(setting, params).map_err(|e| format!("--map-in: {e}"))?;
-    let order = if saved.layout == params.layout { Order::Tree } else { Order::Any };
-    let caustic = saved.caustic.filter(|_| params.caustic_photons > 0);
-    let media = setting.scene.media();
-    let build = |shot| VolumeMaps::build(shot, media, params.volume_lookup, Order::Tree);
-    Ok(Maps { global: saved.global, caustic, volume: saved.volume.map(build), order })
-}
-
 impl PhotonMapping<'_> {
     fn maps(&self) -> [Option<&PhotonMap>; 2] {
         [Some(&self.global.map), self.caustic.as_ref().map(|c| &c.map)]
@@ -276,57 +234,9 @@ impl PhotonMapping<'_> {
         self.media.as_ref().map(|media| &media.volume)
     }
 
-    /// The maps as a file for `--map-in`; what the dipole reads is shot anew.
-    pub fn save(&self) -> Vec<u8> {
-        let max_depth = self.params.max_depth.unwrap_or(0);
-        let Setting { world, .. } = self.setting;
-        let in_media = (self.volume(), self.params.subsurface);
-        file::to_bytes(world, max_depth, self.params.layout, self.maps(), in_media)
-    }
-
-    /// All photons, to look at: as comma-separated values, or as a PLY of points.
-    pub fn export(&self, as_csv: bool) -> Vec<u8> {
-        let volume = self.volume();
-        if as_csv {
-            export::to_csv(self.maps(), volume)
-        } else {
-            export::to_ply(self.maps(), volume)
-        }
-    }
-
-    /// The estimate of slide 24 at what the middle of a pixel shows, against the number of photons: one line for each k.
-    pub fn probe(&self, [x, y]: [u32; 2]) -> Vec<u8> {
-        let Setting { scene, camera, .. } = self.setting;
-        let mut out = "k,found,radius,red,green,blue\n".to_string();
-        let ray = camera.ray([x as f32 + 0.5, y as f32 + 0.5], [0.5; 2]);
-        let Some((surface, _)) = scene.intersect(&ray) else { return out.into_bytes() };
-        let n = estimate::facing(&surface, -ray.d);
-        for k in [10, 15, 20, 30, 50, 70, 100, 150, 200, 300, 500, 700, 1000] {
-            let e = self.global.irradiance_of(k, surface.p, n);
-            let (c, r) = (e.all(), e.found.radius_sq.sqrt() / scene.radius());
-            out += &format!("{k},{},{r},{},{},{}\n", e.found.count, c.r, c.g, c.b);
-        }
-        out.into_bytes()
-    }
-
     /// Irradiance of light that took at most `depth` segments.
     fn irradiance(&self, depth: u8) -> &IrradianceMap {
         let last = self.irradiance.len() - 1;
         &self.irradiance[(depth as usize - 1).min(last)]
     }
-}
-
-/// Irradiance for every depth that a gather ray can ask for: deeper than the deepest photon there is nothing new.
-fn irradiance_maps(setting: &Setting, params: &Params, global: &Estimator) -> Vec<IrradianceMap> {
-    let depths = match params.max_depth {
-        None => vec![u8::MAX],
-        Some(most) => {
-            let deepest = global.map.photons().map(|s| u32::from(s.depth)).max().unwrap_or(1);
-            (1..=most.saturating_sub(2).clamp(1, deepest.max(1)) as u8).collect()
-        }
-    };
-    depths
-        .into_iter()
-        .map(|depth| IrradianceMap::new(setting.scene, global, depth, setting.seed))
-        .collect()
 }

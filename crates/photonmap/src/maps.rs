@@ -1,0 +1,57 @@
+//! Photons for the maps: shot, or of an earlier run.
+
+use gi_core::scene::Scene;
+use gi_core::technique::Setting;
+
+use crate::map::Order;
+use crate::shoot::{Shot, Source, Wanted};
+use crate::volume::VolumeMaps;
+use crate::{Gather, Params, file};
+
+/// Photons for both maps on surfaces, and the maps of media if they were saved.
+pub(crate) struct Maps {
+    pub(crate) global: Shot,
+    pub(crate) caustic: Option<Shot>,
+    pub(crate) volume: Option<VolumeMaps>,
+    pub(crate) order: Order,
+}
+
+impl Params {
+    /// Whether media absorb and scatter light.
+    pub(crate) fn knows_media(&self, scene: &Scene) -> bool {
+        scene.has_media() && self.volume_photons > 0
+    }
+}
+
+/// Where photons come from, by the parameters.
+pub(crate) fn source<'a>(setting: &Setting<'a>, params: &Params) -> Source<'a> {
+    let max_segments = params.max_depth.map(|most| most.saturating_sub(1));
+    let media = params.knows_media(setting.scene);
+    Source { scene: setting.scene, seed: setting.seed, max_segments, media }
+}
+
+/// Photon tracing [slide 22].
+pub(crate) fn shoot(setting: &Setting, params: &Params) -> Maps {
+    let source = source(setting, params);
+    let global = source.shoot(Wanted::Global, params.photons);
+    let caustic = (params.gather == Gather::Final && params.caustic_photons > 0).then(|| {
+        let targets = setting.scene.focusing();
+        let count = if targets.is_empty() { 0 } else { params.caustic_photons };
+        source.shoot(Wanted::Caustic(&targets), count)
+    });
+    Maps { global, caustic, volume: None, order: Order::Any }
+}
+
+/// Photons of an earlier run.
+///
+/// # Errors
+/// What does not fit about them.
+pub(crate) fn load(setting: &Setting, params: &Params, bytes: &[u8]) -> Result<Maps, String> {
+    let saved = file::from_bytes(bytes).map_err(|e| format!("--map-in: {e}"))?;
+    saved.check(setting, params).map_err(|e| format!("--map-in: {e}"))?;
+    let order = if saved.layout == params.layout { Order::Tree } else { Order::Any };
+    let caustic = saved.caustic.filter(|_| params.caustic_photons > 0);
+    let media = setting.scene.media();
+    let build = |shot| VolumeMaps::build(shot, media, params.volume_lookup, Order::Tree);
+    Ok(Maps { global: saved.global, caustic, volume: saved.volume.map(build), order })
+}

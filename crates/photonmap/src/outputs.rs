@@ -1,0 +1,40 @@
+//! What a run leaves beside its picture.
+
+use gi_core::technique::Setting;
+
+use crate::{PhotonMapping, estimate, export, file};
+
+impl PhotonMapping<'_> {
+    /// The maps as a file for `--map-in`; what the dipole reads is shot anew.
+    pub fn save(&self) -> Vec<u8> {
+        let max_depth = self.params.max_depth.unwrap_or(0);
+        let Setting { world, .. } = self.setting;
+        let in_media = (self.volume(), self.params.subsurface);
+        file::to_bytes(world, max_depth, self.params.layout, self.maps(), in_media)
+    }
+
+    /// All photons, to look at: as comma-separated values, or as a PLY of points.
+    pub fn export(&self, as_csv: bool) -> Vec<u8> {
+        let volume = self.volume();
+        if as_csv {
+            export::to_csv(self.maps(), volume)
+        } else {
+            export::to_ply(self.maps(), volume)
+        }
+    }
+
+    /// The estimate of slide 24 at what the middle of a pixel shows, against the number of photons: one line for each k.
+    pub fn probe(&self, [x, y]: [u32; 2]) -> Vec<u8> {
+        let Setting { scene, camera, .. } = self.setting;
+        let mut out = "k,found,radius,red,green,blue\n".to_string();
+        let ray = camera.ray([x as f32 + 0.5, y as f32 + 0.5], [0.5; 2]);
+        let Some((surface, _)) = scene.intersect(&ray) else { return out.into_bytes() };
+        let n = estimate::facing(&surface, -ray.d);
+        for k in [10, 15, 20, 30, 50, 70, 100, 150, 200, 300, 500, 700, 1000] {
+            let e = self.global.irradiance_of(k, surface.p, n);
+            let (c, r) = (e.all(), e.found.radius_sq.sqrt() / scene.radius());
+            out += &format!("{k},{},{r},{},{},{}\n", e.found.count, c.r, c.g, c.b);
+        }
+        out.into_bytes()
+    }
+}
