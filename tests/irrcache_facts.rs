@@ -330,8 +330,7 @@ fn open_ground_does_not_answer_in_the_court_that_stands_on_it() {
     // 400 m of ground round a court of 8 m. Its records far off see next to nothing, and would be good for everything; it is
     // the court's own that are lost to them, mostly where those are small.
     let world = World::load("patio.xml", [24, 18], &[("sun", "0")]);
-    let truth =
-        world.render::<PathTracer>(&pathtrace::Params::default(), 1024, 9, Show::Indirect);
+    let truth = world.render::<PathTracer>(&pathtrace::Params::default(), 1024, 9, Show::Indirect);
     let (truth, noise) = mean_and_variance(&truth);
     let params = Params { min_spacing: 0.5, ..Params::default() };
     let of = |seed| mean_and_variance(&render(&world, &params, 64, seed, Show::Indirect)).0;
