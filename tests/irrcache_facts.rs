@@ -324,3 +324,19 @@ fn an_empty_world_and_one_without_light_are_black() {
         }
     }
 }
+
+#[test]
+fn open_ground_does_not_answer_in_the_court_that_stands_on_it() {
+    // 400 m of ground round a court of 8 m. Its records far off see next to nothing, and would be good for everything; it is
+    // the court's own that are lost to them, mostly where those are small.
+    let world = World::load("patio.xml", [24, 18], &[("sun", "0")]);
+    let truth = world.render::<PathTracer>(&pathtrace::Params::default(), 1024, 9, Show::Indirect);
+    let (truth, noise) = mean_and_variance(&truth);
+    let params = Params { min_spacing: 0.5, ..Params::default() };
+    let of = |seed| mean_and_variance(&render(&world, &params, 64, seed, Show::Indirect)).0;
+    let (mean, error) = mean_and_error(&[1, 2, 3, 4].map(of));
+    // Half a per cent is for what interpolation loses in corners: light there bends more than records can follow.
+    let off = (mean / truth - 1.0).abs();
+    let noise = (noise.sqrt() / truth).hypot(error / truth);
+    assert!(off < 0.005 + 4.0 * noise, "{mean} against {truth}: off by {off:.4} +- {noise:.4}");
+}

@@ -11,7 +11,7 @@ use gi_core::scene::SceneParts;
 use gi_core::technique::Technique;
 use gi_core::texture::Texture;
 use gi_stats::{Running, z_test};
-use gi_tests::{World, grey, mean_and_variance, sphere};
+use gi_tests::{World, both_sides, grey, mean_and_variance, polygon, sphere};
 use glam::{Affine3A, Vec3};
 use pathtrace::{Mode, PathTracer};
 use ppm::{Method, Params, Ppm};
@@ -333,4 +333,38 @@ fn on_a_caustic_the_error_falls_as_the_theory_says() {
     }
     let [middle, large] = [0.7, 0.95].map(|alpha| slope(alpha).mean());
     assert!(middle < large, "a radius that hardly shrinks keeps its bias: {middle}, {large}");
+}
+
+#[test]
+fn under_a_roof_on_ground_to_the_horizon_it_agrees_with_the_path_tracer() {
+    // A roof of 4 m over 400 m of ground, seen from below: all of its light comes over the ground, most of which matters
+    // nothing. Blind photons hit it a few times in a million, and discs relative to the scene are wider than it.
+    let square = |half: f32, y: f32| {
+        let at = |x, z| Vec3::new(x * half, y, z * half);
+        polygon(&[at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)])
+    };
+    let shapes =
+        vec![Shape::new("ground", square(200.0, 0.0), 1), Shape::new("roof", square(2.0, 2.0), 1)];
+    let parts = SceneParts {
+        shapes,
+        materials: vec![grey(0.5), both_sides()],
+        lights: vec![LightSource::Constant { radiance: Rgb::WHITE }],
+        ..SceneParts::default()
+    };
+    let eye = Vec3::new(0.3, 0.2, 0.2);
+    let camera = CameraSpec::look_at(eye, Vec3::new(0.0, 2.0, 0.0), Vec3::Z, 1.0, [16, 16]);
+    let world = World::new(parts, &camera);
+    let truth = world.render::<PathTracer>(&Default::default(), 256, 5, Show::Indirect);
+    let (truth, variance) = mean_and_variance(&truth);
+    // A radius for each pixel, and one for all.
+    for method in [Method::Sppm, Method::Ppa] {
+        let of = |seed| {
+            mean_and_variance(&render(&world, &with(method, 20_000), 8, seed, Show::Indirect)).0
+        };
+        let means: Running = (0..16).map(of).collect();
+        let error = means.variance_of_mean().sqrt();
+        assert!(error < 0.02 * truth, "{method:?}: +- {error} of {truth}");
+        let p = z_test(means.mean(), error * error, truth, variance);
+        assert!(p > ALPHA / 2.0, "{method:?}: {} +- {error} of {truth}, p = {p:.1e}", means.mean());
+    }
 }

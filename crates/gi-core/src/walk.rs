@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 
-use crate::bsdf::{Bsdf, Transport};
+use crate::bsdf::{Bsdf, Scatter, Transport};
 use crate::geometry::Surface;
 use crate::light::{Emission, Targets};
 use crate::math::Rgb;
@@ -13,6 +13,7 @@ use crate::scene::Scene;
 pub use media::{LightEvent, MediumVertex};
 
 mod media;
+mod toward;
 
 /// A surface point that light has reached.
 pub struct LightVertex<'a> {
@@ -140,6 +141,18 @@ impl<'a> LightWalk<'a> {
         self.met += 1;
         let ([u_choice, u_roulette], u) = (self.sampler.next_2d(), self.sampler.next_2d());
         let Some(s) = vertex.bsdf.sample(vertex.wo, u_choice, u) else { return false };
+        self.leave(vertex, &s, roulette, u_roulette)
+    }
+
+    /// Go on as `s` says.
+    #[inline]
+    fn leave(
+        &mut self,
+        vertex: &LightVertex<'a>,
+        s: &Scatter,
+        roulette: Roulette,
+        u_roulette: f32,
+    ) -> bool {
         let surface = &vertex.surface;
         let mut factor = s.weight;
         if !s.delta {

@@ -58,7 +58,8 @@ pub struct Shot {
 const CHUNK: u64 = 4096;
 /// Chunks between two looks at how many photons there are. Fixed, so that it is the same for any number of threads.
 const ROUND: u64 = 16;
-/// Paths per wanted photon after which a scene is taken to give no more.
+/// Paths per wanted photon that are tried whatever they bring, and after which a scene is taken to give no more.
+const FEWEST_PATHS: u64 = 8;
 const MOST_PATHS: u64 = 256;
 
 /// A photon before it is packed: its power is not yet divided by the number of paths.
@@ -96,12 +97,20 @@ pub(crate) struct Step<'s, 'a> {
     pub(crate) after: Option<&'s LightWalk<'a>>,
 }
 
-/// Walk chunks of paths until there are `count` hits; the path that reaches the number is the last.
+/// Paths that `count` hits are worth, when `emitted` have brought `hits`: [`MOST_PATHS`] a hit, or of these the share that
+/// they would bring of all. What does not come is not looked for long, and no little difference in what comes makes a large one.
+fn worth(count: usize, hits: usize, emitted: u64) -> u64 {
+    let paths = |a_hit: u64| (count as u64).saturating_mul(a_hit).max(CHUNK * ROUND);
+    let most = paths(MOST_PATHS);
+    let share = most as f64 * hits as f64 / (emitted.max(1) as f64 * count as f64);
+    ((most as f64 * share.min(1.0)) as u64).max(paths(FEWEST_PATHS))
+}
+
+/// Walk chunks of paths until there are `count` hits, or no more are worth while; the path that reaches the number is the last.
 pub(crate) fn collect<T: Send>(count: usize, walk: impl Fn(u64) -> Chunk<T> + Sync) -> Hits<T> {
     let (mut chunks, mut hits, mut emitted, mut gave_up) = (Vec::new(), 0, 0u64, false);
-    let limit = (count as u64).saturating_mul(MOST_PATHS).max(CHUNK * ROUND);
     while hits < count {
-        if emitted >= limit {
+        if emitted >= worth(count, hits, emitted) {
             gave_up = true;
             break;
         }
@@ -283,6 +292,43 @@ mod tests {
             );
             let first_hits = shot.photons.iter().filter(|s| s.depth == 1).count();
             assert_eq!(first_hits as u64, shot.emitted);
+        }
+    }
+
+    #[test]
+    fn what_hardly_comes_is_given_up_early_and_is_right_in_the_mean() {
+        // One path in `rarity` brings a hit. Ten thousand are wanted, 256 paths each are the most, 8 are always tried.
+        let (count, fewest, most) = (10_000, 80_000, 2_560_000);
+        let shoot = |rarity: u32| {
+            let walk = |chunk| {
+                let mut hits = Vec::new();
+                let ends = paths(chunk).map(|path| {
+                    if hash_words(&[path as u32, rarity]) < u32::MAX / rarity {
+                        hits.push(path);
+                    }
+                    hits.len() as u32
+                });
+                let ends = ends.collect();
+                Chunk { hits, ends }
+            };
+            let Hits { chunks, emitted, gave_up } = collect(count, walk);
+            (chunks.iter().map(Vec::len).sum::<usize>(), emitted, gave_up)
+        };
+        // Rounds are whole.
+        let round = CHUNK * ROUND;
+        let (hits, emitted, gave_up) = shoot(u32::MAX);
+        assert!(gave_up && hits == 0 && emitted >= fewest && emitted < fewest + round);
+        let (hits, emitted, gave_up) = shoot(200);
+        assert!(!gave_up && hits == count && emitted < most);
+        for rarity in [400, 1000, 4000] {
+            let (hits, emitted, gave_up) = shoot(rarity);
+            // Emission ends where emitted^2 / hits is what it is to be: half of the error of the hits, and a round.
+            let expected = most as f64 * (256.0 / f64::from(rarity));
+            let slack = 2.0 / (expected / f64::from(rarity)).sqrt() + round as f64 / expected;
+            let off = (emitted as f64 / expected - 1.0).abs();
+            assert!(gave_up && off < slack, "one in {rarity}: {off} of {slack}");
+            let mean = emitted as f64 / f64::from(rarity);
+            assert!((hits as f64 - mean).abs() < 4.0 * mean.sqrt(), "{hits} hits, not {mean}");
         }
     }
 

@@ -62,7 +62,8 @@ impl Ppm<'_> {
         if !traces.iter().map(|t| t.at).eq(self.traces.iter().map(|t| t.at)) {
             return Err("it traces other pixels".into());
         }
-        *self = Ppm { counts, at_bounds, pixels, traces, params: self.params.clone(), ..*self };
+        (self.counts, self.at_bounds, self.pixels, self.traces) =
+            (counts, at_bounds, pixels, traces);
         Ok(())
     }
 }

@@ -3,23 +3,34 @@
 use gi_core::camera::Camera;
 use gi_core::eye::EyeVertex;
 use gi_core::film::PerPixel;
-use gi_core::math::Rgb;
+use gi_core::geometry::Surface;
+use gi_core::math::{Frame, Rgb};
+use gi_core::ray::Ray;
 use gi_core::sampler::Sampler;
+use gi_core::scene::Scene;
 use glam::Vec3;
 
 use crate::gather::{Point, answered, radius_of};
 use crate::grid::Grid;
 use crate::methods::Method;
-use crate::photons::Photon;
+use crate::photons::{Photon, SAME_SURFACE};
 use crate::region::{Look, Region};
 use crate::statistics::Statistics;
 
 /// Number of the pass whose photons the radii are found from; none that is added to the picture.
 pub(crate) const PILOT: u32 = u32::MAX;
-/// Largest radius that is chosen automatically, in scene radii.
+/// Largest radius that is chosen automatically, in scene radii, or in lengths of the eye's path where that is less: what is
+/// seen of a large scene is as fine as it is near.
 const MOST: f32 = 0.03;
 /// Least, in widths of a pixel where the eye's path ends.
 const LEAST_PIXELS: f32 = 1.0;
+/// Share of a disc that must lie on its surface, unless it is as small as it may be; looked at in so many points. Of a larger
+/// disc over a narrow slat most is air.
+const LEAST_COVERED: f32 = 0.75;
+const PROBES: u32 = 16;
+/// By what a disc shrinks that does not.
+const STEP: f32 = 0.7;
+const GOLDEN_ANGLE: f32 = 2.399_963;
 
 /// How many pixels did not get the number of photons that was asked for.
 #[derive(Clone, Copy, Debug, Default)]
@@ -45,7 +56,7 @@ pub(crate) fn regions(look: &Look, photons: &[Vec<Photon>]) -> (PerPixel<Region>
         let found = PerPixel::new(size, |at| nearest(look, at, &grid, guess));
         for n in found.rows().flatten() {
             bounds.least += u64::from(n.radius <= n.least);
-            bounds.most += u64::from(n.radius >= MOST * scene.radius());
+            bounds.most += u64::from(n.radius >= n.most);
         }
         let median =
             median(found.rows().flatten().map(|n| n.radius)).unwrap_or(0.01 * scene.radius());
@@ -66,22 +77,23 @@ pub(crate) fn regions(look: &Look, photons: &[Vec<Photon>]) -> (PerPixel<Region>
     (regions, bounds)
 }
 
-/// The radius that holds so many photons, and the least one allowed.
+/// The radius that holds so many photons, and the least and the largest one allowed.
 #[derive(Clone, Copy)]
 struct Nearest {
     radius: f32,
     least: f32,
+    most: f32,
 }
 
 /// Look through a pixel, and round the first point where photons are gathered.
 fn nearest(look: &Look, at: [usize; 2], grid: &Grid, guess: f32) -> Option<Nearest> {
     let setting = look.setting;
     let pixel = pixel_width(setting.camera);
-    let most = MOST * setting.scene.radius();
     let mut nearest = None;
     let mut supply = |v: &EyeVertex, _: &mut Sampler| {
         let answered = answered(v.bsdf, v.wo, look.params.min_roughness)?;
         if nearest.is_none() {
+            let most = MOST * v.length.min(setting.scene.radius());
             let least = (LEAST_PIXELS * pixel(v.length)).clamp(f32::MIN_POSITIVE, most);
             let point = Point {
                 surface: v.surface,
@@ -92,13 +104,39 @@ fn nearest(look: &Look, at: [usize; 2], grid: &Grid, guess: f32) -> Option<Neare
                 throughput: Rgb::WHITE,
             };
             let count = look.params.initial_photons as usize;
-            nearest = radius_of(grid, &point, count, guess, [least, most])
-                .map(|radius| Nearest { radius, least });
+            nearest = radius_of(grid, &point, count, guess, [least, most]).map(|radius| Nearest {
+                radius: on_surface(setting.scene, v.surface, [least, radius]),
+                least,
+                most,
+            });
         }
         Some(look.silence(answered))
     };
     let _ = look.path().sample_pixel(setting.camera, setting.seed, at, PILOT, &mut supply);
     nearest
+}
+
+/// The radius, or a smaller one, whose disc lies on the surface that it is round: past an edge there are no photons for it.
+fn on_surface(scene: &Scene, surface: &Surface, [least, mut radius]: [f32; 2]) -> f32 {
+    while radius > least && covered(scene, surface, radius) < LEAST_COVERED {
+        radius = (STEP * radius).max(least);
+    }
+    radius
+}
+
+/// Share of a disc that has a surface of about its normal close under or over it.
+fn covered(scene: &Scene, surface: &Surface, radius: f32) -> f32 {
+    let frame = Frame::from_normal(surface.ng);
+    let is_on = |k: &u32| {
+        // A spiral through equal areas.
+        let r = radius * ((*k as f32 + 0.5) / PROBES as f32).sqrt();
+        let (sin, cos) = (GOLDEN_ANGLE * *k as f32).sin_cos();
+        let o = surface.p + (frame.s * cos + frame.t * sin) * r + surface.ng * (0.5 * radius);
+        let ray = Ray { o, tmin: 0.0, d: -surface.ng, tmax: radius };
+        let met = scene.intersect(&ray);
+        met.is_some_and(|(s, _)| s.ng.dot(surface.ng).abs() >= SAME_SURFACE)
+    };
+    (0..PROBES).filter(is_on).count() as f32 / PROBES as f32
 }
 
 /// The width of the middle pixel at a distance from the eye.

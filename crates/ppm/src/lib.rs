@@ -7,10 +7,11 @@
 //! | `--method` | `ppm`: hit points found once \[Hachisuka08\]; `sppm` (default): a pixel looks anew in every pass \[Hachisuka09\]; `ppa`: R by the number of the pass alone \[Knaus11\]; `adaptive`: R balances noise and bias \[Kaplanyan13\] |
 //! | `--alpha` | share of a pass's photons that stay (0.7): 1 keeps the radius, small values shrink it fast |
 //! | `--photons` | light paths a pass (0: as many as pixels) |
-//! | `--initial-radius` | in scene radii (0: as far as `--initial-photons` photons of a pilot pass reach) |
+//! | `--initial-radius` | in scene radii (0: as far as `--initial-photons` photons of a pilot pass reach, on the surface that is seen) |
+//! | emission | light from infinity is aimed at what the eye's paths meet behind where they gather: no path is left out |
 //! | `--min-roughness` | alpha of the sharpest lobe at which photons are gathered (0.1); sharper ones are followed by rays |
 //! | bias | light is blurred over R: caustics begin soft, corners and contact shadows leak; falls with the passes |
-//! | how it fails | blotches of the initial radius where few photons come (`ppm`, `sppm` shrink there slowly); lights whose photons miss what is seen |
+//! | how it fails | blotches of the initial radius where few photons come (`ppm`, `sppm` shrink there slowly); light that comes from far off along the ground, in few strong photons |
 //! | sources | \[Hachisuka08\], \[Hachisuka09\], \[Hachisuka10\], \[Knaus11\], \[Kaplanyan13\] |
 //!
 //! tau / R^2 gains exactly a pass's own flux / R^2 in every pass, whatever R becomes afterwards: the estimate is the
@@ -18,6 +19,7 @@
 //! like any other technique's.
 #![forbid(unsafe_code)]
 
+mod aim;
 mod checkpoint;
 mod error;
 mod gather;
@@ -129,6 +131,7 @@ impl<'a> Technique<'a> for Ppm<'a> {
             rr_from: params.photon_rr_depth,
             max_segments: params.limits.max_depth.map(|most| most.saturating_sub(1)),
             direct: params.direct_by_photons,
+            targets: aim::targets(&setting, params),
         };
         let photons = trace(&setting, params, &emission, PILOT);
         let look = Look { setting: &setting, params, index: PILOT, moments: false };

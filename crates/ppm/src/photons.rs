@@ -1,5 +1,6 @@
 //! A pass of photons: paths from the lights, and what they leave where the eye may gather.
 
+use gi_core::light::Targets;
 use gi_core::math::Rgb;
 use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
@@ -52,7 +53,7 @@ pub enum Kind {
 
 /// Cosine of the largest angle between the normal where light is gathered and that where a photon lies: across a
 /// sharper edge it is another surface that was lit.
-const SAME_SURFACE: f32 = 0.5;
+pub(crate) const SAME_SURFACE: f32 = 0.5;
 
 impl Arrival {
     /// What `vertex` receives of a pass of `paths` paths.
@@ -94,7 +95,6 @@ fn shading_correction(wi: Vec3, ng: Vec3, ns: Vec3) -> f32 {
 }
 
 /// What a pass of photons is made with.
-#[derive(Clone, Copy)]
 pub(crate) struct Emission {
     pub(crate) seed: u32,
     /// Paths a pass.
@@ -105,6 +105,8 @@ pub(crate) struct Emission {
     pub(crate) max_segments: Option<u32>,
     /// Whether light straight from lights leaves photons too.
     pub(crate) direct: bool,
+    /// Where light from infinity is aimed, if it is.
+    pub(crate) targets: Option<Targets>,
 }
 
 impl Emission {
@@ -141,7 +143,11 @@ impl Emission {
     ) {
         // Passes are streams; within one, paths are the points of a sequence.
         let sampler = Sampler::new(self.seed ^ PHOTONS, pass, path);
-        let Some(mut walk) = LightWalk::begin(scene, sampler) else { return };
+        let walk = match &self.targets {
+            Some(targets) => LightWalk::begin_toward(scene, sampler, targets),
+            None => LightWalk::begin(scene, sampler),
+        };
+        let Some(mut walk) = walk else { return };
         let roulette = Roulette::ByAlbedo { from: self.rr_from };
         while let Some(vertex) = walk.next_vertex() {
             let segments = vertex.depth + 1;
@@ -152,7 +158,11 @@ impl Emission {
                 let arrival = Arrival::at(&vertex, self.paths);
                 photons.push(Photon { p: vertex.surface.p, arrival });
             }
-            if !walk.scatter(&vertex, roulette) {
+            let goes_on = match &self.targets {
+                Some(targets) => walk.scatter_toward(&vertex, roulette, targets),
+                None => walk.scatter(&vertex, roulette),
+            };
+            if !goes_on {
                 return;
             }
         }

@@ -8,6 +8,7 @@ use glam::Vec3;
 use super::gradients::Gradient;
 use super::hemisphere::Hemisphere;
 use super::hessian::{Hessian, eigen, geometric, occlusion};
+use super::site::RELAXED;
 
 /// What the error of a record is estimated by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,13 +55,13 @@ pub struct Validity {
     pub axis: Vec3,
 }
 
-/// Share of the error of going to an ellipse's rim that a Hessian's record may make, times the squared radius of the scene:
+/// Share of the error of going to an ellipse's rim that a Hessian's record may make, times the squared unit of length:
 /// chosen so that the Hessians take about as many records as the bounded split sphere at the same accuracy in the Cornell box.
 const HESSIAN_SCALE: f32 = 5e-4;
 
 impl Control {
     /// How far the record of a hemisphere is good for, before the limits of picture and neighbours. `unit` is the radius of
-    /// the scene.
+    /// the scene, or the distance of the eye where that is less.
     pub fn validity(
         &self,
         h: &Hemisphere,
@@ -110,11 +111,12 @@ impl Control {
     }
 
     /// How fast the radius may grow with the distance to a neighbour: R as fast as that, and a record is
-    /// good for a R \[Krivanek06\].
+    /// good for a R \[Krivanek06\]. Radii by Hessians grow slower, so that a record does not cover its neighbours even where
+    /// lookups are relaxed: one in the open, whose rays saw nothing, would answer in the corners far from it.
     pub fn slope(&self) -> f32 {
         match self.error {
             ErrorControl::SplitSphere | ErrorControl::Bounded => self.accuracy,
-            ErrorControl::HessianGeometric | ErrorControl::HessianOcclusion => 1.0,
+            ErrorControl::HessianGeometric | ErrorControl::HessianOcclusion => 1.0 / RELAXED,
         }
     }
 }

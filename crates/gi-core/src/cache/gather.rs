@@ -83,12 +83,14 @@ impl<'a> Gatherer<'a> {
     pub fn record_of(&self, place: &Place, frame: &Frame, h: &Hemisphere) -> Record {
         let e = h.irradiance();
         let gradient = translational(h);
-        let unit = self.scene.radius();
+        let scene = self.scene.radius();
+        // What is far off does not make coarser what is near: ground to the horizon is no measure of a court on it.
+        let unit = scene.min(place.length);
         let validity = self.control.validity(h, e, &gradient, unit);
         let [least, most] = if self.control.has_limits() {
-            self.spacing.map(|s| (s * place.length).min(unit))
+            self.spacing.map(|s| (s * place.length).min(scene))
         } else {
-            [0.0, unit]
+            [0.0, scene]
         };
         let radii = validity.radii.map(|r| r.min(most).max(least));
         let gradient = gradient.limited(e, RELAXED * radii[0].max(radii[1]));

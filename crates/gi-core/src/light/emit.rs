@@ -128,4 +128,10 @@ impl Lights {
         let q = warp::disk(u) * radius;
         (center - d * radius + frame.s * q.x + frame.t * q.y, PI * radius * radius)
     }
+
+    /// Back along the line through `q` to where light along `d` enters the scene's sphere, or passes it.
+    pub(super) fn entrance(&self, q: Vec3, d: Vec3) -> Vec3 {
+        let (center, radius) = self.sphere;
+        q + d * ((center - q).dot(d) - radius)
+    }
 }

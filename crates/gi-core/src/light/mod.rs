@@ -3,6 +3,7 @@
 //! Every shining primitive is a light of its own, so a mesh of a thousand triangles is a thousand lights; the number
 //! of a light is what many-light methods build their trees over.
 
+mod aim;
 mod area;
 mod distribution;
 mod emit;

@@ -250,6 +250,11 @@ impl Light {
         matches!(self, Light::Constant { .. } | Light::Environment(_) | Light::DistantDisc { .. })
     }
 
+    /// Whether its light comes in parallel from outside of the scene.
+    pub fn is_infinite(&self) -> bool {
+        self.is_distant() || matches!(self, Light::Directional { .. })
+    }
+
     /// Radiance from direction `d` and the density per solid angle of drawing it, of a light at infinity.
     #[inline]
     pub(crate) fn escaped(&self, d: Vec3) -> (Rgb, f32) {

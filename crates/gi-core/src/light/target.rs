@@ -1,9 +1,11 @@
 //! Light paths that begin toward chosen things: what projection maps are for \[Jensen01, 5.2\], without their cells.
+//! Or, with light from infinity, all of them, but most where the eye looks: see [`super::aim`].
 
 use std::f32::consts::PI;
 
 use glam::Vec3;
 
+use super::aim::{Aim, Weighted};
 use super::{Emission, EmitterPoint, Light, Lights, PointSource};
 use crate::geometry::{Geometry, Shape};
 use crate::math::{Frame, Rgb, sqr};
@@ -13,12 +15,14 @@ use crate::warp;
 #[derive(Clone, Debug, Default)]
 pub struct Targets {
     spheres: Vec<Ball>,
+    /// Instead of them: no path is left out.
+    aim: Option<Aim>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Ball {
-    center: Vec3,
-    radius: f32,
+pub(super) struct Ball {
+    pub(super) center: Vec3,
+    pub(super) radius: f32,
 }
 
 /// Most spheres; each start of a path looks at all of them.
@@ -33,12 +37,24 @@ impl Targets {
         while spheres.len() > MOST {
             spheres = spheres.chunks(2).map(joined).collect();
         }
-        Targets { spheres }
+        Targets { spheres, aim: None }
+    }
+
+    /// All paths of `lights`, those from infinity mostly toward some points, by their weights: where they are scattered
+    /// first, and where they end. `None` where no point has weight, or nothing shines from infinity.
+    pub(crate) fn around(points: [Vec<Weighted>; 2], lights: &Lights) -> Option<Self> {
+        Aim::new(points, lights).map(|aim| Targets { aim: Some(aim), ..Targets::default() })
+    }
+
+    /// Where light that is scattered at `p`, far from all ends, is to go: a cone round a normal, and 1 - cos of its half
+    /// angle.
+    pub(crate) fn goal_from(&self, p: Vec3) -> Option<(Frame, f32)> {
+        self.aim.as_ref()?.goal_from(p)
     }
 
     /// Whether there is nothing to aim at.
     pub fn is_empty(&self) -> bool {
-        self.spheres.is_empty()
+        self.spheres.is_empty() && self.aim.is_none()
     }
 
     /// Draw a direction from `p` into the cones of the targets, uniformly by solid angle: the direction, and one over its
@@ -84,14 +100,14 @@ impl Targets {
     /// Draw a line along `d` through the targets' shadows on a plane across `d`, uniformly by area: a point of the line,
     /// and one over its density per area. `None` where the shadows together are not smaller than `most`.
     fn sample_shadows(&self, d: Vec3, u: [f32; 2], most: f32) -> Option<(Vec3, f32)> {
-        let total: f32 = self.spheres.iter().map(|b| PI * sqr(b.radius)).sum();
+        let total: f32 = self.spheres.iter().map(Ball::shadow).sum();
         if total >= most || total <= 0.0 {
             return None;
         }
         let mut rest = u[0] * total;
         let mut chosen = None;
         for b in &self.spheres {
-            let area = PI * sqr(b.radius);
+            let area = b.shadow();
             chosen = Some((b, (rest / area).min(1.0)));
             if rest < area {
                 break;
@@ -99,18 +115,31 @@ impl Targets {
             rest -= area;
         }
         let (ball, u0) = chosen?;
-        let frame = Frame::from_normal(d);
-        let q = warp::disk([u0, u[1]]) * ball.radius;
-        let p = ball.center + frame.s * q.x + frame.t * q.y;
-        let hit = |b: &&Ball| (b.center - p).cross(d).length_squared() <= sqr(b.radius);
-        let count = self.spheres.iter().filter(hit).count().max(1);
+        let p = ball.point_of_shadow(&Frame::from_normal(d), [u0, u[1]]);
+        let count = self.spheres.iter().filter(|b| b.is_on_line(p, d)).count().max(1);
         Some((p, total / count as f32))
     }
 }
 
 impl Ball {
+    /// Area of its shadow.
+    pub(super) fn shadow(&self) -> f32 {
+        PI * sqr(self.radius)
+    }
+
+    /// A point of its shadow across the normal of `frame`, uniformly by area, in the plane through its middle.
+    pub(super) fn point_of_shadow(&self, frame: &Frame, u: [f32; 2]) -> Vec3 {
+        let q = warp::disk(u) * self.radius;
+        self.center + frame.s * q.x + frame.t * q.y
+    }
+
+    /// Whether the line through `p` along unit `d` meets it.
+    pub(super) fn is_on_line(&self, p: Vec3, d: Vec3) -> bool {
+        (self.center - p).cross(d).length_squared() <= sqr(self.radius)
+    }
+
     /// 1 - cos of the half angle of the cone that the ball fills from `p`; `None` from inside.
-    fn one_minus_cos(&self, p: Vec3) -> Option<f32> {
+    pub(super) fn one_minus_cos(&self, p: Vec3) -> Option<f32> {
         let sin_sq = sqr(self.radius) / (self.center - p).length_squared();
         (sin_sq < 0.9999).then(|| sin_sq / (1.0 + (1.0 - sin_sq).sqrt()))
     }
@@ -146,7 +175,7 @@ pub(crate) fn sphere_round(shape: &Shape) -> (Vec3, f32) {
 
 impl Lights {
     /// As [`Lights::emit`], but only paths that may meet a target at once: power of all other paths is left out, power of
-    /// these is right. A light that the targets surround, or nearly, emits as ever.
+    /// these is right. A light that the targets surround, or nearly, emits as ever. Targets round points leave nothing out.
     pub(crate) fn emit_toward(
         &self,
         targets: &Targets,
@@ -155,6 +184,9 @@ impl Lights {
         u_d: [f32; 2],
         emission: impl Fn(u32, u32, &EmitterPoint) -> Rgb,
     ) -> Option<Emission> {
+        if let Some(aim) = &targets.aim {
+            return aim.emit(self, (u_light, u_p, u_d), emission);
+        }
         let start = self.emit(u_light, u_p, u_d, emission)?;
         let cones = |normal, most| targets.sample_cones(start.p, normal, u_d, most);
         let aimed = match start.source {
@@ -176,11 +208,9 @@ impl Lights {
                 })
             }
             PointSource::Directional(irradiance) => {
-                let (center, radius) = self.sphere;
-                let shadows = targets.sample_shadows(start.d, u_p, PI * sqr(radius));
+                let shadows = targets.sample_shadows(start.d, u_p, PI * sqr(self.sphere.1));
                 shadows.map(|(q, area)| {
-                    // Back along the line to where light enters the scene's sphere.
-                    let p = q + start.d * ((center - q).dot(start.d) - radius);
+                    let p = self.entrance(q, start.d);
                     Emission { p, power: irradiance * area, ..start }
                 })
             }

@@ -100,6 +100,12 @@ impl Scene {
         Targets::new(spheres)
     }
 
+    /// Targets that leave no light path out, and bring those from infinity mostly to points that matter, each with its weight:
+    /// where light is to be scattered first, and where it is to end. `None` where none does, or nothing shines from infinity.
+    pub fn around(&self, points: [Vec<(Vec3, f32)>; 2]) -> Option<Targets> {
+        Targets::around(points, &self.lights)
+    }
+
     /// Radiance of a shining primitive at one of its points.
     #[inline]
     fn emission_at(&self, shape: u32, primitive: u32, point: &EmitterPoint) -> Rgb {

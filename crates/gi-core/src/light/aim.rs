@@ -1,0 +1,250 @@
+//! Light from infinity, aimed: through discs round what matters, each for a share of the paths, the last round the scene.
+//!
+//! A sun lights all of a scene alike, and of ground to the horizon the eye sees a court. Blind paths spread over the scene's
+//! disc; these are dense where they matter and sparse elsewhere, and the power of each says how dense.
+
+use std::f32::consts::PI;
+
+use glam::Vec3;
+
+use super::target::Ball;
+use super::{Discrete, Emission, EmitterPoint, Light, Lights, PointSource};
+use crate::math::{Bounds, Frame, Rgb, sqr};
+
+/// Where paths from infinity go through the scene, and how lights are chosen for them.
+#[derive(Clone, Debug)]
+pub(crate) struct Aim {
+    balls: Vec<Ball>,
+    shares: Discrete,
+    lights: Discrete,
+    /// Where light that is scattered far from it is to go.
+    goal: Ball,
+}
+
+/// A point that matters, and how much.
+pub(super) type Weighted = (Vec3, f32);
+
+/// Spheres round parts of the points, of equal weight each; a power of two.
+const PARTS: usize = 32;
+/// Share of the paths that they get. The others go through spheres each twice as large as the one before, from half of
+/// all points to the whole scene, a like number through each: the power of a path grows with the square of the distance from
+/// what matters, as the chance falls that it comes there when it is scattered.
+const SHARE: f32 = 0.6;
+/// Least radius of a part, in units of the distance that half of the points lie within.
+const LEAST: f32 = 0.1;
+/// Radius of the goal, in units of the distance that half of the ends lie within; and how far is far, in radii of the goal.
+const GOAL: f32 = 2.0;
+const FAR: f32 = 2.0;
+/// Least of that distance, in units of the scene's radius.
+const LEAST_CORE: f32 = 1e-4;
+
+impl Aim {
+    /// Aim at the points where light is to be scattered first, and from afar at those where it is to end. `None` where none
+    /// has weight, or no light is at infinity.
+    pub(crate) fn new([mut points, mut ends]: [Vec<Weighted>; 2], lights: &Lights) -> Option<Self> {
+        for list in [&mut points, &mut ends] {
+            list.retain(|(p, w)| p.is_finite() && w.is_finite() && *w > 0.0);
+        }
+        if points.is_empty() || ends.is_empty() || !lights.all().iter().any(Light::is_infinite) {
+            return None;
+        }
+        let (middle, radius) = lights.sphere();
+        let core = core(&mut points, LEAST_CORE * radius);
+        let goal = self::core(&mut ends, LEAST_CORE * radius);
+        let goal = Ball { radius: GOAL * goal.radius, ..goal };
+        let total: f64 = points.iter().map(|p| f64::from(p.1)).sum();
+        let mut parts = Vec::with_capacity(PARTS);
+        split(&mut points, PARTS, &mut |part| {
+            let weight: f64 = part.iter().map(|p| f64::from(p.1)).sum();
+            let ball = ball_round(part, LEAST * core.radius);
+            parts.push((ball, SHARE * (weight / total) as f32));
+        });
+        let area = area(&parts).min(PI * sqr(radius));
+        let mut rings = vec![core];
+        while let Some(last) = rings.last().filter(|b| 2.0 * b.radius < radius) {
+            rings.push(Ball { radius: 2.0 * last.radius, ..core });
+        }
+        // No rounding leaves a point of the scene outside.
+        rings.push(Ball { center: middle, radius: radius * 1.001 });
+        let share = (1.0 - SHARE) / rings.len() as f32;
+        parts.extend(rings.into_iter().map(|b| (b, share)));
+        // A light at infinity is worth what it sends to where paths are aimed, not all that falls on the scene.
+        let seen = area / (PI * sqr(radius));
+        let worth = |(k, light): (usize, &Light)| {
+            lights.probability(k) * if light.is_infinite() { seen } else { 1.0 }
+        };
+        Some(Aim {
+            shares: Discrete::new(parts.iter().map(|p| p.1)),
+            lights: Discrete::new(lights.all().iter().enumerate().map(worth)),
+            balls: parts.into_iter().map(|p| p.0).collect(),
+            goal,
+        })
+    }
+
+    /// As [`Lights::emit`], with the places of parallel light where paths are aimed.
+    pub(crate) fn emit(
+        &self,
+        lights: &Lights,
+        (u_light, u_p, u_d): (f32, [f32; 2], [f32; 2]),
+        emission: impl Fn(u32, u32, &EmitterPoint) -> Rgb,
+    ) -> Option<Emission> {
+        let (light, probability, _) = self.lights.sample(u_light)?;
+        let start = lights.emit_from((light, probability), u_p, u_d, emission)?;
+        let PointSource::Directional(irradiance) = start.source else { return Some(start) };
+        let (q, density) = self.sample(start.d, u_p)?;
+        let p = lights.entrance(q, start.d);
+        Some(Emission { p, power: irradiance / density, ..start })
+    }
+
+    /// The cone that the goal fills from far away: its axis, and 1 - cos of its half angle.
+    pub(super) fn goal_from(&self, p: Vec3) -> Option<(Frame, f32)> {
+        let to = self.goal.center - p;
+        if to.length_squared() < sqr(FAR * self.goal.radius) {
+            return None;
+        }
+        Some((Frame::from_normal(to.normalize()), self.goal.one_minus_cos(p)?))
+    }
+
+    /// A point of a line along unit `d`, and the line's density per area across `d`.
+    fn sample(&self, d: Vec3, u: [f32; 2]) -> Option<(Vec3, f32)> {
+        let (chosen, _, u0) = self.shares.sample(u[0])?;
+        let q = self.balls[chosen].point_of_shadow(&Frame::from_normal(d), [u0, u[1]]);
+        let density = |(k, ball): (usize, &Ball)| {
+            let inside = k == chosen || ball.is_on_line(q, d);
+            if inside { self.shares.probability(k) / ball.shadow() } else { 0.0 }
+        };
+        Some((q, self.balls.iter().enumerate().map(density).sum()))
+    }
+}
+
+/// A sphere that half of the weight lies in, round its middle.
+fn core(points: &mut [Weighted], least: f32) -> Ball {
+    let center = Vec3::from_array([0, 1, 2].map(|axis| {
+        let half = sorted_half(points, |p| p[axis]);
+        points[half].0[axis]
+    }));
+    let half = sorted_half(points, |p| p.distance_squared(center));
+    Ball { center, radius: points[half].0.distance(center).max(least) }
+}
+
+/// Sort points; the first at which half of the weight is reached.
+fn sorted_half(points: &mut [Weighted], key: impl Fn(Vec3) -> f32) -> usize {
+    points.sort_by(|a, b| key(a.0).total_cmp(&key(b.0)));
+    let total: f64 = points.iter().map(|p| f64::from(p.1)).sum();
+    let mut sum = 0.0;
+    let reached = |p: &Weighted| {
+        sum += f64::from(p.1);
+        2.0 * sum >= total
+    };
+    points.iter().position(reached).unwrap_or(points.len() - 1)
+}
+
+/// Halve points by weight across their longest extent until there are so many parts.
+fn split(points: &mut [Weighted], parts: usize, take: &mut impl FnMut(&[Weighted])) {
+    if parts == 1 || points.len() < 2 {
+        return take(points);
+    }
+    let extent = bounds(points).extent();
+    let axis = (0..3).fold(0, |a, b| if extent[b] > extent[a] { b } else { a });
+    let half = sorted_half(points, |p| p[axis]).clamp(1, points.len() - 1);
+    let (low, high) = points.split_at_mut(half);
+    split(low, parts / 2, take);
+    split(high, parts / 2, take);
+}
+
+fn bounds(points: &[Weighted]) -> Bounds {
+    Bounds::of(points.iter().map(|p| p.0))
+}
+
+fn ball_round(points: &[Weighted], least: f32) -> Ball {
+    let bounds = bounds(points);
+    Ball { center: bounds.center(), radius: (0.5 * bounds.extent().length()).max(least) }
+}
+
+/// Of the area that a path stands for at a point that matters, the geometric mean.
+fn area(parts: &[(Ball, f32)]) -> f32 {
+    let share: f32 = parts.iter().map(|p| p.1).sum();
+    let mean: f32 = parts.iter().map(|(b, s)| s / share * (b.shadow() * share / s).ln()).sum();
+    mean.exp()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light::LightSource;
+    use crate::rng::Pcg;
+
+    /// Points of a court of 4 m in a scene of 300 m, a few farther off; the sun as `lights` have it.
+    fn aimed(sources: Vec<LightSource>) -> (Option<Aim>, Lights) {
+        let mut rng = Pcg::new(5, 5);
+        let mut point = |size: f32| {
+            let [x, z] = rng.next_2d().map(|u| size * (u - 0.5));
+            (Vec3::new(x, rng.next_f32(), z), rng.next_f32())
+        };
+        let points: Vec<_> =
+            (0..2000).map(|k| point(if k % 50 == 0 { 100.0 } else { 4.0 })).collect();
+        let lights = Lights::new(&[], sources, (Vec3::new(1.0, 2.0, 3.0), 300.0));
+        (Aim::new([points.clone(), points], &lights), lights)
+    }
+
+    fn sun() -> LightSource {
+        LightSource::Directional { direction: -Vec3::Y, irradiance: Rgb::WHITE }
+    }
+
+    #[test]
+    fn lines_stand_for_the_area_that_they_may_go_through_wherever_that_lies() {
+        let (aim, lights) = aimed(vec![sun()]);
+        let aim = aim.expect("a light at infinity");
+        let d = Vec3::new(0.3, -0.9, 0.2).normalize();
+        // The integral over the scene's disc of a bump of width s, 2 pi s^2, about the court and far from it.
+        let bumps = [(Vec3::ZERO, 1.0f32), (Vec3::X * 30.0, 8.0), (Vec3::Z * -150.0, 30.0)];
+        let (mut rng, n) = (Pcg::new(1, 2), 200_000);
+        let mut sums = [[0.0f64; 2]; 3];
+        for _ in 0..n {
+            let (q, density) = aim.sample(d, rng.next_2d()).expect("shares");
+            for ((center, s), sum) in bumps.iter().zip(&mut sums) {
+                let off = (q - *center).cross(d).length_squared();
+                let x = f64::from((-0.5 * off / (s * s)).exp() / density);
+                (sum[0], sum[1]) = (sum[0] + x, sum[1] + x * x);
+            }
+        }
+        for ((_, s), [sum, squares]) in bumps.iter().zip(sums) {
+            let (mean, n) = (sum / f64::from(n), f64::from(n));
+            let error = ((squares / n - mean * mean) / n).sqrt();
+            let exact = f64::from(2.0 * PI * s * s);
+            assert!(
+                error < 0.05 * exact && (mean - exact).abs() < 4.0 * error,
+                "{mean} +- {error}: {exact}"
+            );
+        }
+        // Half of all paths and more go through a thousandth of the disc.
+        assert!(lights.sphere().1 == 300.0);
+        let mut near = || aim.sample(d, rng.next_2d()).expect("shares").0.cross(d).length() < 10.0;
+        assert!((0..10_000).filter(|_| near()).count() > 5000);
+    }
+
+    #[test]
+    fn a_lamp_is_not_forgotten_for_a_sun_that_shines_on_all_the_ground() {
+        // 100 m^2 of sun at irradiance 1, and a lamp of 100: of the sun's power, 280 000, the lamp is a trifle.
+        let lamp =
+            LightSource::Point { position: Vec3::Y, intensity: Rgb::grey(100.0 / (4.0 * PI)) };
+        let (aim, lights) = aimed(vec![sun(), lamp]);
+        let aim = aim.expect("a light at infinity");
+        assert!(lights.probability(1) < 1e-3);
+        assert!(aim.lights.probability(1) > 0.3, "{}", aim.lights.probability(1));
+        assert!((aim.lights.probability(0) + aim.lights.probability(1) - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn without_points_or_lights_at_infinity_there_is_no_aim() {
+        let lamp = LightSource::Point { position: Vec3::Y, intensity: Rgb::WHITE };
+        assert!(aimed(vec![lamp]).0.is_none());
+        let (_, lights) = aimed(vec![sun()]);
+        assert!(Aim::new([Vec::new(), Vec::new()], &lights).is_none());
+        assert!(Aim::new([vec![(Vec3::NAN, 1.0)], vec![(Vec3::X, 0.0)]], &lights).is_none());
+        let one =
+            Aim::new([vec![(Vec3::X, 1.0); 7], vec![(Vec3::X, 1.0)]], &lights).expect("a point");
+        let (q, density) = one.sample(Vec3::Z, [0.1, 0.5]).expect("shares");
+        assert!(q.is_finite() && density.is_finite() && density > 0.0);
+    }
+}
