@@ -249,7 +249,7 @@ figure-34:
 	$(SOLID) scenes/milk.xml $(RUN) --subsurface dipole -o $D/milk-dipole.exr
 	$(BIN)/photonmap scenes/fog.xml $(RUN) --volume-photons $(call q,100000,500000) --photons $(PHOTONS) --spp $(call q,4,32) -o $D/fog.exr
 	$(DRAW) figure $D --slide 34 --columns 3 --title "Subsurface scattering" \
-	  --caption "Marble lit from behind, milk, and a caustic in mist, from photons stored where the medium scatters them. The dipole takes every point for one of a flat half-space: smooth, too bright where the stone is thin and lit from behind. The path tracer must leave the polished stone by chance toward the lamp: its picture is right in the mean, and grainy." \
+	  --caption "Marble lit from behind, milk, and a caustic in mist, from photons stored where the medium scatters them. The dipole takes every point for one of a flat half-space: smooth, and too dark where the stone is thin and lit from behind. The path tracer must leave the polished stone by chance toward the lamp: its picture is right in the mean, and grainy." \
 	  marble.png="photons in the medium" marble-dipole.png="dipole" volpath.png="volumetric path tracing" \
 	  milk.png="milk, photons" milk-dipole.png="milk, dipole" fog.png="mist round a ball of glass"
 

@@ -105,7 +105,7 @@ enum GatherFlag {
 enum SubsurfaceFlag {
     /// Photons in the medium
     Photons,
-    /// Diffusion from the photons that enter: smooth, wrong in thin parts
+    /// Diffusion from the photons that enter: smooth, too dark where a solid is thin
     Dipole,
 }
 

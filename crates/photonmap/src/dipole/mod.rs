@@ -8,11 +8,12 @@
 //! L(wo) = (1 - F(wo)) / (1 - F) B / pi, F the Fresnel reflectance and its hemispherical mean: the path from the eye refracts
 //! into the body, and finds the radiance B / (pi (1 - F_in)) there.
 //!
-//! All scattered light is in B, and counts as indirect. Photons walk on through the medium as they are: what the body sheds on others is exact.
+//! All scattered light is in B, and counts as indirect. Photons walk on through the medium as they are: the light that a body sheds is
+//! exact in the maps of surfaces, and the dipole's where gather rays meet the body.
 //!
-//! Bias: every point is taken for one of a flat half-space, with as much medium behind it as light can reach. Thin parts and edges
-//! come out wrong, as does what a few scatterings send on (light from behind, peaked phase functions); shadows and
-//! texture of the light that comes in are blurred as they should be. Absorption is assumed to be small beside scattering.
+//! Bias: every point is taken for one of a flat half-space. What is thin, or convex, or lit from behind comes out too dark; what
+//! few scatterings send on (peaked phase functions, shadows' edges) is lost. Absorption is assumed to be small beside scattering.
+//! A ball of 40 mean free paths in even light reads 8 % high at an albedo of 0.9, 8 % low at 0.99, 9 % low at 0.999.
 
 mod entries;
 mod profile;
