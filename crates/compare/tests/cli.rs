@@ -18,8 +18,7 @@ fn json(path: &str) -> Value {
 /// The radiance in a file.
 fn rgb(path: &str) -> Vec<f32> {
     let layers = read_exr(Path::new(path)).expect("an EXR");
-    let [r, g, b] = ["R", "G", "B"].map(|c| layers.channel(c).expect("a channel"));
-    (0..r.len()).flat_map(|i| [r[i], g[i], b[i]]).collect()
+    layers.interleaved(["R", "G", "B"]).expect("its channels")
 }
 
 #[test]

@@ -52,10 +52,7 @@ impl Output {
 
     /// Write the view of a technique's own picture beside them.
     pub(crate) fn save_view(&self, picture: &Picture, size: [usize; 2]) -> Result<(), Failure> {
-        let channel = |k: usize| picture.view.iter().map(|c| c.to_array()[k]).collect();
-        let names = ["R", "G", "B"].into_iter().enumerate();
-        let channels = names.map(|(k, name)| (name.to_string(), channel(k))).collect();
-        let layers = Layers { width: size[0], height: size[1], channels, metadata: Vec::new() };
+        let layers = Layers::of_rgb(size, picture.view.iter().map(|c| c.to_array()));
         write(&self.path.with_extension(format!("{}.png", picture.name)), ImageFile::Png, &layers)
     }
 }

@@ -7,13 +7,10 @@ use gi_tests::program::{Folder, assert_refused, assert_success, run};
 
 /// A picture of one grey, and its view.
 fn picture(folder: &Folder, name: &str, grey: f32, seconds: &str) {
-    let channels = ["R", "G", "B"].map(|c| (c.to_string(), vec![grey; 16]));
     let metadata = [("gi.seconds", seconds), ("gi.command", "pathtrace scene.xml --spp <4>")];
     let layers = Layers {
-        width: 4,
-        height: 4,
-        channels: channels.to_vec(),
         metadata: metadata.map(|(k, v)| (k.to_string(), v.to_string())).to_vec(),
+        ..Layers::of_rgb([4, 4], [[grey; 3]; 16])
     };
     for kind in ["exr", "png"] {
         let path = folder.at(&format!("{name}.{kind}"));
