@@ -1,4 +1,6 @@
-//! Helpers of the tests that cross crates: scenes with known answers, and rendering them.
+//! Helpers of the tests that cross crates: scenes with known answers and rendering them, programs and running them.
+
+pub mod program;
 
 use gi_core::camera::{Camera, CameraSpec};
 use gi_core::film::{Film, Show};

@@ -64,11 +64,8 @@ impl Picture {
         }
         let layers = read_exr(path).map_err(refuse)?;
         let (names, note) = choose(&layers, layer).map_err(refuse)?;
-        let interleaved = |names: &[String; 3]| -> Option<Vec<f32>> {
-            let [r, g, b] = names.each_ref().map(|n| layers.channel(n));
-            let (r, g, b) = (r?, g?, b?);
-            Some((0..r.len()).flat_map(|i| [r[i], g[i], b[i]]).collect())
-        };
+        let interleaved =
+            |names: &[String; 3]| layers.interleaved(names.each_ref().map(String::as_str));
         let rgb = interleaved(&names).unwrap_or_default();
         if rgb.is_empty() {
             return Err(refuse("the picture has no pixels".into()));

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use gi_core::files;
+
 use crate::{Failure, show};
 
 /// Split flags into words at blanks; quotes keep blanks.
@@ -79,12 +81,7 @@ pub(crate) fn number(v: f64) -> String {
 pub(crate) fn check_writable(folder: &Path, json: Option<&Path>) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(|e| cannot_write(folder, &e))?;
     for path in [Some(folder.join("index.html").as_path()), json].into_iter().flatten() {
-        if path.is_dir() {
-            return Err(Failure::Other(format!("cannot write {}: it is a folder", show(path))));
-        }
-        let trial = beside(path, "try");
-        std::fs::File::create(&trial).map_err(|e| cannot_write(path, &e))?;
-        let _ = std::fs::remove_file(&trial); // an empty file left behind does no harm
+        files::check_writable(path).map_err(|e| cannot_write(path, &e))?;
     }
     Ok(())
 }
@@ -99,19 +96,9 @@ pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
     a == b || place(a).is_some_and(|a| Some(a) == place(b))
 }
 
-/// Write a file whole or not at all: to a temporary name first.
+/// Write a file, whole or not at all.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    let part = beside(path, "part");
-    std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, path)).map_err(|e| {
-        let _ = std::fs::remove_file(&part); // nothing to do about a second failure
-        cannot_write(path, &e)
-    })
-}
-
-fn beside(path: &Path, what: &str) -> std::path::PathBuf {
-    let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(format!(".{}.{what}", std::process::id()));
-    path.with_file_name(name)
+    files::write(path, bytes).map_err(|e| cannot_write(path, &e))
 }
 
 fn cannot_write(path: &Path, error: &std::io::Error) -> Failure {

@@ -6,8 +6,9 @@ mod common;
 
 use std::path::Path;
 
-use common::{at, build_programs, files, run, said, save, save_rgb, scene};
+use common::{build_programs, run, save, save_rgb};
 use gi_core::image_io::read_exr;
+use gi_tests::program::{Folder, assert_refused, assert_success, scene};
 use serde_json::Value;
 
 fn json(path: &str) -> Value {
@@ -17,15 +18,14 @@ fn json(path: &str) -> Value {
 /// The radiance in a file.
 fn rgb(path: &str) -> Vec<f32> {
     let layers = read_exr(Path::new(path)).expect("an EXR");
-    let [r, g, b] = ["R", "G", "B"].map(|c| layers.channel(c).expect("a channel"));
-    (0..r.len()).flat_map(|i| [r[i], g[i], b[i]]).collect()
+    layers.interleaved(["R", "G", "B"]).expect("its channels")
 }
 
 #[test]
 fn runs_at_equal_passes_are_measured_against_a_reference_that_is_kept() {
     build_programs();
-    let folder = tempfile::tempdir().expect("a folder");
-    let (out, numbers) = (at(folder.path(), "out"), at(folder.path(), "numbers.json"));
+    let folder = Folder::make();
+    let (out, numbers) = (folder.at("out"), folder.at("numbers.json"));
     let scene = scene("cornell-box");
     let flags = [
         &scene,
@@ -51,7 +51,7 @@ fn runs_at_equal_passes_are_measured_against_a_reference_that_is_kept() {
         &numbers,
     ];
     let first = run(&flags);
-    assert!(first.status.success(), "{}", said(&first));
+    assert_success(&first);
     let found = json(&numbers);
     let entries = found["entries"].as_array().expect("entries");
     let labels: Vec<&str> = entries.iter().filter_map(|e| e["label"].as_str()).collect();
@@ -82,17 +82,17 @@ fn runs_at_equal_passes_are_measured_against_a_reference_that_is_kept() {
     // Again, the reference is not made anew; with more passes it is.
     let noted = |numbers: &str| json(numbers)["reference"]["notes"].to_string();
     assert!(!noted(&numbers).contains("kept"));
-    assert!(run(&flags).status.success());
+    assert_success(&run(&flags));
     assert!(noted(&numbers).contains("kept"));
     let more: Vec<&str> = flags.iter().map(|f| if *f == "16" { "32" } else { *f }).collect();
-    assert!(run(&more).status.success());
+    assert_success(&run(&more));
     assert!(!noted(&numbers).contains("kept"));
 }
 
 #[test]
 fn finished_pictures_of_any_program_are_compared_and_broken_pixels_counted() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = |name: &str| at(folder.path(), name);
+    let folder = Folder::make();
+    let path = |name: &str| folder.at(name);
     let truth = |i: usize| [0.1 + i as f32 * 0.01, 0.5, 0.2];
     save_rgb(&path("truth.exr"), [8, 6], &truth);
     let off = |i: usize, k: usize| if i == 7 && k == 1 { f32::NAN } else { truth(i)[k] + 0.5 };
@@ -112,7 +112,7 @@ fn finished_pictures_of_any_program_are_compared_and_broken_pixels_counted() {
         "--json",
         &path("n.json"),
     ]);
-    assert!(output.status.success(), "{}", said(&output));
+    assert_success(&output);
     let entries = json(&path("n.json"))["entries"].clone();
     let mse = entries[0]["errors"]["mse"].as_f64().expect("a number");
     assert!((mse - 0.25).abs() < 1e-6, "{mse}");
@@ -128,8 +128,8 @@ fn finished_pictures_of_any_program_are_compared_and_broken_pixels_counted() {
 #[test]
 fn what_cannot_be_compared_is_refused_and_nothing_is_written() {
     build_programs();
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = |name: &str| at(folder.path(), name);
+    let folder = Folder::make();
+    let path = |name: &str| folder.at(name);
     save_rgb(&path("a.exr"), [8, 6], &|_| [1.0; 3]);
     save_rgb(&path("small.exr"), [4, 6], &|_| [1.0; 3]);
     save(&path("depth.exr"), [8, 6], &[("Z", &|_| 1.0)]);
@@ -169,29 +169,24 @@ fn what_cannot_be_compared_is_refused_and_nothing_is_written() {
         (&[&scene, "--techniques", "pathtrace", "--size", "0x3"], &["pathtrace", "--size"]),
         (&[&scene, "--techniques", "pathtrace", "--seed", "2119655149"], &["--seed", "reference"]),
     ];
-    let before = files(folder.path()).len();
+    let before = folder.files().len();
     for (flags, says) in cases {
         let out = path("out");
         let output = run(&[flags, &["-o", &out]].concat());
-        let text = said(&output);
-        assert_eq!(output.status.code(), Some(2), "{flags:?}: {text}");
-        assert!(!text.contains("panicked"), "{text}");
-        for word in says {
-            assert!(text.contains(word), "{flags:?}: the message does not say \"{word}\":\n{text}");
-        }
+        assert_refused(&output, 2, says);
         assert!(!Path::new(&out).exists(), "{flags:?}");
-        assert_eq!(files(folder.path()).len(), before, "{flags:?}");
+        assert_eq!(folder.files().len(), before, "{flags:?}");
     }
 }
 
 #[test]
 fn a_run_with_the_references_own_noise_is_told() {
     build_programs();
-    let folder = tempfile::tempdir().expect("a folder");
-    let (out, truth) = (at(folder.path(), "out"), at(folder.path(), "out/pathtrace.exr"));
+    let folder = Folder::make();
+    let (out, truth) = (folder.at("out"), folder.at("out/pathtrace.exr"));
     let scene = scene("cornell-box");
     let flags = [&scene, "--size", "8x8", "--spp", "2", "--techniques", "pathtrace", "-o", &out];
-    assert!(run(&[&flags[..], &["--reference-spp", "2"]].concat()).status.success());
+    assert_success(&run(&[&flags[..], &["--reference-spp", "2"]].concat()));
     for subject in [&flags[..], &[&truth, "-o", &out]] {
         let output = run(&[subject, &["--reference", &truth]].concat());
         let table = String::from_utf8_lossy(&output.stdout).into_owned();

@@ -22,7 +22,10 @@ use gi_core::technique::Technique;
 
 pub use budget::{Budget, parse_time};
 pub use common::{Common, Component};
-pub use values::{check_points_file, parse_bound, parse_pixel};
+pub use values::{
+    Compensation, check_points_file, check_spacings, is_table, parse_accuracy, parse_bound,
+    parse_pixel, parse_spacing,
+};
 
 /// A program: its command line, and what it makes of it.
 pub trait Program: Parser {

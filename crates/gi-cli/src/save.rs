@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use gi_core::files;
 use gi_core::image_io::{ImageFile, Layers, write_file};
 use gi_core::technique::Picture;
 
@@ -51,40 +52,25 @@ impl Output {
 
     /// Write the view of a technique's own picture beside them.
     pub(crate) fn save_view(&self, picture: &Picture, size: [usize; 2]) -> Result<(), Failure> {
-        let channel = |k: usize| picture.view.iter().map(|c| c.to_array()[k]).collect();
-        let names = ["R", "G", "B"].into_iter().enumerate();
-        let channels = names.map(|(k, name)| (name.to_string(), channel(k))).collect();
-        let layers = Layers { width: size[0], height: size[1], channels, metadata: Vec::new() };
+        let layers = Layers::of_rgb(size, picture.view.iter().map(|c| c.to_array()));
         write(&self.path.with_extension(format!("{}.png", picture.name)), ImageFile::Png, &layers)
     }
 }
 
-/// Check that a file can be made beside where `path` will be.
-pub(crate) fn check_writable(path: &Path) -> Result<(), Failure> {
-    if path.is_dir() {
-        return Err(Failure::Other(format!("cannot write {}: it is a folder", path.display())));
-    }
-    let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(format!(".{}.try", std::process::id()));
-    let trial = path.with_file_name(name);
-    std::fs::File::create(&trial)
-        .map_err(|e| Failure::Other(format!("cannot write {}: {e}", path.display())))?;
-    let _ = std::fs::remove_file(&trial); // an empty file left behind does no harm
-    Ok(())
+/// Check that a file can be made where `path` will be.
+fn check_writable(path: &Path) -> Result<(), Failure> {
+    files::check_writable(path).map_err(|e| cannot_write(path, e))
 }
 
 fn write(path: &Path, format: ImageFile, layers: &Layers) -> Result<(), Failure> {
-    write_file(path, format, layers)
-        .map_err(|e| Failure::Other(format!("cannot write {}: {e}", path.display())))
+    write_file(path, format, layers).map_err(|e| cannot_write(path, e))
 }
 
-/// Write a file: to a temporary name first, as pictures are.
+/// Write a file that is no picture.
 pub(crate) fn save_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(format!(".{}.part", std::process::id()));
-    let part = path.with_file_name(name);
-    std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, path)).map_err(|e| {
-        let _ = std::fs::remove_file(&part); // nothing to do about a second failure
-        Failure::Other(format!("cannot write {}: {e}", path.display()))
-    })
+    files::write(path, bytes).map_err(|e| cannot_write(path, e))
+}
+
+fn cannot_write(path: &Path, cause: impl std::fmt::Display) -> Failure {
+    Failure::Other(format!("cannot write {}: {cause}", path.display()))
 }

@@ -20,6 +20,7 @@ pub mod cache;
 pub mod camera;
 pub mod canvas;
 pub mod eye;
+pub mod files;
 pub mod film;
 pub mod filter;
 pub mod geometry;

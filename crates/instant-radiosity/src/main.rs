@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
-use gi_cli::{Common, Program, check_points_file, parse_bound, parse_pixel};
+use gi_cli::{
+    Common, Compensation, Program, check_points_file, is_table, parse_bound, parse_pixel,
+};
 use gi_core::eye::PathLimits;
 use instant_radiosity::figures::Figure;
 use instant_radiosity::{InstantRadiosity, Params};
@@ -29,8 +31,8 @@ struct Args {
     #[arg(long, value_name = "B", default_value_t = Params::default().clamp, value_parser = parse_bound)]
     clamp: f32,
     /// What becomes of the light that the bound cuts off
-    #[arg(long, value_enum, default_value_t = CompensationFlag::Path)]
-    compensation: CompensationFlag,
+    #[arg(long, value_enum, default_value_t = Compensation::Path)]
+    compensation: Compensation,
     /// Let the bound grow with the passes k = 0, 1, ...: clamp (k+1)^R; 0 keeps it
     #[arg(long, value_name = "R", default_value_t = Params::default().relaxation, value_parser = parse_exponent)]
     relaxation: f32,
@@ -60,14 +62,6 @@ enum TerminationFlag {
     Fractional,
     /// Russian roulette by what surfaces reflect
     Roulette,
-}
-
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum CompensationFlag {
-    /// It is lost
-    None,
-    /// Paths bring it back, without bias
-    Path,
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
@@ -109,7 +103,7 @@ impl Program for Args {
                 TerminationFlag::Roulette => Termination::Roulette,
             },
             clamp: self.clamp,
-            compensation: self.compensation == CompensationFlag::Path,
+            compensation: self.compensation == Compensation::Path,
             relaxation: self.relaxation,
             vsl: self.vsl,
             vsl_samples: self.vsl_samples,
@@ -124,10 +118,7 @@ impl Program for Args {
 
     fn export(&self, technique: &InstantRadiosity<'_>, path: &Path) -> Vec<u8> {
         let lights = &technique.vpls().lights;
-        match path.extension() {
-            Some(e) if e.eq_ignore_ascii_case("csv") => to_csv(lights).into_bytes(),
-            _ => to_ply(lights),
-        }
+        if is_table(path) { to_csv(lights).into_bytes() } else { to_ply(lights) }
     }
 }
 

@@ -1,37 +1,22 @@
 //! The program run as a user runs it: its own flags and files.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use gi_core::image_io::read_exr;
+use gi_tests::program::{self, Folder, assert_refused, assert_success, scene};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_irrcache");
 
 fn run(arguments: &[&str]) -> Output {
-    let small = ["--size", "24x24", "--rays", "50", "--spp", "1", "-q"];
-    let all = [
-        &[concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/cornell-box.xml")],
-        &small[..],
-        arguments,
-    ]
-    .concat();
-    Command::new(env!("CARGO_BIN_EXE_irrcache")).args(all).output().expect("it runs")
-}
-
-fn text(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-fn files(folder: &Path) -> Vec<String> {
-    let entries = std::fs::read_dir(folder).expect("the folder");
-    let mut names: Vec<String> =
-        entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
-    names.sort();
-    names
+    let small = [&scene("cornell-box"), "--size", "24x24", "--rays", "50", "--spp", "1", "-q"];
+    program::run(PROGRAM, &[&small, arguments].concat())
 }
 
 #[test]
 fn a_run_leaves_its_pictures_its_cache_and_its_records() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let folder = Folder::make();
+    let at = |name: &str| folder.at(name);
     let show = "records,validity,octree,octree-slice,weights";
     let (out, cache, ply, csv) = (at("a.exr"), at("a.cache"), at("a.ply"), at("a.csv"));
     let output = run(&[
@@ -46,7 +31,7 @@ fn a_run_leaves_its_pictures_its_cache_and_its_records() {
         "--error",
         "bounded",
     ]);
-    assert!(output.status.success(), "{}", text(&output));
+    assert_success(&output);
     let mut expected = [
         "a.cache",
         "a.exr",
@@ -59,7 +44,7 @@ fn a_run_leaves_its_pictures_its_cache_and_its_records() {
         "a.weights.png",
     ];
     expected.sort_unstable();
-    assert_eq!(files(folder.path()), expected);
+    assert_eq!(folder.files(), expected);
     let layers = read_exr(Path::new(&out)).expect("an EXR");
     for name in ["Records.radius", "Weights.w", "Octree.G", "Octree-slice.R", "Validity.B"] {
         assert!(layers.channel(name).is_some(), "no layer {name}");
@@ -78,7 +63,7 @@ fn a_run_leaves_its_pictures_its_cache_and_its_records() {
         "--error",
         "bounded",
     ]);
-    assert!(output.status.success(), "{}", text(&output));
+    assert_success(&output);
     assert!(std::fs::read_to_string(stats).expect("statistics").contains("\"records_made\": 0.0"));
     let again = read_exr(Path::new(&second)).expect("an EXR");
     assert_eq!(layers.channel("G"), again.channel("G"));
@@ -91,20 +76,17 @@ fn a_run_leaves_its_pictures_its_cache_and_its_records() {
 
 #[test]
 fn caches_that_cannot_be_used_are_one_clear_error_and_status_2() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let folder = Folder::make();
+    let at = |name: &str| folder.at(name);
     let (cache, broken, out) = (at("a.cache"), at("b.cache"), at("c.exr"));
     let made = run(&["-o", &at("a.exr"), "--cache-out", &cache]);
-    assert!(made.status.success(), "{}", text(&made));
+    assert_success(&made);
     let mut bytes = std::fs::read(&cache).expect("a cache");
     bytes[8] = 99;
     std::fs::write(&broken, bytes).expect("written");
-    let before = files(folder.path());
-    let glossy = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/cornell-glossy.xml");
-    let other = Command::new(env!("CARGO_BIN_EXE_irrcache"))
-        .args([glossy, "-o", &out, "--cache-in", &cache, "-q"])
-        .output()
-        .expect("it runs");
+    let before = folder.files();
+    let glossy = scene("cornell-glossy");
+    let other = program::run(PROGRAM, &[&glossy, "-o", &out, "--cache-in", &cache, "-q"]);
     let cases = [
         (other, "another scene"),
         (run(&["-o", &out, "--cache-in", &broken]), "version 99"),
@@ -119,32 +101,19 @@ fn caches_that_cannot_be_used_are_one_clear_error_and_status_2() {
         (run(&["-o", &out, "--show", "nothing"]), "octree-slice"),
     ];
     for (output, says) in cases {
-        let text = text(&output);
-        assert_eq!(output.status.code(), Some(2), "{says}: {text}");
-        assert!(text.contains(says) && !text.contains("panicked"), "\"{says}\" is not in:\n{text}");
+        assert_refused(&output, 2, &[says]);
     }
-    assert_eq!(files(folder.path()), before, "something was left half-written");
+    assert_eq!(folder.files(), before, "something was left half-written");
 }
 
 #[test]
 fn presets_of_the_scene_are_defaults() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let stats = folder.path().join("s.json");
-    let stats = stats.to_str().expect("UTF-8");
-    let out = folder.path().join("p.exr");
+    let folder = Folder::make();
+    let (stats, out) = (folder.at("s.json"), folder.at("p.exr"));
     let records = |preset: &str| {
-        let output = run(&[
-            "-o",
-            out.to_str().expect("UTF-8"),
-            "-D",
-            preset,
-            "--stats",
-            stats,
-            "--error",
-            "bounded",
-        ]);
-        assert!(output.status.success(), "{}", text(&output));
-        let text = std::fs::read_to_string(stats).expect("statistics");
+        let output = run(&["-o", &out, "-D", preset, "--stats", &stats, "--error", "bounded"]);
+        assert_success(&output);
+        let text = std::fs::read_to_string(&stats).expect("statistics");
         let (_, rest) = text.split_once("\"records\": ").expect("a number of records");
         rest.split(',').next().expect("a number").trim().parse::<f64>().expect("a number")
     };

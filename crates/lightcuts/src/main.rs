@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
-use gi_cli::{Common, Program, check_points_file, parse_bound, parse_pixel};
+use gi_cli::{
+    Common, Compensation, Program, check_points_file, is_table, parse_bound, parse_pixel,
+};
 use gi_core::eye::PathLimits;
 use lightcuts::cut::{Limits, Rule};
 use lightcuts::figures::{Figure, bounds_csv, cuts_csv};
@@ -46,8 +48,8 @@ struct Args {
     #[arg(long, value_name = "B", default_value_t = Params::default().clamp, value_parser = parse_bound)]
     clamp: f32,
     /// What becomes of the light that the bound cuts off
-    #[arg(long, value_enum, default_value_t = CompensationFlag::Path)]
-    compensation: CompensationFlag,
+    #[arg(long, value_enum, default_value_t = Compensation::Path)]
+    compensation: Compensation,
     /// How points are lit
     #[arg(long, value_enum, default_value_t = MethodFlag::Cuts)]
     method: MethodFlag,
@@ -94,14 +96,6 @@ enum DirectFlag {
     Sample,
     /// By points of lights as point lights
     Vpl,
-}
-
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum CompensationFlag {
-    /// It is lost
-    None,
-    /// Paths bring it back, without bias
-    Path,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -190,7 +184,7 @@ impl Program for Args {
             vpls: self.vpls,
             fixed_lights: self.fixed_lights,
             clamp: self.clamp,
-            compensation: self.compensation == CompensationFlag::Path,
+            compensation: self.compensation == Compensation::Path,
             method: match self.method {
                 MethodFlag::Cuts => Method::Cuts,
                 MethodFlag::All => Method::All,
@@ -218,10 +212,7 @@ impl Program for Args {
             return cuts_csv(technique).into_bytes();
         }
         let lights = &technique.vpls().lights;
-        match path.extension() {
-            Some(e) if e.eq_ignore_ascii_case("csv") => to_csv(lights).into_bytes(),
-            _ => to_ply(lights),
-        }
+        if is_table(path) { to_csv(lights).into_bytes() } else { to_ply(lights) }
     }
 }
 

@@ -1,35 +1,24 @@
 //! The program run as a user runs it: messages, exit status, files.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use gi_core::image_io::read_exr;
+use gi_tests::program::{self, Folder, assert_refused, assert_success};
 use lightcuts::Params;
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_lightcuts");
 
 /// Run the program on a scene of the repository, small and quick.
 fn run(scene: &str, arguments: &[&str]) -> Output {
-    let scene = format!("{}/../../scenes/{scene}.xml", env!("CARGO_MANIFEST_DIR"));
-    Command::new(env!("CARGO_BIN_EXE_lightcuts"))
-        .args([&scene, "--spp=1", "--size=32x24", "--lights=200", "--vpls=300"])
-        .args(arguments)
-        .output()
-        .expect("it runs")
-}
-
-fn text(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-fn assert_refused(output: &Output, says: &str) {
-    let text = text(output);
-    assert_eq!(output.status.code(), Some(2), "{text}");
-    assert!(text.contains(says) && !text.contains("panicked"), "\"{says}\" is not in:\n{text}");
+    let small = [&program::scene(scene), "--spp=1", "--size=32x24", "--lights=200", "--vpls=300"];
+    program::run(PROGRAM, &[&small, arguments].concat())
 }
 
 #[test]
 fn pictures_and_tables_are_written_and_every_bound_in_them_holds() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let folder = Folder::make();
+    let at = |name: &str| folder.at(name);
     let output = run(
         "gallery",
         &[
@@ -42,7 +31,7 @@ fn pictures_and_tables_are_written_and_every_bound_in_them_holds() {
             &at("lights.ply"),
         ],
     );
-    assert!(output.status.success(), "{}", text(&output));
+    assert_success(&output);
     for name in ["a.cut-size.png", "a.bounds.png", "a.clusters-8.png", "a.tree.png", "lights.ply"] {
         assert!(Path::new(&at(name)).exists(), "no {name}");
     }
@@ -62,12 +51,12 @@ fn pictures_and_tables_are_written_and_every_bound_in_them_holds() {
 
 #[test]
 fn four_lights_have_the_cuts_of_the_lecture() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let folder = Folder::make();
+    let at = |name: &str| folder.at(name);
     let arguments = ["-D", "lights=4", "--lights=4", "--component=direct", "--show=cuts"];
     let files = ["-o", &at("a.exr"), "--cuts-out", &at("cuts.csv")];
     let output = run("gallery", &[&arguments[..], &files[..]].concat());
-    assert!(output.status.success(), "{}", text(&output));
+    assert_success(&output);
     let csv = std::fs::read_to_string(at("cuts.csv")).expect("a table");
     let rows: Vec<Vec<&str>> = csv.lines().skip(1).map(|l| l.split(',').collect()).collect();
     let sizes: Vec<&str> = rows.iter().map(|r| r[1]).collect();
@@ -80,19 +69,18 @@ fn four_lights_have_the_cuts_of_the_lecture() {
 
 #[test]
 fn what_cannot_be_used_is_refused_with_a_way_out() {
-    assert_refused(&run("gallery", &["--error=2"]), "from 0 to 1");
-    assert_refused(&run("gallery", &["--lights=moon=3"]), "area, sky or sun");
-    assert_refused(&run("gallery", &["--clamp=-1"]), "above 0, or inf");
-    assert_refused(&run("gallery", &["--max-cut=0"]), "--max-cut");
-    assert_refused(&run("gallery", &["--pixel=7"]), "X,Y");
-    assert_refused(&run("gallery", &["--lights-out=lights.txt"]), ".ply or .csv");
-    assert_refused(&run("gallery", &["--reconstruct", "--method=one"]), "--method cuts only");
+    assert_refused(&run("gallery", &["--error=2"]), 2, &["from 0 to 1"]);
+    assert_refused(&run("gallery", &["--lights=moon=3"]), 2, &["area, sky or sun"]);
+    assert_refused(&run("gallery", &["--clamp=-1"]), 2, &["above 0, or inf"]);
+    assert_refused(&run("gallery", &["--max-cut=0"]), 2, &["--max-cut"]);
+    assert_refused(&run("gallery", &["--pixel=7"]), 2, &["X,Y"]);
+    assert_refused(&run("gallery", &["--lights-out=lights.txt"]), 2, &[".ply or .csv"]);
+    assert_refused(&run("gallery", &["--reconstruct", "--method=one"]), 2, &["--method cuts only"]);
 }
 
 #[test]
 fn the_help_names_the_librarys_defaults() {
-    let output = Command::new(env!("CARGO_BIN_EXE_lightcuts")).arg("--help").output();
-    let help = String::from_utf8(output.expect("it runs").stdout).expect("UTF-8");
+    let help = String::from_utf8(program::run(PROGRAM, &["--help"]).stdout).expect("UTF-8");
     let defaults = Params::default();
     let of = |flag: &str, value: String| {
         let rest = help.split(&format!("--{flag} <")).nth(1).unwrap_or_else(|| panic!("no {flag}"));
@@ -108,13 +96,13 @@ fn the_help_names_the_librarys_defaults() {
 
 #[test]
 fn a_resumed_run_makes_the_picture_of_one_run() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let folder = Folder::make();
+    let at = |name: &str| folder.at(name);
     let kept = at("run.state");
     let render = |name: &str, flags: &[&str]| {
         let out = at(name);
         let output = run("cornell-box", &[&["-o", out.as_str()], flags].concat());
-        assert!(output.status.success(), "{}", text(&output));
+        assert_success(&output);
         read_exr(Path::new(&out)).expect("an EXR").channels
     };
     let whole = render("whole.exr", &["--passes=3"]);
@@ -123,5 +111,5 @@ fn a_resumed_run_makes_the_picture_of_one_run() {
     let resumed = render("rest.exr", &[&keep[..], &["--passes=3", "--resume"]].concat());
     assert!(resumed == whole, "resumed: another picture");
     let other = [&keep[..], &["--passes=3", "--resume", "--error=0.1"]].concat();
-    assert_refused(&run("cornell-box", &other), "other parameters");
+    assert_refused(&run("cornell-box", &other), 2, &["other parameters"]);
 }

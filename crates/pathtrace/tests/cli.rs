@@ -1,39 +1,32 @@
 //! The program run as a user runs it: messages, exit status, files.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use gi_core::image_io::read_exr;
+use gi_tests::program::{self, Folder, assert_refused, assert_success, said, scene};
 
 /// Run the program.
 fn run(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_pathtrace")).args(arguments).output().expect("it runs")
+    program::run(env!("CARGO_BIN_EXE_pathtrace"), arguments)
 }
 
-fn text(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-fn scene(name: &str) -> String {
-    format!("{}/../../scenes/{name}.xml", env!("CARGO_MANIFEST_DIR"))
-}
-
-/// One clear error, the given exit status, no panic, and nothing in the folder that was not there.
-fn assert_refused(output: &Output, status: i32, says: &[&str], folder: &Path, files_before: usize) {
-    let text = text(output);
-    assert_eq!(output.status.code(), Some(status), "{text}");
-    assert!(!text.contains("panicked"), "{text}");
-    for word in says {
-        assert!(text.contains(word), "the message does not say \"{word}\":\n{text}");
-    }
-    let files = std::fs::read_dir(folder).expect("the folder").count();
-    assert_eq!(files, files_before, "something was left half-written");
+/// One clear error, the given exit status, and nothing in the folder that was not there.
+fn assert_nothing_made(
+    output: &Output,
+    status: i32,
+    says: &[&str],
+    folder: &Folder,
+    files_before: usize,
+) {
+    assert_refused(output, status, says);
+    assert_eq!(folder.files().len(), files_before, "something was left half-written");
 }
 
 #[test]
 fn a_run_leaves_a_picture_its_view_and_its_statistics() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let folder = Folder::make();
+    let at = |name: &str| folder.at(name);
     let (out, stats) = (at("a.exr"), at("a.json"));
     let output = run(&[
         &scene("cornell-box"),
@@ -48,7 +41,7 @@ fn a_run_leaves_a_picture_its_view_and_its_statistics() {
         "-t",
         "1",
     ]);
-    assert!(output.status.success(), "{}", text(&output));
+    assert_success(&output);
     let layers = read_exr(Path::new(&out)).expect("an EXR");
     assert_eq!((layers.width, layers.height), (24, 16));
     for name in ["R", "Variance.G", "Direct.B", "Indirect.R", "Caustic.R", "Albedo.R", "N.X", "Z"] {
@@ -62,18 +55,17 @@ fn a_run_leaves_a_picture_its_view_and_its_statistics() {
     assert!(Path::new(&at("a.png")).exists());
     let stats = std::fs::read_to_string(stats).expect("statistics");
     assert!(stats.contains("\"passes\": 2") && stats.contains("mean_radiance"), "{stats}");
-    assert_eq!(std::fs::read_dir(folder.path()).expect("the folder").count(), 3);
+    assert_eq!(folder.files().len(), 3);
 }
 
 #[test]
 fn damaged_input_is_one_clear_error_and_status_2() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let out = folder.path().join("a.exr");
-    let out = out.to_str().expect("UTF-8");
+    let folder = Folder::make();
+    let out = &folder.at("a.exr");
     let write = |name: &str, text: &str| {
-        let path = folder.path().join(name);
+        let path = folder.at(name);
         std::fs::write(&path, text).expect("written");
-        path.to_str().expect("UTF-8").to_string()
+        path
     };
     let camera = "<sensor type=\"perspective\"/>";
     let shape =
@@ -88,7 +80,7 @@ fn damaged_input_is_one_clear_error_and_status_2() {
     let nan =
         write("nan.xml", &shape("type=\"obj\"><string name=\"filename\" value=\"nan.obj\"/>"));
     let unknown = write("unknown.xml", &shape("type=\"sphere\"><bsdf type=\"difuse\"/>"));
-    let before = std::fs::read_dir(folder.path()).expect("the folder").count();
+    let before = folder.files().len();
     let cases: [(&str, &[&str]); 5] = [
         (&cut, &["cut.xml"]),
         (&missing, &["nowhere.obj"]),
@@ -97,7 +89,7 @@ fn damaged_input_is_one_clear_error_and_status_2() {
         ("there-is-no-such.xml", &["there-is-no-such.xml"]),
     ];
     for (scene, says) in cases {
-        assert_refused(&run(&[scene, "-o", out]), 2, says, folder.path(), before);
+        assert_nothing_made(&run(&[scene, "-o", out]), 2, says, &folder, before);
     }
     let usage: [&[&str]; 10] = [
         &["--size", "32768x32768"],
@@ -114,25 +106,24 @@ fn damaged_input_is_one_clear_error_and_status_2() {
     for flags in usage {
         let cornell = scene("cornell-box");
         let arguments = [&[cornell.as_str(), "-o", out], flags].concat();
-        assert_refused(&run(&arguments), 2, &["error"], folder.path(), before);
+        assert_nothing_made(&run(&arguments), 2, &["error"], &folder, before);
     }
-    let png = folder.path().join("a.txt");
-    let arguments = [&scene("cornell-box"), "-o", png.to_str().expect("UTF-8")];
-    assert_refused(&run(&arguments), 2, &[".exr"], folder.path(), before);
+    let arguments = [&scene("cornell-box"), "-o", &folder.at("a.txt")];
+    assert_nothing_made(&run(&arguments), 2, &[".exr"], &folder, before);
 }
 
 #[test]
 fn an_output_that_cannot_be_written_is_status_1_before_any_work() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let out = folder.path().join("no/such/folder/a.exr");
-    let arguments = [&scene("cornell-box"), "-o", out.to_str().expect("UTF-8"), "--spp", "100000"];
-    assert_refused(&run(&arguments), 1, &["cannot write", "a.exr"], folder.path(), 0);
+    let folder = Folder::make();
+    let out = folder.at("no/such/folder/a.exr");
+    let arguments = [&scene("cornell-box"), "-o", &out, "--spp", "100000"];
+    assert_nothing_made(&run(&arguments), 1, &["cannot write", "a.exr"], &folder, 0);
 }
 
 #[test]
 fn presets_of_a_scene_are_defaults_that_flags_override() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("preset.xml");
+    let folder = Folder::make();
+    let path = folder.at("preset.xml");
     let xml = std::fs::read_to_string(scene("cornell-box")).expect("the scene");
     let preset = "<default name=\"gi.pathtrace.rr_depth\" value=\"3\"/><default name=\"gi.pathtrace.mode\" value=\"light\"/>";
     let meshes = format!("{}/../../scenes/meshes/", env!("CARGO_MANIFEST_DIR"));
@@ -140,14 +131,11 @@ fn presets_of_a_scene_are_defaults_that_flags_override() {
         xml.replacen("<integrator", &format!("{preset}<integrator"), 1).replace("meshes/", &meshes);
     std::fs::write(&path, xml).expect("written");
     let stats_of = |extra: &[&str]| {
-        let stats = folder.path().join("s.json");
-        let out = folder.path().join("p.exr");
-        let [path, out, stats_name] = [&path, &out, &stats].map(|p| p.to_str().expect("UTF-8"));
-        let arguments =
-            [&[path, "-o", out, "--spp", "1", "--size", "8x8", "--stats", stats_name], extra]
-                .concat();
+        let (stats, out) = (folder.at("s.json"), folder.at("p.exr"));
+        let small = [&path, "-o", &out, "--spp", "1", "--size", "8x8", "--stats", &stats];
+        let arguments = [&small, extra].concat();
         let output = run(&arguments);
-        assert!(output.status.success(), "{}", text(&output));
+        assert_success(&output);
         std::fs::read_to_string(stats).expect("statistics")
     };
     assert!(stats_of(&[]).contains("light_paths"), "the preset chooses the mode");
@@ -158,35 +146,34 @@ fn presets_of_a_scene_are_defaults_that_flags_override() {
 
 #[test]
 fn a_preset_number_of_passes_gives_way_to_a_typed_time() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let out = folder.path().join("p.exr");
-    let out = out.to_str().expect("UTF-8");
+    let folder = Folder::make();
+    let out = &folder.at("p.exr");
     let cornell = scene("cornell-box");
     let budget = ["--time", "50ms", "-D", "gi.pathtrace.spp=1000000", "--size", "8x8"];
     let output = run(&[&[cornell.as_str(), "-o", out], &budget[..]].concat());
-    assert!(output.status.success(), "{}", text(&output));
+    assert_success(&output);
 }
 
 #[test]
 fn statistics_do_not_overwrite_the_picture() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let folder = Folder::make();
+    let at = |name: &str| folder.at(name);
     for stats in [at("p.exr"), at("p.png")] {
         let output =
             run(&[&scene("cornell-box"), "-o", &at("p.exr"), "--stats", &stats, "--spp", "1"]);
-        assert_refused(&output, 2, &["overwrite"], folder.path(), 0);
+        assert_nothing_made(&output, 2, &["overwrite"], &folder, 0);
     }
 }
 
 #[test]
 fn an_exported_scene_is_read_again_and_gives_the_same_picture() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let folder = Folder::make();
+    let at = |name: &str| folder.at(name);
     let export = run(&[&scene("cornell-glossy"), "--export-mitsuba", &at("clean.xml")]);
-    assert!(export.status.success(), "{}", text(&export));
+    assert_success(&export);
     let render = |scene: &str, out: &str| {
         let output = run(&[scene, "-o", out, "--spp", "4", "--size", "16x16", "-q"]);
-        assert!(output.status.success(), "{}", text(&output));
+        assert_success(&output);
         read_exr(Path::new(out)).expect("an EXR")
     };
     let (first, second) =
@@ -197,15 +184,15 @@ fn an_exported_scene_is_read_again_and_gives_the_same_picture() {
 
 #[test]
 fn a_resumed_run_has_the_bits_of_one_that_was_never_stopped() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let folder = Folder::make();
+    let at = |name: &str| folder.at(name);
     let (scene, kept) = (scene("cornell-spheres"), at("kept"));
     for mode in ["path", "light"] {
         let render = |name: &str, flags: &[&str]| {
             let out = at(name);
             let common = [scene.as_str(), "-o", &out, "--size", "20x12", "-q", "--mode", mode];
             let output = run(&[&common, flags].concat());
-            assert!(output.status.success(), "{}", text(&output));
+            assert_success(&output);
             read_exr(Path::new(&out)).expect("an EXR").channels
         };
         let whole = render("whole.exr", &["--spp", "9"]);
@@ -218,13 +205,12 @@ fn a_resumed_run_has_the_bits_of_one_that_was_never_stopped() {
 
 #[test]
 fn volpath_walks_media_and_path_says_that_it_leaves_them_out() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let out = folder.path().join("a.exr");
-    let out = out.to_str().expect("UTF-8");
+    let folder = Folder::make();
+    let out = &folder.at("a.exr");
     let with = |mode: &str| {
         let run = run(&[&scene("fog"), "-o", out, "--spp=1", "--size=8x8", "--mode", mode]);
-        assert!(run.status.success(), "{}", text(&run));
-        text(&run)
+        assert_success(&run);
+        said(&run)
     };
     assert!(with("path").contains("participating media are left out"));
     assert!(!with("volpath").contains("warning"), "{}", with("volpath"));

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use std::path::{Path, PathBuf};
 
 use clap::{Parser, ValueEnum};
-use gi_cli::{Common, Program};
+use gi_cli::{Common, Program, check_points_file, is_table, parse_pixel};
 use photonmap::kernel::Kernel;
 use photonmap::map::Layout;
 use photonmap::{Gather, Params, PhotonMapping, Show, Subsurface};
@@ -68,8 +68,8 @@ struct Args {
     #[arg(long, value_name = "FILE.csv", requires = "probe")]
     probe_out: Option<PathBuf>,
     /// The pixel of --probe-out
-    #[arg(long, value_name = "X,Y", value_delimiter = ',', num_args = 1)]
-    probe: Vec<u32>,
+    #[arg(long, value_name = "X,Y", value_parser = parse_pixel)]
+    probe: Option<[usize; 2]>,
     /// How photons lie in memory [slide 25]; the picture is the same
     #[arg(long, value_enum, default_value_t = LayoutFlag::Fast)]
     photon_layout: LayoutFlag,
@@ -154,9 +154,7 @@ impl Program for Args {
         if !(0.0..1.0).contains(&self.guided) {
             return Err(format!("--guided {}: a share from 0 to below 1", self.guided));
         }
-        if !matches!(self.probe.len(), 0 | 2) {
-            return Err("--probe: two numbers, X,Y".into());
-        }
+        check_points_file("--photons-out", &self.photons_out)?;
         let kernel = match self.kernel {
             KernelFlag::Box => Kernel::Box,
             KernelFlag::Cone => Kernel::Cone,
@@ -170,15 +168,11 @@ impl Program for Args {
             GatherFlag::Direct => Gather::Direct,
             GatherFlag::Final => Gather::Final,
         };
-        let extension = self.photons_out.as_ref().and_then(|p| p.extension());
-        if self.photons_out.is_some() && !extension.is_some_and(|e| e == "ply" || e == "csv") {
-            return Err("--photons-out: the file's name ends in .ply or .csv".into());
-        }
         let show = self.show.iter().map(|s| match s {
             ShowFlag::Paths => Show::Paths,
             ShowFlag::Photons => Show::Photons,
             ShowFlag::Cells => Show::Cells,
-            ShowFlag::Gathering => Show::Gathering { pixel: self.probe[..].try_into().ok() },
+            ShowFlag::Gathering => Show::Gathering { pixel: self.probe },
         });
         let show = show.collect();
         let layout = match self.photon_layout {
@@ -215,10 +209,12 @@ impl Program for Args {
     fn export(&self, technique: &PhotonMapping, path: &Path) -> Vec<u8> {
         if self.map_out.as_deref() == Some(path) {
             technique.save()
-        } else if self.probe_out.as_deref() == Some(path) {
-            technique.probe([self.probe[0], self.probe[1]])
+        } else if let (Some(file), Some(pixel)) = (&self.probe_out, self.probe)
+            && file == path
+        {
+            technique.probe(pixel)
         } else {
-            technique.export(path.extension().is_some_and(|e| e == "csv"))
+            technique.export(is_table(path))
         }
     }
 }

@@ -24,7 +24,7 @@ impl PhotonMapping<'_> {
     }
 
     /// The estimate of slide 24 at what the middle of a pixel shows, against the number of photons: one line for each k.
-    pub fn probe(&self, [x, y]: [u32; 2]) -> Vec<u8> {
+    pub fn probe(&self, [x, y]: [usize; 2]) -> Vec<u8> {
         let Setting { scene, camera, .. } = self.setting;
         let mut out = "k,found,radius,red,green,blue\n".to_string();
         let ray = camera.ray([x as f32 + 0.5, y as f32 + 0.5], [0.5; 2]);

@@ -29,7 +29,7 @@ pub enum Show {
     /// gather rays to the surfaces where the global map is read [slide 28], a picture each.
     Gathering {
         /// Column and row.
-        pixel: Option<[u32; 2]>,
+        pixel: Option<[usize; 2]>,
     },
 }
 
@@ -75,7 +75,7 @@ impl PhotonMapping<'_> {
                 }
                 Show::Cells => push("cells", self.cells(ground())),
                 Show::Gathering { pixel } => {
-                    let [w, h] = film.size().map(|n| n as u32);
+                    let [w, h] = film.size();
                     let Some(seen) = self.seen(pixel.unwrap_or([w / 2, h / 2])) else { continue };
                     push("caustic-gather", self.caustic_gather(ground(), &seen));
                     push("final-gather", self.gather_rays(ground(), &seen));
@@ -129,7 +129,7 @@ impl PhotonMapping<'_> {
     }
 
     /// What the middle of a pixel shows, and the normal on the eye's side.
-    fn seen(&self, [x, y]: [u32; 2]) -> Option<(Surface, Vec3)> {
+    fn seen(&self, [x, y]: [usize; 2]) -> Option<(Surface, Vec3)> {
         let ray = self.setting.camera.ray([x as f32 + 0.5, y as f32 + 0.5], [0.5; 2]);
         let (surface, _) = self.setting.scene.intersect(&ray)?;
         let n = facing(&surface, -ray.d);

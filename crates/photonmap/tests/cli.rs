@@ -1,35 +1,30 @@
 //! The program run as a user runs it: messages, exit status, files.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use gi_core::image_io::read_exr;
+use gi_tests::program::{self, Folder, assert_refused, assert_success};
 use photonmap::Params;
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_photonmap");
 
 /// Run the program on a scene of the repository, small and quick.
 fn run(scene: &str, arguments: &[&str]) -> Output {
-    let scene = format!("{}/../../scenes/{scene}.xml", env!("CARGO_MANIFEST_DIR"));
-    Command::new(env!("CARGO_BIN_EXE_photonmap"))
-        .args([&scene, "--spp=1", "--size=32x24", "--photons=5000", "--caustic-photons=2000"])
-        .args(arguments)
-        .output()
-        .expect("it runs")
-}
-
-fn text(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-fn assert_refused(output: &Output, says: &str) {
-    let text = text(output);
-    assert_eq!(output.status.code(), Some(2), "{text}");
-    assert!(text.contains(says) && !text.contains("panicked"), "\"{says}\" is not in:\n{text}");
+    let small = [
+        &program::scene(scene),
+        "--spp=1",
+        "--size=32x24",
+        "--photons=5000",
+        "--caustic-photons=2000",
+    ];
+    program::run(PROGRAM, &[&small, arguments].concat())
 }
 
 #[test]
 fn pictures_maps_and_exports_are_written_and_a_saved_map_gives_the_same_picture() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let folder = Folder::make();
+    let at = |name: &str| folder.at(name);
     let (a, map) = (at("a.exr"), at("photons.map"));
     let output = run(
         "cornell-spheres",
@@ -46,7 +41,7 @@ fn pictures_maps_and_exports_are_written_and_a_saved_map_gives_the_same_picture(
             &at("probe.csv"),
         ],
     );
-    assert!(output.status.success(), "{}", text(&output));
+    assert_success(&output);
     let own = ["paths", "photons", "caustic-photons", "cells", "caustic-gather", "final-gather"];
     for name in own {
         assert!(Path::new(&at(&format!("a.{name}.png"))).exists(), "no {name}");
@@ -60,9 +55,9 @@ fn pictures_maps_and_exports_are_written_and_a_saved_map_gives_the_same_picture(
         let (b, c, saved) = (at("b.exr"), at("c.exr"), at("saved.map"));
         let layout = format!("--photon-layout={layout}");
         let fresh = run("cornell-spheres", &["-o", &b, &layout, "--map-out", &saved]);
-        assert!(fresh.status.success(), "{}", text(&fresh));
+        assert_success(&fresh);
         let again = run("cornell-spheres", &["-o", &c, &layout, "--map-in", &saved]);
-        assert!(again.status.success(), "{}", text(&again));
+        assert_success(&again);
         let pixels = |path: &str| read_exr(Path::new(path)).expect("an EXR").channels;
         assert!(pixels(&b) == pixels(&c), "{layout}: another picture");
     }
@@ -70,8 +65,8 @@ fn pictures_maps_and_exports_are_written_and_a_saved_map_gives_the_same_picture(
 
 #[test]
 fn photons_in_media_are_drawn_exported_and_saved_with_the_others() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let folder = Folder::make();
+    let at = |name: &str| folder.at(name);
     let (a, map) = (at("a.exr"), at("photons.map"));
     let fog = |out: &str, more: &[&str]| {
         let mut arguments = vec!["--volume-photons=3000", "--photons=1000", "-o", out];
@@ -80,7 +75,7 @@ fn photons_in_media_are_drawn_exported_and_saved_with_the_others() {
     };
     let (csv, ply) = (at("photons.csv"), at("photons.ply"));
     let output = fog(&a, &["--map-out", &map, "--photons-out", &csv, "--show=photons"]);
-    assert!(output.status.success(), "{}", text(&output));
+    assert_success(&output);
     assert!(Path::new(&at("a.volume-photons.png")).exists());
     let csv = std::fs::read_to_string(csv).expect("a table");
     let mut lines = csv.lines().map(|line| line.split(',').collect::<Vec<_>>());
@@ -97,7 +92,7 @@ fn photons_in_media_are_drawn_exported_and_saved_with_the_others() {
     // Read again, they make the same picture and the same photons.
     let b = at("b.exr");
     let output = fog(&b, &["--map-in", &map, "--photons-out", &ply]);
-    assert!(output.status.success(), "{}", text(&output));
+    assert_success(&output);
     let pixels = |path: &str| read_exr(Path::new(path)).expect("an EXR").channels;
     let shown = |name: &str| name.starts_with("Photons") || name.contains("-photons");
     let first: Vec<_> = pixels(&a).into_iter().filter(|(name, _)| !shown(name)).collect();
@@ -112,16 +107,20 @@ fn photons_in_media_are_drawn_exported_and_saved_with_the_others() {
     // With media and without are not the same light.
     let none = at("none.map");
     assert!(fog(&b, &["--volume-photons=0", "--map-out", &none]).status.success());
-    assert_refused(&fog(&b, &["--map-in", &none]), "without media");
-    assert_refused(&fog(&b, &["--map-in", &map, "--volume-photons=0"]), "in media");
+    assert_refused(&fog(&b, &["--map-in", &none]), 2, &["without media"]);
+    assert_refused(&fog(&b, &["--map-in", &map, "--volume-photons=0"]), 2, &["in media"]);
     assert!(fog(&b, &["--map-in", &none, "--volume-photons=0"]).status.success());
-    assert_refused(&fog(&b, &["--map-in", &map, "--subsurface=dipole"]), "another --subsurface");
+    assert_refused(
+        &fog(&b, &["--map-in", &map, "--subsurface=dipole"]),
+        2,
+        &["another --subsurface"],
+    );
 }
 
 #[test]
 fn what_cannot_be_used_is_refused_with_the_cause() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let folder = Folder::make();
+    let at = |name: &str| folder.at(name);
     let (out, map) = (at("a.exr"), at("photons.map"));
     assert!(run("cornell-box", &["-o", &out, "--map-out", &map]).status.success());
     let with = |scene: &str, more: &[&str]| {
@@ -129,12 +128,12 @@ fn what_cannot_be_used_is_refused_with_the_cause() {
         arguments.extend(more);
         run(scene, &arguments)
     };
-    assert_refused(&with("cornell-spheres", &["--map-in", &map]), "another scene");
-    assert_refused(&with("cornell-box", &["--map-in", &map, "--max-depth=4"]), "--max-depth");
+    assert_refused(&with("cornell-spheres", &["--map-in", &map]), 2, &["another scene"]);
+    assert_refused(&with("cornell-box", &["--map-in", &map, "--max-depth=4"]), 2, &["--max-depth"]);
     let bytes = std::fs::read(&map).expect("the map");
     std::fs::write(at("cut.map"), &bytes[..bytes.len() / 2]).expect("written");
-    assert_refused(&with("cornell-box", &["--map-in", &at("cut.map")]), "ends too early");
-    assert_refused(&with("cornell-box", &["--map-in", &at("none.map")]), "cannot read");
+    assert_refused(&with("cornell-box", &["--map-in", &at("cut.map")]), 2, &["ends too early"]);
+    assert_refused(&with("cornell-box", &["--map-in", &at("none.map")]), 2, &["cannot read"]);
     for (flag, says) in [
         ("--photons=0", "at least 1"),
         ("--lookup=0", "at least 1"),
@@ -145,14 +144,13 @@ fn what_cannot_be_used_is_refused_with_the_cause() {
         ("--kernel=sphere", "epanechnikov"),
         ("--photons-out=photons.txt", ".csv"),
     ] {
-        assert_refused(&with("cornell-box", &[flag]), says);
+        assert_refused(&with("cornell-box", &[flag]), 2, &[says]);
     }
 }
 
 #[test]
 fn help_says_the_defaults_of_the_code() {
-    let help = Command::new(env!("CARGO_BIN_EXE_photonmap")).arg("--help").output().expect("help");
-    let help = String::from_utf8_lossy(&help.stdout).into_owned();
+    let help = String::from_utf8(program::run(PROGRAM, &["--help"]).stdout).expect("UTF-8");
     let defaults = Params::default();
     for (flag, default) in [
         ("--photons <N>", defaults.photons.to_string()),

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
-use gi_cli::{Common, Program};
+use gi_cli::{Common, Program, parse_pixel};
 use gi_core::eye::PathLimits;
 use ppm::{Method, Params, Ppm, Shown};
 
@@ -82,11 +82,6 @@ enum ShowFlag {
     Photons,
     /// Estimated noise and bias, logarithmic
     Error,
-}
-
-fn parse_pixel(text: &str) -> Result<[usize; 2], String> {
-    let pixel = text.split_once(',').and_then(|(x, y)| Some([x.parse().ok()?, y.parse().ok()?]));
-    pixel.ok_or_else(|| "expected X,Y, pixels from the top left corner".into())
 }
 
 impl Program for Args {

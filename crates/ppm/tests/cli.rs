@@ -1,58 +1,29 @@
 //! The program run as a user runs it: checkpoints, traces, messages, exit status.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use gi_core::image_io::{Layers, read_exr};
+use gi_tests::program::{self, Folder, assert_refused, assert_success, said, scene};
 
-fn run(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_ppm")).args(arguments).output().expect("it runs")
+/// Run the program on a small picture of the balls.
+fn run(folder: &Folder, name: &str, flags: &[&str]) -> Output {
+    let (scene, out) = (scene("cornell-spheres"), folder.at(name));
+    let small = [&scene, "-o", &out, "--size", "24x20", "-q"];
+    program::run(env!("CARGO_BIN_EXE_ppm"), &[&small, flags].concat())
 }
 
-fn text(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
+/// The layers that a run leaves.
+fn picture(folder: &Folder, name: &str, flags: &[&str]) -> Layers {
+    assert_success(&run(folder, name, flags));
+    read_exr(Path::new(&folder.at(name))).expect("an EXR")
 }
 
-/// A folder to work in.
-struct Folder(tempfile::TempDir);
-
-impl Folder {
-    fn new() -> Self {
-        Folder(tempfile::tempdir().expect("a folder"))
-    }
-
-    fn at(&self, name: &str) -> String {
-        self.0.path().join(name).to_str().expect("UTF-8").to_string()
-    }
-
-    fn files(&self) -> usize {
-        std::fs::read_dir(self.0.path()).expect("the folder").count()
-    }
-
-    /// Run on a small picture of the balls.
-    fn run(&self, name: &str, flags: &[&str]) -> Output {
-        let scene = format!("{}/../../scenes/cornell-spheres.xml", env!("CARGO_MANIFEST_DIR"));
-        let out = self.at(name);
-        run(&[&[scene.as_str(), "-o", &out, "--size", "24x20", "-q"], flags].concat())
-    }
-
-    /// The layers that a run leaves.
-    fn render(&self, name: &str, flags: &[&str]) -> Layers {
-        let output = self.run(name, flags);
-        assert!(output.status.success(), "{flags:?}: {}", text(&output));
-        read_exr(Path::new(&self.at(name))).expect("an EXR")
-    }
-
-    /// A run must be refused as bad input, with these words, and leave nothing.
-    fn refuses(&self, flags: &[&str], says: &[&str]) {
-        let before = self.files();
-        let output = self.run("refused.exr", flags);
-        let text = text(&output);
-        assert_eq!(output.status.code(), Some(2), "{flags:?}: {text}");
-        assert!(!text.contains("panicked"), "{text}");
-        says.iter().for_each(|word| assert!(text.contains(word), "no \"{word}\" in:\n{text}"));
-        assert_eq!(self.files(), before, "{flags:?} left something");
-    }
+/// A run must be refused as bad input, with these words, and leave nothing.
+fn refuse(folder: &Folder, flags: &[&str], says: &[&str]) {
+    let before = folder.files();
+    assert_refused(&run(folder, "refused.exr", flags), 2, says);
+    assert_eq!(folder.files(), before, "{flags:?} left something");
 }
 
 fn bits(layers: &Layers) -> Vec<(String, Vec<u32>)> {
@@ -63,13 +34,13 @@ fn bits(layers: &Layers) -> Vec<(String, Vec<u32>)> {
 #[test]
 fn a_resumed_run_has_the_bits_of_one_that_was_never_stopped() {
     for method in ["ppm", "sppm", "ppa", "adaptive"] {
-        let folder = Folder::new();
+        let folder = Folder::make();
         let (kept, csv, whole_csv) =
             (folder.at("kept"), folder.at("t.csv"), folder.at("whole.csv"));
         let common = ["--method", method, "--photons", "700", "--trace-pixel", "9,12"];
         let render = |name: &str, csv: &str, flags: &[&str]| {
             let maps = ["--show", "radius", "--show", "photons", "--trace-out", csv];
-            folder.render(name, &[&common, &maps[..], flags].concat())
+            picture(&folder, name, &[&common, &maps[..], flags].concat())
         };
         let whole = render("whole.exr", &whole_csv, &["-t", "1", "--passes", "7"]);
         let keep = ["--checkpoint", kept.as_str(), "-t", "2", "--passes"];
@@ -87,35 +58,35 @@ fn a_resumed_run_has_the_bits_of_one_that_was_never_stopped() {
 
 #[test]
 fn ranges_of_probabilistic_passes_merge_to_the_whole() {
-    let folder = Folder::new();
+    let folder = Folder::make();
     let ppa = ["--method", "ppa", "--photons", "700"];
-    let whole = folder.render("whole.exr", &[&ppa[..], &["--passes", "5"]].concat());
+    let whole = picture(&folder, "whole.exr", &[&ppa[..], &["--passes", "5"]].concat());
     let [a, b] = ["a", "b"].map(|name| folder.at(name));
     for (first, passes, file) in [("0", "2", &a), ("2", "3", &b)] {
         let flags = ["--first-pass", first, "--passes", passes, "--checkpoint", file];
-        folder.render("part.exr", &[&ppa[..], &flags].concat());
+        picture(&folder, "part.exr", &[&ppa[..], &flags].concat());
     }
-    let merged = folder.render("m.exr", &[&ppa[..], &["--merge", &a, "--merge", &b]].concat());
+    let merged = picture(&folder, "m.exr", &[&ppa[..], &["--merge", &a, "--merge", &b]].concat());
     for ((name, m), (_, w)) in merged.channels.iter().zip(&whole.channels) {
         // Sums in another order: the last bits of a double may differ, and so the last of a float.
         let near = m.iter().zip(w).all(|(m, w)| (m - w).abs() <= 4e-6 * w.abs().max(1e-3));
         assert!(near, "{name}");
     }
-    folder.refuses(&[&ppa[..], &["--merge", &a, "--merge", &a]].concat(), &["overlap"]);
-    folder.refuses(&["--first-pass", "3"], &["build on each other"]);
+    refuse(&folder, &[&ppa[..], &["--merge", &a, "--merge", &a]].concat(), &["overlap"]);
+    refuse(&folder, &["--first-pass", "3"], &["build on each other"]);
 }
 
 #[test]
 fn checkpoints_of_another_run_are_refused_with_the_cause() {
-    let folder = Folder::new();
+    let folder = Folder::make();
     let kept = folder.at("kept");
     let keep = ["--passes", "1", "--checkpoint", kept.as_str()];
     let resume = [&keep[..], &["--resume"]].concat();
-    folder.refuses(&resume, &["cannot read", "kept"]);
-    folder.refuses(&["--resume"], &["--checkpoint"]);
-    folder.render("p.exr", &keep);
+    refuse(&folder, &resume, &["cannot read", "kept"]);
+    refuse(&folder, &["--resume"], &["--checkpoint"]);
+    picture(&folder, "p.exr", &keep);
     let refuses = |flags: &[&str], says: &[&str]| {
-        folder.refuses(&[&resume[..], flags].concat(), says);
+        refuse(&folder, &[&resume[..], flags].concat(), says);
     };
     refuses(&["--seed", "5"], &["seed", "5"]);
     refuses(&["--alpha", "0.5"], &["other parameters", "alpha 0.7"]);
@@ -133,32 +104,33 @@ fn checkpoints_of_another_run_are_refused_with_the_cause() {
         let mut damaged = bytes.clone();
         damaged[k] ^= 0xff;
         std::fs::write(&kept, damaged).expect("written");
-        let output = folder.run("damaged.exr", &resume);
-        assert!(matches!(output.status.code(), Some(0 | 2)), "byte {k}: {}", text(&output));
-        assert!(!text(&output).contains("panicked"), "byte {k}: {}", text(&output));
+        let output = run(&folder, "damaged.exr", &resume);
+        let text = said(&output);
+        assert!(matches!(output.status.code(), Some(0 | 2)), "byte {k}: {text}");
+        assert!(!text.contains("panicked"), "byte {k}: {text}");
     }
 }
 
 #[test]
 fn knobs_that_make_no_sense_are_refused() {
-    let folder = Folder::new();
-    folder.refuses(&["--alpha", "0"], &["--alpha"]);
-    folder.refuses(&["--alpha", "nan"], &["--alpha"]);
-    folder.refuses(&["--initial-radius=-0.1"], &["--initial-radius"]);
-    folder.refuses(&["--initial-photons", "0"], &["initial-photons"]);
-    folder.refuses(&["--method", "sspm"], &["sppm"]);
-    folder.refuses(&["--trace-pixel", "3,4"], &["--trace-out"]);
+    let folder = Folder::make();
+    refuse(&folder, &["--alpha", "0"], &["--alpha"]);
+    refuse(&folder, &["--alpha", "nan"], &["--alpha"]);
+    refuse(&folder, &["--initial-radius=-0.1"], &["--initial-radius"]);
+    refuse(&folder, &["--initial-photons", "0"], &["initial-photons"]);
+    refuse(&folder, &["--method", "sspm"], &["sppm"]);
+    refuse(&folder, &["--trace-pixel", "3,4"], &["--trace-out"]);
     let csv = folder.at("t.csv");
-    folder.refuses(&["--trace-pixel", "24,0", "--trace-out", &csv], &["24 x 20"]);
-    folder.refuses(&["--trace-pixel", "x", "--trace-out", &csv], &["X,Y"]);
+    refuse(&folder, &["--trace-pixel", "24,0", "--trace-out", &csv], &["24 x 20"]);
+    refuse(&folder, &["--trace-pixel", "x", "--trace-out", &csv], &["X,Y"]);
 }
 
 #[test]
 fn a_run_ends_when_its_estimated_error_is_small_enough() {
-    let folder = Folder::new();
+    let folder = Folder::make();
     let stats = folder.at("s.json");
     let stop = ["--stop-at-error", "0.2", "--passes", "2000", "--show", "error"];
-    let layers = folder.render("p.exr", &[&stop[..], &["--stats", &stats]].concat());
+    let layers = picture(&folder, "p.exr", &[&stop[..], &["--stats", &stats]].concat());
     assert!(layers.channel("Error.Noise").is_some() && layers.channel("Error.Bias").is_some());
     let passes = layers.metadata.iter().find(|(n, _)| n == "gi.passes").expect("passes");
     let passes: u32 = passes.1.parse().expect("a number");

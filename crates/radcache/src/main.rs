@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
-use gi_cli::{Common, Program, read_input};
+use gi_cli::{
+    Common, Program, check_spacings, is_table, parse_accuracy, parse_spacing, read_input,
+};
 use gi_core::cache::export::{to_csv, to_ply};
 use gi_core::eye::PathLimits;
 use radcache::figures::Show;
@@ -116,16 +118,6 @@ enum ShowFlag {
     Samples,
 }
 
-fn parse_accuracy(text: &str) -> Result<f32, String> {
-    let wrong = "expected a number above 0 and up to 1";
-    text.parse().ok().filter(|a| *a > 0.0 && *a <= 1.0).ok_or_else(|| wrong.into())
-}
-
-fn parse_spacing(text: &str) -> Result<f32, String> {
-    let wrong = "expected a number of pixels, 0 or more";
-    text.parse().ok().filter(|p: &f32| *p >= 0.0 && p.is_finite()).ok_or_else(|| wrong.into())
-}
-
 fn parse_roughness(text: &str) -> Result<f32, String> {
     let wrong = "expected a roughness, 0 or more; above 1 leaves all glossy lobes to paths";
     text.parse().ok().filter(|a: &f32| *a >= 0.0 && a.is_finite()).ok_or_else(|| wrong.into())
@@ -140,12 +132,7 @@ impl Program for Args {
     }
 
     fn params(&self) -> Result<Params, String> {
-        if self.max_spacing > 0.0 && self.max_spacing < self.min_spacing {
-            return Err(format!(
-                "--max-spacing {} is less than --min-spacing {}",
-                self.max_spacing, self.min_spacing
-            ));
-        }
+        check_spacings(self.min_spacing, self.max_spacing)?;
         Ok(Params {
             limits: PathLimits { max_depth: self.common.max_depth(), ..PathLimits::default() },
             rays: self.rays,
@@ -186,12 +173,8 @@ impl Program for Args {
         if self.cache_out.as_deref() == Some(path) {
             return technique.saved().to_bytes();
         }
-        match path.extension() {
-            Some(e) if e.eq_ignore_ascii_case("csv") => {
-                to_csv(technique.irradiance_records()).into_bytes()
-            }
-            _ => to_ply(technique.irradiance_records()),
-        }
+        let records = technique.irradiance_records();
+        if is_table(path) { to_csv(records).into_bytes() } else { to_ply(records) }
     }
 }
 

@@ -1,38 +1,26 @@
 //! The program run as a user runs it: its own flags and files.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use gi_core::image_io::read_exr;
-
-const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/cornell-glossy.xml");
+use gi_tests::program::{self, Folder, assert_refused, assert_success, scene};
 
 fn run(arguments: &[&str]) -> Output {
-    let small = ["--size", "24x24", "--rays", "50", "--glossy-rays", "50", "--spp", "1", "-q"];
-    let all = [&[SCENE], &small[..], arguments].concat();
-    Command::new(env!("CARGO_BIN_EXE_radcache")).args(all).output().expect("it runs")
-}
-
-fn text(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-fn files(folder: &Path) -> Vec<String> {
-    let entries = std::fs::read_dir(folder).expect("the folder");
-    let mut names: Vec<String> =
-        entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
-    names.sort();
-    names
+    let scene = scene("cornell-glossy");
+    let small =
+        [&scene, "--size", "24x24", "--rays", "50", "--glossy-rays", "50", "--spp", "1", "-q"];
+    program::run(env!("CARGO_BIN_EXE_radcache"), &[&small, arguments].concat())
 }
 
 #[test]
 fn a_run_leaves_its_pictures_its_cache_and_its_records() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let folder = Folder::make();
+    let at = |name: &str| folder.at(name);
     let (out, cache, ply, csv) = (at("a.exr"), at("a.cache"), at("a.ply"), at("a.csv"));
     let show = "records,basis,brdf,samples";
     let output = run(&["-o", &out, "--show", show, "--cache-out", &cache, "--records-out", &ply]);
-    assert!(output.status.success(), "{}", text(&output));
+    assert_success(&output);
     let expected = [
         "a.basis.png",
         "a.brdf.png",
@@ -44,12 +32,12 @@ fn a_run_leaves_its_pictures_its_cache_and_its_records() {
         "a.records.png",
         "a.samples.png",
     ];
-    assert_eq!(files(folder.path()), expected);
+    assert_eq!(folder.files(), expected);
     // The cache serves a second run, which makes no record and the same picture.
     let (second, stats) = (at("b.exr"), at("b.json"));
     let output =
         run(&["-o", &second, "--cache-in", &cache, "--records-out", &csv, "--stats", &stats]);
-    assert!(output.status.success(), "{}", text(&output));
+    assert_success(&output);
     let stats = std::fs::read_to_string(stats).expect("statistics");
     assert!(stats.contains("\"records_made\": 0.0"), "{stats}");
     assert!(stats.contains("rough conductor, 0.10): path"), "the rule is printed: {stats}");
@@ -62,13 +50,13 @@ fn a_run_leaves_its_pictures_its_cache_and_its_records() {
 
 #[test]
 fn what_cannot_be_used_is_one_clear_error_and_status_2() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+    let folder = Folder::make();
+    let at = |name: &str| folder.at(name);
     let (cache, broken, out) = (at("a.cache"), at("b.cache"), at("c.exr"));
     let made = run(&["-o", &at("a.exr"), "--cache-out", &cache]);
-    assert!(made.status.success(), "{}", text(&made));
+    assert_success(&made);
     std::fs::write(&broken, b"gilab-ic and more").expect("written");
-    let before = files(folder.path());
+    let before = folder.files();
     let cases = [
         (run(&["-o", &out, "--cache-in", &broken]), "not a radiance cache"),
         (run(&["-o", &out, "--cache-in", &at("nowhere")]), "nowhere"),
@@ -81,9 +69,7 @@ fn what_cannot_be_used_is_one_clear_error_and_status_2() {
         (run(&["-o", &out, "--show", "nothing"]), "brdf"),
     ];
     for (output, says) in cases {
-        let text = text(&output);
-        assert_eq!(output.status.code(), Some(2), "{says}: {text}");
-        assert!(text.contains(says) && !text.contains("panicked"), "\"{says}\" is not in:\n{text}");
+        assert_refused(&output, 2, &[says]);
     }
-    assert_eq!(files(folder.path()), before, "something was left half-written");
+    assert_eq!(folder.files(), before, "something was left half-written");
 }

@@ -68,20 +68,9 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 /// A PNG of sRGB colours.
-fn png(
-    size: [usize; 2],
-    colours: impl Iterator<Item = [f32; 3]> + Clone,
-) -> anyhow::Result<Vec<u8>> {
+fn png(size: [usize; 2], colours: impl Iterator<Item = [f32; 3]>) -> anyhow::Result<Vec<u8>> {
     let linear = |s: f32| if s <= 0.04045 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) };
-    let channel = |k: usize| colours.clone().map(|c| linear(c[k])).collect();
-    let channels =
-        ["R", "G", "B"].iter().enumerate().map(|(k, name)| (name.to_string(), channel(k)));
-    let layers = Layers {
-        width: size[0],
-        height: size[1],
-        channels: channels.collect(),
-        metadata: Vec::new(),
-    };
+    let layers = Layers::of_rgb(size, colours.map(|c| c.map(linear)));
     encode_png(&layers).map_err(|e| anyhow!(e))
 }
 

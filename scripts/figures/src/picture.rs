@@ -18,16 +18,10 @@ impl Picture {
     /// Read R G B, or those of a named layer.
     pub(crate) fn read(path: &Path, layer: Option<&str>) -> anyhow::Result<Self> {
         let layers = read_exr(path).map_err(|e| anyhow!("{}: {e}", path.display()))?;
-        let mut channels = Vec::new();
-        for c in ["R", "G", "B"] {
-            let name = layer.map_or_else(|| c.to_string(), |l| format!("{l}.{c}"));
-            let channel = layers
-                .channel(&name)
-                .with_context(|| format!("{}: no channel {name}", path.display()))?;
-            channels.push(channel);
-        }
-        let rgb: Vec<f32> =
-            (0..channels[0].len()).flat_map(|i| channels.iter().map(move |c| c[i])).collect();
+        let names = ["R", "G", "B"].map(|c| layer.map_or(c.into(), |l| format!("{l}.{c}")));
+        let rgb = layers
+            .interleaved(names.each_ref().map(String::as_str))
+            .with_context(|| format!("{}: no channels {}", path.display(), names.join(", ")))?;
         if let Some(i) = rgb.iter().position(|v| !v.is_finite()) {
             bail!("{}: pixel {} is {}", path.display(), i / 3, rgb[i]);
         }
@@ -43,14 +37,8 @@ impl Picture {
     /// Write a view, brighter by a power of two than radiance itself.
     pub(crate) fn save_view(&self, path: &Path, exposure: f32) -> anyhow::Result<()> {
         let scale = exposure.exp2();
-        let channel = |k: usize| self.rgb.iter().skip(k).step_by(3).map(|v| v * scale).collect();
-        let names = ["R", "G", "B"].iter().enumerate();
-        let layers = Layers {
-            width: self.size[0],
-            height: self.size[1],
-            channels: names.map(|(k, n)| (n.to_string(), channel(k))).collect(),
-            metadata: Vec::new(),
-        };
+        let (pixels, _) = self.rgb.as_chunks::<3>();
+        let layers = Layers::of_rgb(self.size, pixels.iter().map(|c| c.map(|v| v * scale)));
         write_file(path, ImageFile::Png, &layers).map_err(|e| anyhow!("{}: {e}", path.display()))
     }
 

@@ -5,6 +5,8 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use gi_tests::program::Folder;
+
 /// Make a target with stand-ins for all programs, of which runs with certain words fail; `None` where there is no make.
 fn make(folder: &Path, breaks: &str, arguments: &[&str]) -> Option<Output> {
     if Command::new("make").arg("--version").output().is_err() {
@@ -39,7 +41,7 @@ const NOTHING: &str = "no command line has these words";
 
 #[test]
 fn a_run_that_fails_in_a_loop_fails_the_figure_though_an_older_picture_is_there() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = Folder::make();
     let Some(output) = make(folder.path(), NOTHING, &["figure-43", "QUALITY=quick"]) else {
         return;
     };
@@ -52,7 +54,7 @@ fn a_run_that_fails_in_a_loop_fails_the_figure_though_an_older_picture_is_there(
 
 #[test]
 fn a_look_leaves_no_references_of_its_size_for_the_full_figures() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = Folder::make();
     for quality in ["QUALITY=quick", "QUALITY=full", "QUALITY=full"] {
         let Some(output) = make(folder.path(), NOTHING, &["figure-12", quality]) else { return };
         assert!(output.status.success(), "{output:?}");

@@ -1,23 +1,13 @@
 //! What the tests of the program share.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 
 use gi_core::image_io::{ImageFile, Layers, write_file};
 
 /// Run the program.
 pub(crate) fn run(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_compare")).args(arguments).output().expect("it runs")
-}
-
-/// What it said besides its table.
-pub(crate) fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-/// A scene of the project.
-pub(crate) fn scene(name: &str) -> String {
-    format!("{}/../../scenes/{name}.xml", env!("CARGO_MANIFEST_DIR"))
+    gi_tests::program::run(env!("CARGO_BIN_EXE_compare"), arguments)
 }
 
 /// See to it that two techniques' programs stand beside this one: they do when the whole workspace is tested.
@@ -37,11 +27,6 @@ pub(crate) fn build_programs() {
     }
 }
 
-/// A file in a folder, as an argument.
-pub(crate) fn at(folder: &Path, name: &str) -> String {
-    folder.join(name).to_str().expect("UTF-8").to_string()
-}
-
 /// Save a picture of some size, its channels by name and formula of the pixel's number.
 pub(crate) fn save(
     path: &str,
@@ -59,12 +44,4 @@ pub(crate) fn save(
 /// Save a picture with channels R, G, B.
 pub(crate) fn save_rgb(path: &str, size: [usize; 2], of: &dyn Fn(usize) -> [f32; 3]) {
     save(path, size, &[("R", &|i| of(i)[0]), ("G", &|i| of(i)[1]), ("B", &|i| of(i)[2])]);
-}
-
-/// The files of a folder.
-pub(crate) fn files(folder: &Path) -> Vec<PathBuf> {
-    let mut all: Vec<PathBuf> =
-        std::fs::read_dir(folder).expect("a folder").map(|f| f.expect("a file").path()).collect();
-    all.sort();
-    all
 }

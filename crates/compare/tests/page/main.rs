@@ -11,8 +11,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use browser::Browser;
-use common::{at, build_programs, run, said, save_rgb, scene};
+use common::{build_programs, run, save_rgb};
 use gi_core::image_io::read_exr;
+use gi_tests::program::{Folder, assert_success, files, scene};
 use serde_json::{Value, json};
 
 /// The browser, or word that there is none.
@@ -85,8 +86,8 @@ fn assert_maps(maps: &Value, seeds: [&str; 2], halves: [String; 2]) {
 fn every_control_works_on_wide_and_narrow_windows_without_errors_or_network() {
     let Some(program) = browser_or_skip() else { return };
     build_programs();
-    let folder = tempfile::tempdir().expect("a folder");
-    let out = at(folder.path(), "out");
+    let folder = Folder::make();
+    let out = folder.at("out");
     let scene = scene("cornell-box");
     let runs = [
         "--techniques",
@@ -96,13 +97,12 @@ fn every_control_works_on_wide_and_narrow_windows_without_errors_or_network() {
     ];
     let flags = ["--size", "30x20", "--spp", "4", "--seeds", "2", "--ladder", "2", "-o", &out];
     let output = run(&[&[scene.as_str()], &runs[..], &flags].concat());
-    assert!(output.status.success(), "{}", said(&output));
+    assert_success(&output);
     let file = |name: &str| format!("{out}/{name}.exr");
     let halves = ["a", "b"].map(|half| {
         let ends = format!(".{half}.exr");
-        let all = common::files(Path::new(&out));
-        let found = all.iter().filter_map(|f| f.to_str()).find(|f| f.ends_with(&ends));
-        found.expect("a half of the reference").to_string()
+        let found = files(Path::new(&out)).into_iter().find(|name| name.ends_with(&ends));
+        format!("{out}/{}", found.expect("a half of the reference"))
     });
     let url = format!("file://{out}/index.html");
     let mut browser = Browser::start(&program, folder.path());
@@ -134,15 +134,15 @@ fn every_control_works_on_wide_and_narrow_windows_without_errors_or_network() {
 #[test]
 fn broken_pixels_and_awkward_names_are_shown_as_they_are() {
     let Some(program) = browser_or_skip() else { return };
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = |name: &str| at(folder.path(), name);
+    let folder = Folder::make();
+    let path = |name: &str| folder.at(name);
     save_rgb(&path("truth.exr"), [6, 4], &|_| [0.5; 3]);
     let broken = |i: usize| if i == 9 { [0.5, f32::NAN, 0.5] } else { [2e5, -0.25, 0.0] };
     let name = "<b>&amp; ${1} {{data}} 'a\".exr";
     save_rgb(&path(name), [6, 4], &broken);
     let (file, truth, out) = (path(name), path("truth.exr"), path("out"));
     let output = run(&[&file, "--reference", &truth, "-o", &out]);
-    assert!(output.status.success(), "{}", said(&output));
+    assert_success(&output);
     let url = format!("file://{out}/index.html");
     let mut browser = Browser::start(&program, folder.path());
     browser.open(&url, [1000, 800]);

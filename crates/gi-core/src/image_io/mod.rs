@@ -20,8 +20,41 @@ pub struct Layers {
 }
 
 impl Layers {
+    /// A picture of these pixels, row by row from the top: channels R, G, B and nothing else.
+    pub fn of_rgb([width, height]: [usize; 2], pixels: impl IntoIterator<Item = [f32; 3]>) -> Self {
+        let mut planes = [const { Vec::new() }; 3];
+        for pixel in pixels {
+            planes.iter_mut().zip(pixel).for_each(|(plane, v)| plane.push(v));
+        }
+        let names = ["R", "G", "B"].map(String::from);
+        let channels = names.into_iter().zip(planes).collect();
+        Layers { width, height, channels, metadata: Vec::new() }
+    }
+
     /// The samples of a channel.
     pub fn channel(&self, name: &str) -> Option<&[f32]> {
         self.channels.iter().find(|(n, _)| n == name).map(|(_, samples)| samples.as_slice())
+    }
+
+    /// The samples of three channels, pixel after pixel.
+    pub fn interleaved(&self, names: [&str; 3]) -> Option<Vec<f32>> {
+        let [r, g, b] = names.map(|name| self.channel(name));
+        let (r, g, b) = (r?, g?, b?);
+        Some((0..r.len()).flat_map(|i| [r[i], g[i], b[i]]).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_become_channels_and_channels_pixels() {
+        let layers = Layers::of_rgb([2, 1], [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
+        assert_eq!((layers.width, layers.height), (2, 1));
+        assert_eq!(layers.channel("G"), Some(&[2.0, 5.0][..]));
+        let rgb = layers.interleaved(["R", "G", "B"]);
+        assert_eq!(rgb.as_deref(), Some(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0][..]));
+        assert_eq!(layers.interleaved(["R", "G", "Direct.B"]), None);
     }
 }

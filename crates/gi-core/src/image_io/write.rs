@@ -1,5 +1,5 @@
 use std::fs::File;
-use std::io::{BufWriter, Seek, Write};
+use std::io::{BufWriter, Error, Seek, Write};
 use std::path::Path;
 
 use exr::prelude::{
@@ -8,6 +8,7 @@ use exr::prelude::{
 };
 
 use super::Layers;
+use crate::files;
 
 /// The formats that a picture can be saved in, by extension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,31 +36,18 @@ impl ImageFile {
     }
 }
 
-/// Save a picture so that a killed run leaves the old file or the new one, never half of one:
-/// write to a temporary name beside it, then rename.
+/// Save a picture, whole or not at all, see [`files`].
 ///
 /// # Errors
 /// One line saying what could not be written, without the file's name.
 pub fn write_file(path: &Path, format: ImageFile, layers: &Layers) -> Result<(), String> {
-    let mut name = path.file_name().ok_or("the name of a file is missing")?.to_os_string();
-    name.push(format!(".{}.part", std::process::id()));
-    let part = path.with_file_name(name);
-    let written = File::create(&part).map_err(|e| e.to_string()).and_then(|file| {
-        let mut out = BufWriter::new(file);
-        match format {
-            ImageFile::Exr => write_exr(&mut out, layers)?,
-            ImageFile::Pfm => write_pfm(&mut out, layers).map_err(|e| e.to_string())?,
-            ImageFile::Hdr => write_hdr(&mut out, layers)?,
-            ImageFile::Png => write_png(&mut out, layers)?,
-        }
-        let file = out.into_inner().map_err(|e| e.to_string())?;
-        file.sync_all().map_err(|e| e.to_string())
-    });
-    let done = written.and_then(|()| std::fs::rename(&part, path).map_err(|e| e.to_string()));
-    if done.is_err() {
-        let _ = std::fs::remove_file(&part); // nothing to do about a second failure
-    }
-    done
+    let fill = |out: &mut BufWriter<File>| match format {
+        ImageFile::Exr => write_exr(out, layers).map_err(Error::other),
+        ImageFile::Pfm => write_pfm(out, layers),
+        ImageFile::Hdr => write_hdr(out, layers).map_err(Error::other),
+        ImageFile::Png => write_png(out, layers).map_err(Error::other),
+    };
+    files::write_with(path, fill).map_err(|e| e.to_string())
 }
 
 fn write_exr(out: &mut (impl Write + Seek), layers: &Layers) -> Result<(), String> {
@@ -91,7 +79,7 @@ fn rgb(layers: &Layers) -> Result<[&[f32]; 3], String> {
 }
 
 fn write_pfm(out: &mut impl Write, layers: &Layers) -> std::io::Result<()> {
-    let rgb = rgb(layers).map_err(std::io::Error::other)?;
+    let rgb = rgb(layers).map_err(Error::other)?;
     write!(out, "PF\n{} {}\n-1.0\n", layers.width, layers.height)?;
     for y in (0..layers.height).rev() {
         for x in 0..layers.width {

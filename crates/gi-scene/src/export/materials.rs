@@ -242,17 +242,9 @@ impl Exporter<'_> {
 
     /// Mitsuba 3 cannot multiply a picture: write the product.
     fn bake(&mut self, bitmap: &Bitmap, scale: Rgb) -> Result<String, String> {
-        let (width, height) = (bitmap.width(), bitmap.height());
-        let mut planes = [const { Vec::new() }; 3];
-        for y in 0..height {
-            for x in 0..width {
-                let texel = (bitmap.texel(x, y) * scale).to_array();
-                (0..3).for_each(|k| planes[k].push(texel[k]));
-            }
-        }
-        let channels =
-            ["R", "G", "B"].into_iter().zip(planes).map(|(n, p)| (n.to_owned(), p)).collect();
-        let layers = Layers { width, height, channels, metadata: Vec::new() };
+        let size = [bitmap.width(), bitmap.height()];
+        let texel = |i: usize| (bitmap.texel(i % size[0], i / size[0]) * scale).to_array();
+        let layers = Layers::of_rgb(size, (0..size[0] * size[1]).map(texel));
         self.side_file("exr", |path| write_file(path, ImageFile::Exr, &layers))
     }
 }

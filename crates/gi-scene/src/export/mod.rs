@@ -12,6 +12,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use gi_core::camera::{CameraSpec, Projection};
+use gi_core::files;
 use gi_core::filter::Filter;
 use gi_core::math::Rgb;
 use gi_core::medium::{Medium, Phase};
@@ -57,22 +58,15 @@ pub fn export_mitsuba(
 fn write(loaded: &Loaded, out: &Path) -> Result<Vec<String>, String> {
     let mut exporter = Exporter::new(loaded, out);
     let text = exporter.scene()?;
-    replace_file(out, text.as_bytes())?;
+    write_file(out, text.as_bytes())?;
     let mut warnings = loaded.warnings.clone();
     warnings.extend(exporter.warnings);
     Ok(warnings)
 }
 
-/// Write to a temporary name, then rename.
-fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), String> {
-    let fail = |e: std::io::Error| format!("cannot write `{}`: {e}", path.display());
-    let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(format!(".{}.part", std::process::id()));
-    let part = path.with_file_name(name);
-    fs::write(&part, bytes).and_then(|()| fs::rename(&part, path)).map_err(|e| {
-        let _ = fs::remove_file(&part);
-        fail(e)
-    })
+/// Write a file, whole or not at all.
+fn write_file(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    files::write(path, bytes).map_err(|e| format!("cannot write `{}`: {e}", path.display()))
 }
 
 struct Exporter<'a> {

@@ -1,0 +1,104 @@
+//! Files that are written whole or not at all: a killed run leaves the old file or the new one, never half of one.
+
+use std::fs::File;
+use std::io::{BufWriter, Error, ErrorKind, Result, Write};
+use std::path::{Path, PathBuf};
+
+/// Write a file: to a temporary name beside it, then rename.
+///
+/// # Errors
+/// What the system says, without the file's name; the file is as it was.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    write_with(path, |out| out.write_all(bytes))
+}
+
+/// The same, its bytes written by `fill`.
+///
+/// # Errors
+/// What `fill` or the system says, without the file's name; the file is as it was.
+pub fn write_with(
+    path: &Path,
+    fill: impl FnOnce(&mut BufWriter<File>) -> Result<()>,
+) -> Result<()> {
+    let part = beside(path, "part")?;
+    let written = File::create(&part).and_then(|file| {
+        let mut out = BufWriter::new(file);
+        fill(&mut out)?;
+        out.into_inner()?.sync_all()
+    });
+    let done = written.and_then(|()| std::fs::rename(&part, path));
+    if done.is_err() {
+        let _ = std::fs::remove_file(&part); // nothing to do about a second failure
+    }
+    done
+}
+
+/// Check before the work that a file can be made where `path` will be; what is there stays as it is.
+///
+/// # Errors
+/// Why it cannot, without the file's name.
+pub fn check_writable(path: &Path) -> Result<()> {
+    if path.is_dir() {
+        return Err(Error::new(ErrorKind::IsADirectory, "it is a folder"));
+    }
+    let trial = beside(path, "try")?;
+    File::create(&trial)?;
+    let _ = std::fs::remove_file(&trial); // an empty file left behind does no harm
+    Ok(())
+}
+
+/// A name of this process's own in the same folder.
+fn beside(path: &Path, what: &str) -> Result<PathBuf> {
+    let missing = || Error::new(ErrorKind::InvalidInput, "the name of a file is missing");
+    let mut name = path.file_name().ok_or_else(missing)?.to_os_string();
+    name.push(format!(".{}.{what}", std::process::id()));
+    Ok(path.with_file_name(name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = std::fs::read_dir(folder).expect("the folder");
+        let name = |e: Result<std::fs::DirEntry>| e.expect("an entry").file_name();
+        entries.map(|e| name(e).into_string().expect("UTF-8")).collect()
+    }
+
+    #[test]
+    fn a_write_that_fails_half_way_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.txt");
+        write(&path, b"old").expect("written");
+        let half = |out: &mut BufWriter<File>| {
+            out.write_all(b"ne")?;
+            out.flush()?;
+            Err(Error::other("no more"))
+        };
+        let error = write_with(&path, half).expect_err("what fails is told");
+        assert_eq!(error.to_string(), "no more");
+        assert_eq!(std::fs::read(&path).expect("a file"), b"old");
+        assert_eq!(names(folder.path()), ["a.txt"]);
+        write(&path, b"new").expect("written");
+        assert_eq!(std::fs::read(&path).expect("a file"), b"new");
+        assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn a_check_changes_nothing_and_finds_what_a_write_would() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        write(&at("a.txt"), b"old").expect("written");
+        std::fs::create_dir(at("b.txt")).expect("made");
+        check_writable(&at("a.txt")).expect("it can be written anew");
+        check_writable(&at("c.txt")).expect("it can be made");
+        for refused in [at("b.txt"), at("no/such/d.txt"), PathBuf::new()] {
+            assert!(check_writable(&refused).is_err(), "{refused:?} passed the check");
+            assert!(write(&refused, b"new").is_err(), "{refused:?} was written");
+        }
+        assert_eq!(std::fs::read(at("a.txt")).expect("a file"), b"old");
+        let mut left = names(folder.path());
+        left.sort();
+        assert_eq!(left, ["a.txt", "b.txt"]);
+    }
+}
