@@ -164,7 +164,7 @@ fn try_to_compare(request: &Request) -> Result<Report, Failure> {
     if let Some(json) = &request.json {
         let mut taken = request.inputs();
         taken.push(request.folder.join("index.html"));
-        if taken.iter().any(|t| text::is_same_file(t, json)) {
+        if taken.iter().any(|t| gi_core::files::is_same(t, json)) {
             return Err(Failure::Input(format!(
                 "error: --json {} would overwrite another of the comparison's files",
                 show(json)

@@ -86,16 +86,6 @@ pub(crate) fn check_writable(folder: &Path, json: Option<&Path>) -> Result<(), F
     Ok(())
 }
 
-/// Whether two names are those of one file, be it there or not.
-pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
-    let place = |path: &Path| {
-        let folder = path.parent().filter(|f| !f.as_os_str().is_empty());
-        let folder = folder.unwrap_or(Path::new(".")).canonicalize().ok()?;
-        path.canonicalize().ok().or_else(|| Some(folder.join(path.file_name()?)))
-    };
-    a == b || place(a).is_some_and(|a| Some(a) == place(b))
-}
-
 /// Write a file, whole or not at all.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     files::write(path, bytes).map_err(|e| cannot_write(path, &e))

@@ -120,7 +120,7 @@ fn export(common: &Common, out: &Path) -> Result<(), Failure> {
             Ok(())
         }
         Err(ExportError::Scene(problems)) => Err(Failure::Input(problems.to_string())),
-        Err(error) => Err(Failure::Other(format!("cannot write {}: {error}", out.display()))),
+        Err(error) => Err(Failure::Other(format!("--export-mitsuba: {error}"))),
     }
 }
 

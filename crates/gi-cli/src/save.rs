@@ -29,8 +29,9 @@ impl Output {
     /// Check that other files to write can be written, and that no two are one: nor the picture, nor its view.
     pub(crate) fn check_apart(&self, others: &[PathBuf]) -> Result<(), Failure> {
         for (k, other) in others.iter().enumerate() {
-            let picture = *other == self.path || *other == self.path.with_extension("png");
-            if picture || others[..k].contains(other) {
+            let view = self.path.with_extension("png");
+            let picture = files::is_same(other, &self.path) || files::is_same(other, &view);
+            if picture || others[..k].iter().any(|before| files::is_same(before, other)) {
                 let what = if picture { "the picture" } else { "another of the run's files" };
                 let text = format!("error: {} would overwrite {what}", other.display());
                 return Err(Failure::Input(text));

@@ -47,6 +47,16 @@ pub fn check_writable(path: &Path) -> Result<()> {
     Ok(())
 }
 
+/// Whether two names are those of one file, be it there or not.
+pub fn is_same(a: &Path, b: &Path) -> bool {
+    let place = |path: &Path| {
+        let folder = path.parent().filter(|f| !f.as_os_str().is_empty());
+        let folder = folder.unwrap_or(Path::new(".")).canonicalize().ok()?;
+        path.canonicalize().ok().or_else(|| Some(folder.join(path.file_name()?)))
+    };
+    a == b || place(a).is_some_and(|a| Some(a) == place(b))
+}
+
 /// A name of this process's own in the same folder.
 fn beside(path: &Path, what: &str) -> Result<PathBuf> {
     let missing = || Error::new(ErrorKind::InvalidInput, "the name of a file is missing");
@@ -100,5 +110,16 @@ mod tests {
         let mut left = names(folder.path());
         left.sort();
         assert_eq!(left, ["a.txt", "b.txt"]);
+    }
+
+    #[test]
+    fn a_file_is_the_same_by_whatever_name() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        write(&at("a.txt"), b"there").expect("written");
+        for name in ["a.txt", "b.txt"] {
+            assert!(is_same(&at(name), &at("./").join(name)), "{name}");
+            assert!(!is_same(&at(name), &at("c.txt")), "{name}");
+        }
     }
 }

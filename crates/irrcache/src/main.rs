@@ -5,7 +5,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
 use gi_cli::{
-    Common, Program, check_spacings, is_table, parse_accuracy, parse_spacing, read_input,
+    Common, Program, check_points_file, check_spacings, is_table, parse_accuracy, parse_spacing,
+    read_input,
 };
 use gi_core::cache::Weights;
 use gi_core::cache::control::{ErrorControl, SphereRadius};
@@ -135,6 +136,7 @@ impl Program for Args {
     }
 
     fn params(&self) -> Result<Params, String> {
+        check_points_file("--records-out", &self.records_out)?;
         check_spacings(self.min_spacing, self.max_spacing)?;
         Ok(Params {
             limits: PathLimits { max_depth: self.common.max_depth(), ..PathLimits::default() },

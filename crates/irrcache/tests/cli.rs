@@ -96,6 +96,7 @@ fn caches_that_cannot_be_used_are_one_clear_error_and_status_2() {
         (run(&["-o", &out, "--accuracy", "0"]), "above 0"),
         (run(&["-o", &out, "--rays", "3"]), "8.."),
         (run(&["-o", &out, "--min-spacing", "9", "--max-spacing", "5"]), "--min-spacing"),
+        (run(&["-o", &out, "--records-out", &at("r.txt")]), ".ply"),
         (run(&["-o", &out, "--cache-out", &out]), "overwrite"),
         (run(&["-o", &out, "-D", "gi.irrcache.cache_out=x"]), "cannot set"),
         (run(&["-o", &out, "--show", "nothing"]), "octree-slice"),

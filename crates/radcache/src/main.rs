@@ -5,7 +5,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
 use gi_cli::{
-    Common, Program, check_spacings, is_table, parse_accuracy, parse_spacing, read_input,
+    Common, Program, check_points_file, check_spacings, is_table, parse_accuracy, parse_spacing,
+    read_input,
 };
 use gi_core::cache::export::{to_csv, to_ply};
 use gi_core::eye::PathLimits;
@@ -72,7 +73,7 @@ struct Args {
     /// Write the cache
     #[arg(long, value_name = "FILE")]
     cache_out: Option<PathBuf>,
-    /// Write the records of both kinds to look at: a point cloud (.ply) or a table (.csv)
+    /// Write the irradiance records to look at: a point cloud (.ply) or a table (.csv)
     #[arg(long, value_name = "FILE.ply|.csv")]
     records_out: Option<PathBuf>,
     /// Pictures of the caches and of the basis, as OUT.NAME.png and as layers
@@ -132,6 +133,7 @@ impl Program for Args {
     }
 
     fn params(&self) -> Result<Params, String> {
+        check_points_file("--records-out", &self.records_out)?;
         check_spacings(self.min_spacing, self.max_spacing)?;
         Ok(Params {
             limits: PathLimits { max_depth: self.common.max_depth(), ..PathLimits::default() },

@@ -66,6 +66,7 @@ fn what_cannot_be_used_is_one_clear_error_and_status_2() {
         (run(&["-o", &out, "--glossy-accuracy", "0"]), "above 0"),
         (run(&["-o", &out, "--min-roughness=-1"]), "roughness"),
         (run(&["-o", &out, "--min-spacing", "9", "--max-spacing", "5"]), "--min-spacing"),
+        (run(&["-o", &out, "--records-out", &at("r.txt")]), ".ply"),
         (run(&["-o", &out, "--show", "nothing"]), "brdf"),
     ];
     for (output, says) in cases {

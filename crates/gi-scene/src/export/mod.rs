@@ -58,15 +58,14 @@ pub fn export_mitsuba(
 fn write(loaded: &Loaded, out: &Path) -> Result<Vec<String>, String> {
     let mut exporter = Exporter::new(loaded, out);
     let text = exporter.scene()?;
-    write_file(out, text.as_bytes())?;
+    files::write(out, text.as_bytes()).map_err(|e| cannot_write(out, e))?;
     let mut warnings = loaded.warnings.clone();
     warnings.extend(exporter.warnings);
     Ok(warnings)
 }
 
-/// Write a file, whole or not at all.
-fn write_file(path: &Path, bytes: &[u8]) -> Result<(), String> {
-    files::write(path, bytes).map_err(|e| format!("cannot write `{}`: {e}", path.display()))
+fn cannot_write(path: &Path, cause: impl fmt::Display) -> String {
+    format!("cannot write `{}`: {cause}", path.display())
 }
 
 struct Exporter<'a> {
@@ -188,7 +187,7 @@ impl<'a> Exporter<'a> {
         xml.close();
     }
 
-    /// Write a file that Mitsuba cannot do without; its name as the XML says it.
+    /// Write a file that Mitsuba cannot do without; its name as the XML says it. `write` says only why it failed.
     fn side_file(
         &mut self,
         extension: &str,
@@ -198,7 +197,7 @@ impl<'a> Exporter<'a> {
             .map_err(|e| format!("cannot make the folder `{}`: {e}", self.side.display()))?;
         let path = self.side.join(format!("{:04}.{extension}", self.converted));
         self.converted += 1;
-        write(&path)?;
+        write(&path).map_err(|e| cannot_write(&path, e))?;
         Ok(self.file_name(&path))
     }
 

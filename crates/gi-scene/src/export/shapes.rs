@@ -1,7 +1,8 @@
+use gi_core::files;
 use gi_core::geometry::{Geometry, Mesh, Shape};
 use glam::{Affine3A, Mat3, Vec3};
 
-use super::{Exporter, write_file};
+use super::Exporter;
 use crate::build::ShapeOrigin;
 use crate::shapes::{MeshFile, MeshKind, ply};
 
@@ -97,7 +98,9 @@ impl Exporter<'_> {
     }
 
     fn converted_mesh(&mut self, mesh: &Mesh) -> Result<(), String> {
-        let name = self.side_file("ply", |path| write_file(path, &ply::write(mesh)))?;
+        let name = self.side_file("ply", |path| {
+            files::write(path, &ply::write(mesh)).map_err(|e| e.to_string())
+        })?;
         self.xml.open("shape", &[("type", "ply")]);
         self.xml.value("string", "filename", &name);
         if mesh.normals.is_empty() {
