@@ -74,7 +74,12 @@ enum Failure {
 /// # Errors
 /// One line with the file's name and the cause.
 pub fn read_input(path: &Path) -> Result<Vec<u8>, String> {
-    std::fs::read(path).map_err(|e| format!("cannot read {}: {e}", path.display()))
+    let cannot = |why: &dyn std::fmt::Display| format!("cannot read {}: {why}", path.display());
+    // Devices may go on for ever.
+    if !path.metadata().map_err(|e| cannot(&e))?.is_file() {
+        return Err(cannot(&"it is no file"));
+    }
+    std::fs::read(path).map_err(|e| cannot(&e))
 }
 
 /// Run a program.

@@ -1,11 +1,13 @@
 //! Maps as files, saved for another run.
 //!
-//! A saved map is the line `gilab photons 2`, then little-endian numbers: the world's identity (u64), which maps there are
+//! A saved map is the line `gilab photons 3`, then little-endian numbers: the world's identity (u64), which maps there are
 //! besides the global one (1: caustic, 2: those of media, 4: of these, solids are left to the dipole), the most segments of a path and the layout (u32 each). For each map on
 //! surfaces follow the number of paths begun and of photons (u64 each) and the photons, 21 bytes each: the lecture's 20 [slide 25]
 //! and the number of segments. For media follow the number of paths begun (u64), the share of scatterings that was stored (f32) and how
 //! many media there are (u32), and for each the number of photons (u64) and the photons. All are in the order of their trees.
+//! A checksum of all before (u32) is the end.
 
+use gi_core::rng::hash_words;
 use gi_core::technique::Setting;
 
 use crate::map::{Layout, PhotonMap};
@@ -14,7 +16,7 @@ use crate::shoot::{Shot, Stored};
 use crate::volume::{VolumeMaps, VolumePhoton, VolumeShot};
 use crate::{Gather, Params, Subsurface};
 
-const MAGIC: &[u8] = b"gilab photons 2\n";
+const MAGIC: &[u8] = b"gilab photons 3\n";
 const RECORD: usize = 21;
 /// Which maps there are.
 const CAUSTIC: u32 = 1;
@@ -108,7 +110,17 @@ pub(crate) fn to_bytes(
             write_photons(&mut out, photons.len(), photons.iter().map(stored));
         }
     }
+    out.extend(checksum(&out).to_le_bytes());
     out
+}
+
+/// A number that hardly any damage leaves as it is.
+fn checksum(bytes: &[u8]) -> u32 {
+    bytes.chunks(4).fold(0, |sum, chunk| {
+        let mut word = [0; 4];
+        word[..chunk.len()].copy_from_slice(chunk);
+        hash_words(&[sum, u32::from_le_bytes(word)])
+    })
 }
 
 fn write_photons(out: &mut Vec<u8>, count: usize, photons: impl Iterator<Item = Stored>) {
@@ -128,7 +140,11 @@ fn write_photons(out: &mut Vec<u8>, count: usize, photons: impl Iterator<Item = 
 /// What is wrong with the file.
 pub(crate) fn from_bytes(bytes: &[u8]) -> Result<Saved, String> {
     let rest = bytes.strip_prefix(MAGIC).ok_or("this is no file of photons of this version")?;
-    let mut input = Input(rest);
+    let (_, end) = rest.split_last_chunk().ok_or("the file ends too early")?;
+    if checksum(&bytes[..bytes.len() - end.len()]) != u32::from_le_bytes(*end) {
+        return Err("the file is damaged: its checksum is another".into());
+    }
+    let mut input = Input(&rest[..rest.len() - end.len()]);
     let (world, maps, max_depth) = (input.u64()?, input.u32()?, input.u32()?);
     let layout = if input.u32()? == 1 { Layout::Fast } else { Layout::Jensen };
     let global = input.shot()?;
@@ -273,10 +289,20 @@ mod tests {
         let mut more = whole.clone();
         more.push(0);
         assert!(from_bytes(&more).is_err());
-        // A count of 2^63, and a position that is no number.
-        let (mut huge, mut nowhere) = (whole.clone(), whole);
-        huge[MAGIC.len() + 35] = 0x80;
-        nowhere[MAGIC.len() + 36..MAGIC.len() + 40].copy_from_slice(&f32::NAN.to_le_bytes());
-        assert!(from_bytes(&huge).is_err() && from_bytes(&nowhere).is_err());
+        for at in 0..whole.len() {
+            let mut other = whole.clone();
+            other[at] ^= 0x10;
+            assert!(from_bytes(&other).is_err(), "changed at {at}");
+        }
+        // A count of 2^63, and a position that is no number, said to be right.
+        let refused = |at: usize, bytes: &[u8]| {
+            let mut other = whole[..whole.len() - 4].to_vec();
+            other[MAGIC.len() + at..MAGIC.len() + at + bytes.len()].copy_from_slice(bytes);
+            other.extend(checksum(&other).to_le_bytes());
+            from_bytes(&other).err().unwrap_or_default()
+        };
+        assert_eq!(refused(35, &[0x80]), "the file ends too early");
+        assert_eq!(refused(36, &f32::NAN.to_le_bytes()), "a photon is nowhere");
+        assert_eq!(refused(0, &[]), "");
     }
 }

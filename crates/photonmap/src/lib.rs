@@ -150,6 +150,7 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
 
     /// Shoot photons, build the maps, compute irradiance ahead.
     fn prepare(setting: Setting<'a>, params: &Params) -> Result<Self, String> {
+        media::check(&setting, params)?;
         let Maps { global, caustic, volume, order } = match &params.map_in {
             Some(bytes) => load(&setting, params, bytes)?,
             None => shoot(&setting, params),
@@ -166,11 +167,9 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
             Gather::Final => irradiance_maps(&setting, params, &global),
             Gather::None | Gather::Direct => Vec::new(),
         };
-        let media = match params.knows_media(setting.scene) {
-            true => Some(MediaMaps::shoot(&setting, &source(&setting, params), params, volume)?),
-            false if params.subsurface == Subsurface::Dipole => return Err(media::NO_SOLID.into()),
-            false => None,
-        };
+        let media = params
+            .knows_media(setting.scene)
+            .then(|| MediaMaps::shoot(&source(&setting, params), params, volume));
         let params = params.clone();
         Ok(PhotonMapping { setting, params, global, caustic, media, irradiance, gave_up })
     }

@@ -105,7 +105,7 @@ enum GatherFlag {
 enum SubsurfaceFlag {
     /// Photons in the medium
     Photons,
-    /// Diffusion from the photons that enter: smooth, too dark where a solid is thin
+    /// Diffusion from the photons that enter: smooth, too dark where a solid is thin; --max-depth counts the way through as two segments
     Dipole,
 }
 

@@ -26,42 +26,40 @@ pub(crate) struct MediaMaps {
 }
 
 /// Why the dipole is refused where it has nothing to stand for.
-pub(crate) const NO_SOLID: &str = "--subsurface dipole: no medium fills a solid here, that is: all of its boundaries refract \
-     (dielectric, roughdielectric), and --volume-photons is not 0; leave it out to use photons in the medium";
+const NO_SOLID: &str = "--subsurface dipole: no medium fills a solid here, that is: all of its boundaries refract \
+     (dielectric, roughdielectric), no light stands in it, and --volume-photons is not 0; leave it out to use photons in the medium";
+
+/// Why it is refused where the eye sees what it does not know.
+const INSIDE: &str = "--subsurface dipole: the camera stands inside a solid, and the dipole knows only what \
+     leaves it; leave it out to use photons in the medium";
+
+/// Check that the dipole can stand for what it is asked to.
+///
+/// # Errors
+/// Why it can't, and the way out.
+pub(crate) fn check(setting: &Setting, params: &Params) -> Result<(), String> {
+    if params.subsurface == Subsurface::Photons {
+        return Ok(());
+    }
+    let Setting { scene, camera, show, .. } = *setting;
+    let solids = scene.solids();
+    if !params.knows_media(scene) || !(0..scene.media().len()).any(|m| solids.is_dark(m)) {
+        return Err(NO_SOLID.into());
+    }
+    let path = EyePath { scene, limits: PathLimits::default(), show };
+    let is_inside = path.medium_round(camera).is_some_and(|m| solids.is_dark(m));
+    if is_inside { Err(INSIDE.into()) } else { Ok(()) }
+}
 
 impl MediaMaps {
     /// Shoot photons, but for those in `saved`.
-    ///
-    /// # Errors
-    /// Where the dipole can't stand for what it is asked to.
-    pub(crate) fn shoot(
-        setting: &Setting,
-        source: &Source,
-        params: &Params,
-        saved: Option<VolumeMaps>,
-    ) -> Result<Self, String> {
-        let scene = source.scene;
-        let solids = scene.solids();
-        let count = params.volume_photons;
-        if params.subsurface == Subsurface::Photons {
-            let volume = saved.unwrap_or_else(|| VolumeMaps::shoot(source, params, |_| true));
-            return Ok(MediaMaps { solids, volume, dipoles: None });
-        }
-        if !(0..scene.media().len()).any(|m| solids.is_solid(m)) {
-            return Err(NO_SOLID.into());
-        }
-        let path = EyePath { scene, limits: PathLimits::default(), show: setting.show };
-        if path.medium_round(setting.camera).is_some_and(|m| solids.is_solid(m)) {
-            return Err(
-                "--subsurface dipole: the camera stands inside a solid, and the dipole knows only what \
-                 leaves it; leave it out to use photons in the medium"
-                    .into(),
-            );
-        }
-        let dipoles = Some(Dipoles::shoot(source, &solids, count));
-        let shoot = || VolumeMaps::shoot(source, params, |m| !solids.is_solid(m));
-        let volume = saved.unwrap_or_else(shoot);
-        Ok(MediaMaps { solids, volume, dipoles })
+    pub(crate) fn shoot(source: &Source, params: &Params, saved: Option<VolumeMaps>) -> Self {
+        let solids = source.scene.solids();
+        let by_dipole = params.subsurface == Subsurface::Dipole;
+        let dipoles = by_dipole.then(|| Dipoles::shoot(source, &solids, params.volume_photons));
+        let is_wanted = |m| !(by_dipole && solids.is_dark(m));
+        let volume = saved.unwrap_or_else(|| VolumeMaps::shoot(source, params, is_wanted));
+        MediaMaps { solids, volume, dipoles }
     }
 
     /// What is worth knowing.
@@ -125,7 +123,7 @@ impl PhotonMapping<'_> {
         let medium = scene.medium(beam.medium);
         let (mut direct, mut indirect, mut caustic) = (Rgb::BLACK, Rgb::BLACK, Rgb::BLACK);
         if let Some(dipoles) = &maps.dipoles
-            && maps.solids.is_solid(beam.medium)
+            && maps.solids.is_dark(beam.medium)
         {
             if matches!(show, Show::All | Show::Indirect) {
                 indirect = dipoles.radiance(scene, &maps.solids, beam, depth);

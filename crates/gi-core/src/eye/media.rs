@@ -1,8 +1,7 @@
 //! The eye walk in media.
 
-use glam::Vec3;
-
-use super::{Beam, EyePath, MAX_SURVIVAL_WITHIN, Prefix, Supplier};
+use super::{Beam, Entrance, EyePath, MAX_SURVIVAL_WITHIN, Prefix, Supplier};
+use crate::bsdf::Scatter;
 use crate::camera::Camera;
 use crate::film::Components;
 use crate::geometry::Surface;
@@ -49,11 +48,12 @@ impl<'a> EyePath<'a> {
         self.scene.medium_at(ray.at(ray.tmin), ray.d)
     }
 
-    /// Take in which medium the path comes into where it leaves `surface` along `d`.
+    /// Take in which medium the path comes into where `surface` scatters it.
     #[inline]
-    pub(super) fn enter(&self, surface: &Surface, d: Vec3, prefix: &mut Prefix) {
-        let medium = self.scene.medium_toward(surface, d, prefix.medium);
-        prefix.entered = (medium != prefix.medium).then_some(surface.prim);
+    pub(super) fn enter(&self, surface: &Surface, scatter: &Scatter, prefix: &mut Prefix) {
+        let medium = self.scene.medium_toward(surface, scatter.wi, prefix.medium);
+        let entrance = Entrance { prim: surface.prim, eta: scatter.eta };
+        prefix.entered = (medium != prefix.medium).then_some(entrance);
         prefix.medium = medium;
     }
 
@@ -140,8 +140,8 @@ impl<'a> EyePath<'a> {
     ) -> Option<TakeOff> {
         let here = self.scattered(prefix, sampler)?;
         let throughput = prefix.throughput * here;
-        let Prefix { segments, rough, entered, eta_sq, .. } = *prefix;
-        let beam = Beam { ray, reach, medium, entered, eta_sq, segments, rough, throughput };
+        let Prefix { segments, rough, entered, .. } = *prefix;
+        let beam = Beam { ray, reach, medium, entered, segments, rough, throughput };
         let Some(found) = supplier.beam(&beam, sampler) else {
             return Some(TakeOff::draw(
                 self.scene.medium(medium),

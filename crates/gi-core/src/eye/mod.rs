@@ -19,7 +19,7 @@ use light::add_supplied;
 use media::Crossing;
 use prefix::Prefix;
 use supply::OnSurfaces;
-pub use supply::{Answered, Beam, EyeVertex, InMedia, Supplied, Supplier, nothing};
+pub use supply::{Answered, Beam, Entrance, EyeVertex, InMedia, Supplied, Supplier, nothing};
 
 /// Russian roulette lets at least one path in twenty end at a surface, so that no path is endless.
 const MAX_SURVIVAL: f32 = 0.95;
@@ -231,7 +231,7 @@ impl<'a> EyePath<'a> {
                 return;
             }
             if S::MEDIA {
-                self.enter(&surface, scatter.wi, &mut prefix);
+                self.enter(&surface, &scatter, &mut prefix);
             }
             ray = scene.spawn(&surface, scatter.wi);
         }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{Answered, EyeVertex, Supplied};
+use super::{Answered, Entrance, EyeVertex, Supplied};
 use crate::bsdf::{Bsdf, Scatter};
 use crate::geometry::Surface;
 use crate::math::Rgb;
@@ -35,8 +35,8 @@ pub(super) struct Prefix {
     pub(super) length: f32,
     /// The medium that it is in, for walks that know media.
     pub(super) medium: Option<usize>,
-    /// The primitive of the boundary that it has come in over just now.
-    pub(super) entered: Option<u32>,
+    /// How it has come in just now.
+    pub(super) entered: Option<Entrance>,
 }
 
 impl Prefix {

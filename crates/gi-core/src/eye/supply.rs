@@ -91,18 +91,24 @@ pub struct Beam<'r> {
     pub reach: f32,
     /// The medium, by its index in [`crate::scene::Scene::media`].
     pub medium: usize,
-    /// The primitive of the boundary that the path has come in over just now; `None` where it was in the medium before, and
-    /// was reflected or scattered, and where it begins.
-    pub entered: Option<u32>,
-    /// Product of the squared indices that refraction has divided the throughput by: the squared index of the medium over that of
-    /// what the eye is in.
-    pub eta_sq: f32,
+    /// How the path has come in just now; `None` where it was in the medium before, and was reflected or scattered, and where
+    /// it begins.
+    pub entered: Option<Entrance>,
     /// Segments from the eye up to and with the one that this is a piece of, straight passes not counted.
     pub segments: u32,
     /// Scatterings by other than delta lobes before.
     pub rough: u32,
     /// What one unit of the radiance that is supplied here adds to the sample.
     pub throughput: Rgb,
+}
+
+/// Where a path has come into a medium.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Entrance {
+    /// The boundary's primitive.
+    pub prim: u32,
+    /// Index inside over index outside of the boundary; 1 where nothing is refracted.
+    pub eta: f32,
 }
 
 /// A technique of surfaces alone.

@@ -6,11 +6,15 @@ use glam::Vec3;
 
 use super::Scene;
 use crate::geometry::{Geometry, Shape};
-use crate::math::Bounds;
+
+/// Corners are one that are as near as this, in units of the largest coordinate; lids fit that are, in units of the cylinder's radius.
+const SAME_CORNER: f32 = 1e-6;
+const SAME_RIM: f32 = 1e-3;
 
 /// The solid bodies of a scene: media behind boundaries that all refract.
 ///
-/// Primitives that share a corner bound one body; disks and cylinders bound one with all boundaries that their box touches.
+/// Triangles that share a corner, to rounding, bound one body; so do cylinders and the disks that are their lids. Others bound
+/// one each: a sphere, a mesh without seams.
 /// A cavity in a body, and all copies of an instanced body, count as one body of their own.
 pub struct Solids {
     /// By medium: whether it is bounded by refracting surfaces only.
@@ -27,7 +31,7 @@ impl Solids {
         self.solid[medium]
     }
 
-    /// Whether no point of a medium is reached by light straight from a light.
+    /// Whether a medium fills solid bodies only, and no point of it is reached by light straight from a light.
     pub fn is_dark(&self, medium: usize) -> bool {
         self.solid[medium] && !self.lit[medium]
     }
@@ -57,27 +61,32 @@ impl Scene {
     /// For each primitive the first one of those that it hangs together with.
     fn join_boundaries(&self) -> Vec<u32> {
         let mut joined = Joined::new(self.shape_of.len());
-        let mut at: HashMap<[u32; 3], u32> = HashMap::new();
+        let mut at: HashMap<[i64; 3], u32> = HashMap::new();
         let boundaries: Vec<usize> =
             (0..self.shapes.len()).filter(|&k| self.shapes[k].is_boundary()).collect();
-        for &k in &boundaries {
-            let Geometry::Mesh(mesh) = &self.shapes[k].geometry else { continue };
+        let meshes = boundaries.iter().filter_map(|&k| match &self.shapes[k].geometry {
+            Geometry::Mesh(mesh) => Some((self.first_primitive[k], mesh)),
+            _ => None,
+        });
+        let largest = meshes.clone().fold(0.0f32, |largest, (_, mesh)| {
+            mesh.positions.iter().fold(largest, |most, p| most.max(p.abs().max_element()))
+        });
+        let reach = (SAME_CORNER * largest).max(f32::MIN_POSITIVE);
+        for (first, mesh) in meshes {
             for triangle in 0..mesh.triangles.len() {
-                let prim = self.first_primitive[k] + triangle as u32;
-                for corner in mesh.corners(triangle) {
-                    joined.join(*at.entry(bits(corner)).or_insert(prim), prim);
+                let prim = first + triangle as u32;
+                for cell in mesh.corners(triangle).into_iter().flat_map(|p| cells(p, reach)) {
+                    joined.join(*at.entry(cell).or_insert(prim), prim);
                 }
             }
         }
         for &k in &boundaries {
-            let geometry = &self.shapes[k].geometry;
-            if !matches!(geometry, Geometry::Disk { .. } | Geometry::Cylinder { .. }) {
-                continue;
-            }
-            let own = geometry.bounds();
-            for &other in &boundaries {
-                if touch(own, self.shapes[other].geometry.bounds()) {
-                    joined.join(self.first_primitive[k], self.first_primitive[other]);
+            let Geometry::Cylinder { p0, p1, radius } = self.shapes[k].geometry else { continue };
+            for &lid in &boundaries {
+                let Geometry::Disk { center, du, .. } = self.shapes[lid].geometry else { continue };
+                let near = |p: Vec3| p.distance(center) < SAME_RIM * radius;
+                if (near(p0) || near(p1)) && (du.length() - radius).abs() < SAME_RIM * radius {
+                    joined.join(self.first_primitive[k], self.first_primitive[lid]);
                 }
             }
         }
@@ -85,15 +94,14 @@ impl Scene {
     }
 }
 
-/// A point as a key; -0 and 0 are one coordinate.
-fn bits(p: Vec3) -> [u32; 3] {
-    p.to_array().map(|x| (x + 0.0).to_bits())
-}
-
-/// Whether two boxes have a point in common, to rounding.
-fn touch(a: Bounds, b: Bounds) -> bool {
-    let slack = 1e-5 * (a.extent() + b.extent()).max_element();
-    (a.min - slack).cmple(b.max).all() && (b.min - slack).cmple(a.max).all()
+/// The cells of a grid, four times as wide as `reach`, that the cube of so much to each side of a point reaches into; one of
+/// them mostly.
+fn cells(p: Vec3, reach: f32) -> impl Iterator<Item = [i64; 3]> {
+    let cell = |x: f32| (f64::from(x) / f64::from(4.0 * reach)).floor() as i64;
+    let [low, high] = [p - reach, p + reach].map(|q| q.to_array().map(cell));
+    (low[0]..=high[0]).flat_map(move |x| {
+        (low[1]..=high[1]).flat_map(move |y| (low[2]..=high[2]).map(move |z| [x, y, z]))
+    })
 }
 
 /// Sets that are joined two by two; each is known by its first member.
@@ -146,19 +154,30 @@ mod tests {
         let sides = [[0, 2, 1], [0, 1, 3], [0, 3, 2]];
         let boundary = |geometry, material, inside| Shape {
             interior: Some(inside),
-            ..Shape::new("boundary", Geometry::Mesh(geometry), material)
+            ..Shape::new("boundary", geometry, material)
         };
         // One mesh of two bodies, the lid of one of them as a shape of its own, and a cloud.
         let mut two = tetrahedron(Vec3::ZERO, &sides);
         let far = tetrahedron(Vec3::splat(5.0), &sides);
         two.triangles.extend(far.triangles.iter().map(|t| t.map(|i| i + 4)));
         two.positions.extend(far.positions);
-        let lid = tetrahedron(Vec3::splat(5.0), &[[1, 2, 3]]);
+        let lid = tetrahedron(Vec3::splat(5.000_002), &[[1, 2, 3]]);
         let cloud = tetrahedron(Vec3::splat(-5.0), &sides);
         let grey =
             |s| Medium { sigma_t: Rgb::grey(s), albedo: Rgb::grey(0.5), phase: Phase::Isotropic };
+        // A cylinder, of which one lid fits and one is too small.
+        let (p0, p1) = (Vec3::Z * 9.0, Vec3::new(1.0, 2.0, 9.0));
+        let (du, dv) = (p1 - p0).normalize().any_orthonormal_pair();
+        let disk = |center, r| Geometry::Disk { center, du: du * r, dv: dv * r };
+        let round = [Geometry::Cylinder { p0, p1, radius: 0.5 }, disk(p1, 0.5), disk(p0, 0.4)];
+        let mut shapes = vec![
+            boundary(Geometry::Mesh(two), 0, 0),
+            boundary(Geometry::Mesh(lid), 0, 0),
+            boundary(Geometry::Mesh(cloud), 1, 1),
+        ];
+        shapes.extend(round.map(|geometry| boundary(geometry, 0, 0)));
         let parts = SceneParts {
-            shapes: vec![boundary(two, 0, 0), boundary(lid, 0, 0), boundary(cloud, 1, 1)],
+            shapes,
             materials: vec![glass, Material::Null],
             media: vec![grey(1.0), grey(2.0), grey(3.0)],
             ..SceneParts::default()
@@ -167,7 +186,7 @@ mod tests {
         let solids = scene.solids();
         assert_eq!([0, 1, 2].map(|m| solids.is_solid(m)), [true, false, false]);
         assert!(solids.is_dark(0) && !solids.is_dark(1));
-        let bodies: Vec<u32> = (0..10).map(|prim| solids.body(prim)).collect();
-        assert_eq!(bodies, [0, 0, 0, 3, 3, 3, 3, 7, 7, 7]);
+        let bodies: Vec<u32> = (0..13).map(|prim| solids.body(prim)).collect();
+        assert_eq!(bodies, [0, 0, 0, 3, 3, 3, 3, 7, 7, 7, 10, 10, 12]);
     }
 }

@@ -8,6 +8,8 @@
 //! L(wo) = (1 - F(wo)) / (1 - F) B / pi, F the Fresnel reflectance and its hemispherical mean: the path from the eye refracts
 //! into the body, and finds the radiance B / (pi (1 - F_in)) there.
 //!
+//! F is that of the boundary alone: what glass beyond it throws back enters anew, for photons and for the eye.
+//!
 //! All scattered light is in B, and counts as indirect. Photons walk on through the medium as they are: the light that a body sheds is
 //! exact in the maps of surfaces, and the dipole's where gather rays meet the body.
 //!
@@ -20,7 +22,7 @@ mod profile;
 
 use std::collections::BTreeMap;
 
-use gi_core::eye::Beam;
+use gi_core::eye::{Beam, Entrance};
 use gi_core::math::Rgb;
 use gi_core::scene::{Scene, Solids};
 use gi_core::walk::LightEvent;
@@ -52,7 +54,7 @@ fn body(scene: &Scene, solids: &Solids, prim: u32, medium: usize) -> Body {
 }
 
 impl Dipoles {
-    /// Shoot photons until `count` have entered a solid.
+    /// Shoot photons until `count` have entered a solid in which no light stands.
     pub(crate) fn shoot(source: &Source, solids: &Solids, count: usize) -> Self {
         let scene = source.scene;
         let Hits { chunks, emitted, gave_up } = collect(count, |k| chunk(source, solids, k));
@@ -72,10 +74,10 @@ impl Dipoles {
     /// Radiance that diffused light of at most `depth` segments has where a beam comes into a solid body. Beams that were
     /// reflected inside find none: it was found where they came in.
     pub(crate) fn radiance(&self, scene: &Scene, solids: &Solids, beam: &Beam, depth: u8) -> Rgb {
-        let Some(prim) = beam.entered else { return Rgb::BLACK };
+        let Some(Entrance { prim, eta }) = beam.entered else { return Rgb::BLACK };
         let body = body(scene, solids, prim, beam.medium);
         let Some(entries) = self.bodies.get(&body) else { return Rgb::BLACK };
-        let dipole = Dipole::new(scene.medium(beam.medium), beam.eta_sq.sqrt());
+        let dipole = Dipole::new(scene.medium(beam.medium), eta);
         dipole.radiance_inside(entries.exitance(beam.ray.o, &dipole, depth))
     }
 
@@ -108,7 +110,7 @@ fn chunk(source: &Source, solids: &Solids, chunk: u64) -> Chunk<Entering> {
     let mut out = Chunk { hits: Vec::new(), ends: Vec::new() };
     for path in paths(chunk) {
         source.walk(Wanted::Volume, path, &mut |step| {
-            out.hits.extend(entering(&step).filter(|e| solids.is_solid(e.medium)));
+            out.hits.extend(entering(&step).filter(|e| solids.is_dark(e.medium)));
         });
         out.ends.push(out.hits.len() as u32);
     }
