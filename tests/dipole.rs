@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use gi_core::camera::CameraSpec;
 use gi_core::film::Show;
-use gi_core::geometry::{Geometry, Mesh, Shape};
+use gi_core::geometry::{Geometry, Shape};
 use gi_core::light::LightSource;
 use gi_core::material::Material;
 use gi_core::math::Rgb;
@@ -88,7 +88,7 @@ fn a_plane_under_a_distant_light_sends_back_the_dipoles_total_reflectance() {
     cube.triangles.iter_mut().for_each(|t| t.reverse());
     let direction = -Vec3::Z;
     let parts = SceneParts {
-        shapes: vec![solid(Geometry::Mesh(Mesh { ..cube }))],
+        shapes: vec![solid(Geometry::Mesh(cube))],
         materials: vec![polish()],
         media: vec![medium(1.0, albedo)],
         lights: vec![LightSource::Directional { direction, irradiance: Rgb::WHITE }],
