@@ -126,7 +126,7 @@ impl PhotonMapping<'_> {
             && maps.solids.is_dark(beam.medium)
         {
             if matches!(show, Show::All | Show::Indirect) {
-                indirect = dipoles.radiance(scene, &maps.solids, beam, depth);
+                indirect = dipoles.radiance(scene, beam, depth);
             }
             return Components { direct, indirect, caustic };
         }

@@ -19,7 +19,7 @@ use crate::medium::Medium;
 use crate::ray::{Hit, Ray};
 pub use build::SceneError;
 pub use parts::SceneParts;
-pub use solids::Solids;
+pub use solids::{Bodies, Solids};
 
 /// A scene ready for rays. It does not change once made.
 pub struct Scene {

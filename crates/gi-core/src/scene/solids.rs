@@ -11,16 +11,19 @@ use crate::geometry::{Geometry, Shape};
 const SAME_CORNER: f32 = 1e-6;
 const SAME_RIM: f32 = 1e-3;
 
-/// The solid bodies of a scene: media behind boundaries that all refract.
-///
-/// Triangles that share a corner, to rounding, bound one body; so do cylinders and the disks that are their lids. Others bound
-/// one each: a sphere, a mesh without seams.
-/// A cavity in a body, and all copies of an instanced body, count as one body of their own.
+/// Which media of a scene fill solid bodies: those behind boundaries that all refract.
 pub struct Solids {
     /// By medium: whether it is bounded by refracting surfaces only.
     solid: Vec<bool>,
     /// By medium: whether lights stand in it.
     lit: Vec<bool>,
+}
+
+/// Which boundaries of media belong to one body.
+///
+/// Triangles that share a corner, to rounding, bound one body; so do cylinders and the disks that are their lids. Each of the others,
+/// a cavity in a body, and all copies of an instanced body together count as one of their own.
+pub struct Bodies {
     /// By primitive: the number of the body, that of its first primitive.
     body_of: Vec<u32>,
 }
@@ -35,7 +38,9 @@ impl Solids {
     pub fn is_dark(&self, medium: usize) -> bool {
         self.solid[medium] && !self.lit[medium]
     }
+}
 
+impl Bodies {
     /// The body that a primitive bounds.
     pub fn body(&self, prim: u32) -> u32 {
         self.body_of[prim as usize]
@@ -43,7 +48,7 @@ impl Solids {
 }
 
 impl Scene {
-    /// Find the solid bodies.
+    /// Find the media that fill solid bodies.
     pub fn solids(&self) -> Solids {
         let is_it =
             |m: usize, side: Option<usize>| side.is_some_and(|s| self.media[s] == self.media[m]);
@@ -55,11 +60,11 @@ impl Scene {
             boundaries.peek().is_some()
                 && boundaries.all(|shape| self.materials[shape.material].refracts)
         });
-        Solids { solid: solid.collect(), lit: lit.collect(), body_of: self.join_boundaries() }
+        Solids { solid: solid.collect(), lit: lit.collect() }
     }
 
-    /// For each primitive the first one of those that it hangs together with.
-    fn join_boundaries(&self) -> Vec<u32> {
+    /// Find which boundaries hang together.
+    pub fn bodies(&self) -> Bodies {
         let mut joined = Joined::new(self.shape_of.len());
         let mut at: HashMap<[i64; 3], u32> = HashMap::new();
         let boundaries: Vec<usize> =
@@ -90,7 +95,8 @@ impl Scene {
                 }
             }
         }
-        (0..self.shape_of.len() as u32).map(|prim| joined.first(prim)).collect()
+        let body_of = (0..self.shape_of.len() as u32).map(|prim| joined.first(prim)).collect();
+        Bodies { body_of }
     }
 }
 
@@ -186,7 +192,8 @@ mod tests {
         let solids = scene.solids();
         assert_eq!([0, 1, 2].map(|m| solids.is_solid(m)), [true, false, false]);
         assert!(solids.is_dark(0) && !solids.is_dark(1));
-        let bodies: Vec<u32> = (0..13).map(|prim| solids.body(prim)).collect();
+        let found = scene.bodies();
+        let bodies: Vec<u32> = (0..13).map(|prim| found.body(prim)).collect();
         assert_eq!(bodies, [0, 0, 0, 3, 3, 3, 3, 7, 7, 7, 10, 10, 12]);
     }
 }

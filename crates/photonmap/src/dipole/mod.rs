@@ -24,7 +24,7 @@ use std::collections::BTreeMap;
 
 use gi_core::eye::{Beam, Entrance};
 use gi_core::math::Rgb;
-use gi_core::scene::{Scene, Solids};
+use gi_core::scene::{Bodies, Scene, Solids};
 use gi_core::walk::LightEvent;
 use glam::Vec3;
 
@@ -38,8 +38,9 @@ const STREAM: u32 = 0x6469_706f;
 
 /// The photons that entered the solid bodies of a scene.
 pub(crate) struct Dipoles {
+    bodies: Bodies,
     /// By body and medium.
-    bodies: BTreeMap<Body, Entries>,
+    entries: BTreeMap<Body, Entries>,
     /// Paths begun.
     emitted: u64,
     gave_up: bool,
@@ -48,47 +49,47 @@ pub(crate) struct Dipoles {
 /// A body by one of its primitives, and the first of the scene's media that is equal to what fills it.
 type Body = (u32, usize);
 
-fn body(scene: &Scene, solids: &Solids, prim: u32, medium: usize) -> Body {
+fn body(scene: &Scene, bodies: &Bodies, prim: u32, medium: usize) -> Body {
     let (media, own) = (scene.media(), scene.medium(medium));
-    (solids.body(prim), media.iter().position(|other| other == own).unwrap_or(medium))
+    (bodies.body(prim), media.iter().position(|other| other == own).unwrap_or(medium))
 }
 
 impl Dipoles {
     /// Shoot photons until `count` have entered a solid in which no light stands.
     pub(crate) fn shoot(source: &Source, solids: &Solids, count: usize) -> Self {
-        let scene = source.scene;
+        let (scene, bodies) = (source.scene, source.scene.bodies());
         let Hits { chunks, emitted, gave_up } = collect(count, |k| chunk(source, solids, k));
         let share = (1.0 / emitted.max(1) as f64) as f32;
-        let mut bodies: BTreeMap<Body, Vec<Entry>> = BTreeMap::new();
+        let mut entries: BTreeMap<Body, Vec<Entry>> = BTreeMap::new();
         for (k, Entering { prim, medium, p, power, depth }) in
             chunks.into_iter().flatten().enumerate()
         {
             let power = Rgbe::dithered(power * share, dither(source.seed ^ STREAM, k));
             let entry = Entry { position: p.to_array(), power, depth };
-            bodies.entry(body(scene, solids, prim, medium)).or_default().push(entry);
+            entries.entry(body(scene, &bodies, prim, medium)).or_default().push(entry);
         }
-        let bodies = bodies.into_iter().map(|(body, e)| (body, Entries::build(e))).collect();
-        Dipoles { bodies, emitted, gave_up }
+        let entries = entries.into_iter().map(|(body, e)| (body, Entries::build(e))).collect();
+        Dipoles { bodies, entries, emitted, gave_up }
     }
 
     /// Radiance that diffused light of at most `depth` segments has where a beam comes into a solid body. Beams that were
     /// reflected inside find none: it was found where they came in.
-    pub(crate) fn radiance(&self, scene: &Scene, solids: &Solids, beam: &Beam, depth: u8) -> Rgb {
+    pub(crate) fn radiance(&self, scene: &Scene, beam: &Beam, depth: u8) -> Rgb {
         let Some(Entrance { prim, eta }) = beam.entered else { return Rgb::BLACK };
-        let body = body(scene, solids, prim, beam.medium);
-        let Some(entries) = self.bodies.get(&body) else { return Rgb::BLACK };
+        let body = body(scene, &self.bodies, prim, beam.medium);
+        let Some(entries) = self.entries.get(&body) else { return Rgb::BLACK };
         let dipole = Dipole::new(scene.medium(beam.medium), eta);
         dipole.radiance_inside(entries.exitance(beam.ray.o, &dipole, depth))
     }
 
     /// What is worth knowing.
     pub(crate) fn statistics(&self) -> Vec<(String, f64)> {
-        let sum = |what: fn(&Entries) -> usize| self.bodies.values().map(what).sum::<usize>();
+        let sum = |what: fn(&Entries) -> usize| self.entries.values().map(what).sum::<usize>();
         [
             ("dipole_photons", sum(Entries::len) as f64),
             ("dipole_paths", self.emitted as f64),
             ("dipole_bytes", sum(Entries::bytes) as f64),
-            ("dipole_bodies", self.bodies.len() as f64),
+            ("dipole_bodies", self.entries.len() as f64),
             ("dipole_gave_up", f64::from(u8::from(self.gave_up))),
         ]
         .map(|(name, value)| (name.to_string(), value))
