@@ -10,24 +10,11 @@ use gi_core::math::Rgb;
 use gi_core::ray::Ray;
 use gi_core::scene::SceneParts;
 use gi_core::texture::Texture;
-use gi_stats::z_test;
-use gi_tests::{World, cube_inside, furnace, grey, mean_and_variance, polygon, sphere};
+use gi_tests::{
+    World, assert_mean, cube_inside, furnace, grey, mean_and_variance, polygon, sphere,
+};
 use glam::Vec3;
 use pathtrace::{Mode, Params, PathTracer};
-
-/// Probability below which a deviation is no chance. Seeds are fixed: a pass stays a pass.
-const ALPHA: f64 = 1e-3;
-
-/// Check the mean of a film against an exact value, by its own variance.
-fn assert_mean(name: &str, film: &Film, expected: f64) {
-    let (mean, variance) = mean_and_variance(film);
-    let p = z_test(mean, variance + (1e-5 * expected).powi(2), expected, 0.0); // floats have seven digits
-    assert!(
-        p > ALPHA,
-        "{name}: {mean} is not {expected} (standard error {:.2e}, p = {p:.1e})",
-        variance.sqrt()
-    );
-}
 
 /// Both ends of the path tracer; `light` sees a scene only where nothing needs a mirror.
 fn modes() -> [Mode; 2] {

@@ -13,12 +13,9 @@ use gi_core::scene::SceneParts;
 use gi_core::technique::Technique;
 use gi_core::texture::Texture;
 use gi_stats::{Running, z_test};
-use gi_tests::{World, cube_inside, mean_and_variance, sphere};
+use gi_tests::{ALPHA, World, cube_inside, mean_and_variance, sphere};
 use glam::Vec3;
 use photonmap::{Params, PhotonMapping, Subsurface};
-
-/// Probability below which a deviation is no chance. Seeds are fixed: a pass stays a pass.
-const ALPHA: f64 = 1e-3;
 
 /// Index of all bodies here.
 const ETA: f64 = 1.5;

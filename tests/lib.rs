@@ -11,6 +11,7 @@ use gi_core::math::{Frame, Rgb};
 use gi_core::scene::{Scene, SceneParts};
 use gi_core::technique::{Setting, Technique};
 use gi_core::texture::Texture;
+use gi_stats::z_test;
 use glam::{Affine3A, Vec3};
 
 /// A scene and its camera; pictures are made with the box filter, so that pixels are independent.
@@ -116,6 +117,21 @@ pub fn mean_and_variance(film: &Film) -> (f64, f64) {
     let mean = sum(["R", "G", "B"]) / n;
     // Channels of a pixel may be one number thrice: take them as fully correlated.
     (mean, 3.0 * sum(["Variance.R", "Variance.G", "Variance.B"]) / (n * n))
+}
+
+/// Probability below which a deviation is no chance. Seeds are fixed: a pass stays a pass.
+pub const ALPHA: f64 = 1e-3;
+
+/// Check the mean of a film against an exact value, by its own variance.
+#[track_caller]
+pub fn assert_mean(name: &str, film: &Film, expected: f64) {
+    let (mean, variance) = mean_and_variance(film);
+    let p = z_test(mean, variance + (1e-5 * expected).powi(2), expected, 0.0); // floats have seven digits
+    assert!(
+        p > ALPHA,
+        "{name}: {mean} is not {expected} (standard error {:.2e}, p = {p:.1e})",
+        variance.sqrt()
+    );
 }
 
 /// A Lambertian material of grey albedo.

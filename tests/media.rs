@@ -12,14 +12,10 @@ use gi_core::ray::Ray;
 use gi_core::scene::{Scene, SceneParts};
 use gi_core::technique::Technique;
 use gi_core::texture::Texture;
-use gi_stats::z_test;
-use gi_tests::{World, furnace, grey, mean_and_variance, polygon, sphere};
+use gi_tests::{World, assert_mean, furnace, grey, mean_and_variance, polygon, sphere};
 use glam::Vec3;
 use pathtrace::{Mode, Params, PathTracer};
 use photonmap::PhotonMapping;
-
-/// Probability below which a deviation is no chance. Seeds are fixed: a pass stays a pass.
-const ALPHA: f64 = 1e-3;
 
 fn medium(sigma_t: f32, albedo: f32, g: f32) -> Medium {
     let phase = if g == 0.0 { Phase::Isotropic } else { Phase::HenyeyGreenstein { g } };
@@ -34,17 +30,6 @@ fn ball(center: Vec3, radius: f32, material: usize, inside: usize) -> Shape {
 fn trace(world: &World, max_depth: Option<u32>, passes: u32) -> Film {
     let limits = PathLimits { max_depth, ..PathLimits::default() };
     world.render::<PathTracer>(&Params { mode: Mode::VolPath, limits }, passes, 1, Show::All)
-}
-
-/// Check the mean of a film against an exact value, by its own variance.
-fn assert_mean(name: &str, film: &Film, expected: f64) {
-    let (mean, variance) = mean_and_variance(film);
-    let p = z_test(mean, variance + (1e-5 * expected).powi(2), expected, 0.0); // floats have seven digits
-    assert!(
-        p > ALPHA,
-        "{name}: {mean} is not {expected} (standard error {:.2e}, p = {p:.1e})",
-        variance.sqrt()
-    );
 }
 
 /// A narrow look from `from` to `to`: all rays of the picture are nearly one.

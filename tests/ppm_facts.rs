@@ -11,15 +11,12 @@ use gi_core::scene::SceneParts;
 use gi_core::technique::Technique;
 use gi_core::texture::Texture;
 use gi_stats::{Running, z_test};
-use gi_tests::{World, both_sides, grey, mean_and_variance, polygon, sphere};
+use gi_tests::{ALPHA, World, both_sides, grey, mean_and_variance, polygon, sphere};
 use glam::{Affine3A, Vec3};
 use pathtrace::{Mode, PathTracer};
 use ppm::{Method, Params, Ppm};
 
 const METHODS: [Method; 4] = [Method::Ppm, Method::Sppm, Method::Ppa, Method::Adaptive];
-
-/// Probability below which a deviation is no chance. Seeds are fixed: a pass stays a pass.
-const ALPHA: f64 = 1e-3;
 
 fn render(world: &World, params: &Params, passes: u32, seed: u32, show: Show) -> Film {
     world.render::<Ppm>(params, passes, seed, show)

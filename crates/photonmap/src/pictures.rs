@@ -12,8 +12,9 @@ use glam::{Vec2, Vec3};
 use crate::PhotonMapping;
 use crate::estimate::{Estimator, facing};
 use crate::gather::Rays;
+use crate::maps::source;
 use crate::photon::Kind;
-use crate::shoot::{Source, Step, Wanted, kind};
+use crate::shoot::{Step, Wanted, kind};
 use crate::volume::VolumeMaps;
 
 /// What can be drawn.
@@ -113,10 +114,7 @@ impl PhotonMapping<'_> {
 
     /// Photon paths, their segments in the colour of the photon at their end; what stands before them hides nothing.
     fn paths(&self, mut canvas: Canvas) -> Canvas {
-        let scene = self.setting.scene;
-        let max_segments = self.params.max_depth.map(|most| most.saturating_sub(1));
-        let media = self.media.is_some();
-        let source = Source { scene, seed: self.setting.seed, max_segments, media };
+        let source = source(&self.setting, &self.params);
         for path in 0..PATHS {
             let mut from = None;
             source.walk(Wanted::Global, path, &mut |Step { start, event, .. }| {

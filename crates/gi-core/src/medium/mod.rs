@@ -38,6 +38,11 @@ pub enum Flight {
     },
 }
 
+/// The first of `media` that is equal to number `index`: equal media are one.
+pub fn first_equal(media: &[Medium], index: usize) -> usize {
+    media.iter().position(|m| *m == media[index]).unwrap_or(index)
+}
+
 impl Medium {
     /// Scattering, one over world units.
     #[inline]

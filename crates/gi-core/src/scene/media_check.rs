@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::Scene;
 use crate::geometry::{Geometry, Shape, Surface};
-use crate::medium::Medium;
+use crate::medium::{Medium, first_equal};
 use crate::ray::Ray;
 
 /// Points of each boundary from which its neighbours are looked for.
@@ -23,9 +23,7 @@ impl Scene {
             return Vec::new();
         }
         let mut warnings = Vec::new();
-        // Equal media are one.
-        let first = |k: usize| !self.media[..k].contains(&self.media[k]);
-        for medium in (0..self.media.len()).filter(|&k| first(k)) {
+        for medium in (0..self.media.len()).filter(|&k| first_equal(&self.media, k) == k) {
             warnings.extend(self.open_boundary(&self.media[medium]));
         }
         warnings.extend(self.disagreements());

@@ -29,11 +29,6 @@ pub struct Bodies {
 }
 
 impl Solids {
-    /// Whether a medium fills solid bodies only.
-    pub fn is_solid(&self, medium: usize) -> bool {
-        self.solid[medium]
-    }
-
     /// Whether a medium fills solid bodies only, and no point of it is reached by light straight from a light.
     pub fn is_dark(&self, medium: usize) -> bool {
         self.solid[medium] && !self.lit[medium]
@@ -190,7 +185,7 @@ mod tests {
         };
         let scene = Scene::new(parts).expect("a scene");
         let solids = scene.solids();
-        assert_eq!([0, 1, 2].map(|m| solids.is_solid(m)), [true, false, false]);
+        assert_eq!(solids.solid, [true, false, false]);
         assert!(solids.is_dark(0) && !solids.is_dark(1));
         let found = scene.bodies();
         let bodies: Vec<u32> = (0..13).map(|prim| found.body(prim)).collect();

@@ -24,6 +24,7 @@ use std::collections::BTreeMap;
 
 use gi_core::eye::{Beam, Entrance};
 use gi_core::math::Rgb;
+use gi_core::medium::first_equal;
 use gi_core::scene::{Bodies, Scene, Solids};
 use gi_core::walk::LightEvent;
 use glam::Vec3;
@@ -50,8 +51,7 @@ pub(crate) struct Dipoles {
 type Body = (u32, usize);
 
 fn body(scene: &Scene, bodies: &Bodies, prim: u32, medium: usize) -> Body {
-    let (media, own) = (scene.media(), scene.medium(medium));
-    (bodies.body(prim), media.iter().position(|other| other == own).unwrap_or(medium))
+    (bodies.body(prim), first_equal(scene.media(), medium))
 }
 
 impl Dipoles {

@@ -16,7 +16,7 @@ mod shoot;
 
 use gi_core::eye::Beam;
 use gi_core::film::Components;
-use gi_core::medium::Medium;
+use gi_core::medium::{Medium, first_equal};
 
 use crate::Params;
 use crate::map::Order;
@@ -121,8 +121,7 @@ impl VolumeMaps {
     }
 }
 
-/// For each medium its map: equal media are one.
+/// For each medium its map.
 fn maps_of(media: &[Medium]) -> Vec<usize> {
-    let first = |m: &Medium| media.iter().position(|other| other == m).unwrap_or_default();
-    media.iter().map(first).collect()
+    (0..media.len()).map(|m| first_equal(media, m)).collect()
 }
