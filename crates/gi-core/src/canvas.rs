@@ -5,7 +5,6 @@ use glam::{Vec2, Vec3};
 use crate::bsdf::Transport;
 use crate::camera::Camera;
 use crate::math::Rgb;
-use crate::ray::Ray;
 use crate::scene::Scene;
 
 /// A picture to draw on, linear; positions are in pixels from the top left corner.
@@ -94,7 +93,7 @@ pub fn seen_within(scene: &Scene, camera: &Camera, p: Vec3) -> Option<Vec2> {
         if scene.bsdf(&surface, -c.wi, Transport::Radiance).is_opaque() {
             return None;
         }
-        ray = Ray { tmax: ray.tmax - t, ..scene.spawn(&surface, ray.d) };
+        ray = scene.tree().beyond(&ray, t);
     }
     Some(Vec2::from_array(c.film))
 }

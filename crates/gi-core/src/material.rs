@@ -23,6 +23,21 @@ pub struct Roughness {
     pub alpha_v: Texture,
 }
 
+/// What is done about bent shading normals that face away from the eye or the light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BentNormals {
+    /// Whether those that face away from the eye are flipped about the unbent normal \[Schuessler17\].
+    pub flipped: bool,
+    /// Whether light fades out toward where the unbent normal faces away from it \[Estevez19\].
+    pub shadowed: bool,
+}
+
+impl Default for BentNormals {
+    fn default() -> Self {
+        BentNormals { flipped: true, shadowed: true }
+    }
+}
+
 /// How a surface scatters light. Children are indices into the same table of materials
 /// and must stand before their parent.
 #[derive(Clone, Debug)]
@@ -123,13 +138,17 @@ pub enum Material {
         height: Texture,
         /// What is bent.
         inner: usize,
+        /// What is done about normals that face away.
+        normals: BentNormals,
     },
     /// Shading normals from a picture: (r, g, b) = (n + 1) / 2 in the frame (dp/du, dp/dv, n).
     NormalMap {
         /// Encoded normals, linear.
-        normals: Texture,
+        map: Texture,
         /// What is bent.
         inner: usize,
+        /// What is done about normals that face away.
+        normals: BentNormals,
     },
 }
 

@@ -155,9 +155,6 @@ impl<'a> LightWalk<'a> {
     ) -> bool {
         let surface = &vertex.surface;
         let mut factor = s.weight;
-        if !s.delta {
-            factor *= adjoint_correction(surface, vertex.wo, s.wi);
-        }
         // A path that passes straight through has not met anything.
         if !s.null {
             let survival = roulette.survival(u_roulette, factor, vertex.depth);
@@ -216,18 +213,6 @@ impl Roulette {
         };
         survives.then_some(survival)
     }
-}
-
-/// Factor by which power changes where shading normals differ from geometric ones:
-/// |cos(wo, ns) cos(wi, ng)| / |cos(wo, ng) cos(wi, ns)| [Veach97, 5.3.2].
-#[inline]
-pub fn adjoint_correction(surface: &Surface, wo: Vec3, wi: Vec3) -> f32 {
-    let (ns, ng) = (surface.ns(), surface.ng);
-    if ns == ng {
-        return 1.0;
-    }
-    let denominator = (wo.dot(ng) * wi.dot(ns)).abs();
-    if denominator > 0.0 { (wo.dot(ns) * wi.dot(ng)).abs() / denominator } else { 0.0 }
 }
 
 #[cfg(test)]

@@ -37,7 +37,7 @@ impl<'s, 'a> Site<'s, 'a> {
         let lambert = bsdf
             .diffuse_only(wo)
             .map(|part| (part.albedo * (INV_PI * SAFETY), Frame::from_normal(part.normal)));
-        Site { p: surface.p, wo, bsdf, most, flat: bsdf.has_normal(surface.ng), lambert }
+        Site { p: surface.p, wo, bsdf, most, flat: bsdf.is_flat(), lambert }
     }
 
     /// What is scattered toward a cluster at most.
@@ -189,20 +189,11 @@ impl Ord for Piece {
 /// The gain of a glossy light: the largest bound over pieces of the sphere, the worst of which is split again and again.
 pub fn gain(scene: &Scene, lit: &LitSurface) -> Gain {
     let bsdf = scene.bsdf(&lit.surface, lit.wo, Transport::Power);
-    // Where another normal shades, power changes by |cos(wo, ns) cos(wi, ng)| / |cos(wo, ng) cos(wi, ns)|, the cosine of f_cos
-    // goes, and one with the geometric normal comes.
-    let (ns, ng) = (lit.surface.ns(), lit.surface.ng);
-    let bent = ns != ng || !bsdf.has_normal(ng);
-    let turned = if bent { (lit.wo.dot(ns) / lit.wo.dot(ng)).abs().min(f32::MAX) } else { 1.0 };
-    let over_cos = worst(|toward| bsdf.bound(lit.wo, toward).f.max()) * turned;
-    let most = if bent { over_cos } else { worst(|toward| bsdf.bound(lit.wo, toward).f_cos.max()) };
-    let both_sides = bent || bsdf.transmits();
-    if bsdf.has_normal(ns) {
-        return Gain { most, over_cos, both_sides };
+    Gain {
+        most: worst(|toward| bsdf.bound(lit.wo, toward).f_cos.max()),
+        over_cos: worst(|toward| bsdf.bound(lit.wo, toward).f.max()),
+        both_sides: !bsdf.is_flat() || bsdf.transmits(),
     }
-    // Lobes have normals of their own. The cosine that the correction divides by may be anything.
-    let most = if ns == ng { worst(|toward| bsdf.bound(lit.wo, toward).f_cos.max()) } else { 1e30 };
-    Gain { most, over_cos: f32::INFINITY, both_sides }
 }
 
 /// Bound a bound over all directions.

@@ -3,7 +3,7 @@
 use gi_core::bsdf::Transport;
 use gi_core::geometry::{Geometry, Mesh, Shape, Surface};
 use gi_core::light::{Light, LightSource};
-use gi_core::material::{Distribution, Material, Roughness};
+use gi_core::material::{BentNormals, Distribution, Material, Roughness};
 use gi_core::math::Rgb;
 use gi_core::ray::Ray;
 use gi_core::rng::Pcg;
@@ -57,7 +57,11 @@ pub(crate) fn materials() -> Vec<Material> {
         phong(300.0),
         glass(rough(Ggx, 0.3, 0.3)),
         Material::Blend { weight: Texture::grey(0.4), first: 0, second: 1 },
-        Material::NormalMap { normals: Texture::Constant(Rgb::new(0.6, 0.45, 0.95)), inner: 0 },
+        Material::NormalMap {
+            map: Texture::Constant(Rgb::new(0.6, 0.45, 0.95)),
+            inner: 0,
+            normals: BentNormals::default(),
+        },
         Material::TwoSided { front: 6, back: 0 },
         Material::TwoSided { front: 12, back: 11 },
     ]

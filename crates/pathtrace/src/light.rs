@@ -9,9 +9,7 @@ use gi_core::light::Light;
 use gi_core::math::Rgb;
 use gi_core::sampler::Sampler;
 use gi_core::technique::Setting;
-use gi_core::walk::{
-    LightEvent, LightVertex, LightWalk, MediumVertex, Roulette, adjoint_correction,
-};
+use gi_core::walk::{LightEvent, LightVertex, LightWalk, MediumVertex, Roulette};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -120,9 +118,7 @@ impl PathTracer<'_> {
     ) {
         let Some((c, pixel)) = self.connect(vertex.surface.p, filter, sampler) else { return };
         let f_cos = vertex.bsdf.f_cos(vertex.wo, c.wi);
-        let power = vertex.power
-            * f_cos
-            * (c.importance * adjoint_correction(&vertex.surface, vertex.wo, c.wi));
+        let power = vertex.power * f_cos * c.importance;
         if !power.is_black() {
             let medium = self.setting.scene.medium_toward(&vertex.surface, c.wi, vertex.medium);
             let power = power * self.visibility(vertex.surface.p, vertex.surface.ng, medium, &c);

@@ -5,7 +5,6 @@ use gi_core::geometry::Surface;
 use gi_core::math::{INV_PI, Rgb};
 use gi_core::ray::Ray;
 use gi_core::scene::Scene;
-use gi_core::walk::adjoint_correction;
 use glam::Vec3;
 
 use crate::{Kind, Vpl, Vpls};
@@ -70,7 +69,7 @@ impl Vpls {
     pub(crate) fn scattered(&self, scene: &Scene, k: u32, d: Vec3) -> Rgb {
         let lit = &self.surfaces[k as usize];
         let bsdf = scene.bsdf(&lit.surface, lit.wo, Transport::Power);
-        bsdf.f_cos(lit.wo, d) * adjoint_correction(&lit.surface, lit.wo, d)
+        bsdf.f_cos(lit.wo, d)
     }
 }
 

@@ -7,7 +7,6 @@ use gi_core::bsdf::{Bsdf, Transport};
 use gi_core::math::Rgb;
 use gi_core::ray::Ray;
 use gi_core::scene::Scene;
-use gi_core::walk::adjoint_correction;
 use glam::Vec3;
 
 use crate::illuminate::connect;
@@ -141,6 +140,6 @@ impl<'v, 'a> Prepared<'v, 'a> {
             return self.set.scattered(self.scene, k, d);
         };
         let lit = &self.set.surfaces[k as usize];
-        bsdf.f_cos(lit.wo, d) * adjoint_correction(&lit.surface, lit.wo, d)
+        bsdf.f_cos(lit.wo, d)
     }
 }

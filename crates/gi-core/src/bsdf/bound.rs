@@ -11,7 +11,7 @@ use glam::Vec3;
 use super::fresnel::{self, reflect_z};
 use super::lobe::{Lobe, oren_nayar_factors};
 use super::microfacet::Microfacets;
-use super::{Bsdf, Component, Transport};
+use super::{Bsdf, Component, Transport, Way};
 use crate::math::{Bounds, Frame, INV_PI, Rgb, safe_sqrt, sqr};
 
 /// The directions from a point to all points of a box.
@@ -35,6 +35,8 @@ struct Cone {
 const SAFETY: f32 = 1.0 + 5e-4;
 /// Rounding of a coordinate, relative.
 const ROUNDING: f32 = 5e-7;
+/// Stands for infinity, which times nothing would be no number.
+const UNBOUNDED: f32 = 1e30;
 /// Rounding of a unit vector.
 const UNIT_ROUNDING: f32 = 2e-6;
 
@@ -118,7 +120,8 @@ impl Cone {
 /// What is scattered toward a cone at most, by channel.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ScatterBound {
-    /// Of [`Bsdf::f`].
+    /// Of [`Bsdf::f_cos`] over the cosine of `wi` with the geometric normal; where another normal shades on paths from the
+    /// eye, of [`Bsdf::f`].
     pub f: Rgb,
     /// Of [`Bsdf::f_cos`].
     pub f_cos: Rgb,
@@ -130,7 +133,7 @@ impl Bsdf<'_> {
     pub fn bound(&self, wo: Vec3, toward: &Toward) -> ScatterBound {
         let mut sum = ScatterBound::default();
         for c in self.components() {
-            let bound = c.bound(wo, toward, self.transport);
+            let bound = c.bound(wo, toward, self.way);
             sum.f += bound.f * (c.weight * SAFETY);
             sum.f_cos += bound.f_cos * (c.weight * SAFETY);
         }
@@ -142,10 +145,11 @@ impl Bsdf<'_> {
         self.components().iter().any(|c| matches!(c.lobe, Lobe::RoughDielectric { .. }))
     }
 
-    /// Whether the cosines of all lobes are taken with this normal, or its opposite.
+    /// Whether the cosines of all lobes are taken with the geometric normal, or its opposite.
     #[inline]
-    pub fn has_normal(&self, n: Vec3) -> bool {
-        self.components().iter().all(|c| c.frame.n == n || c.frame.n == -n)
+    pub fn is_flat(&self) -> bool {
+        let ng = self.way.ng;
+        self.components().iter().all(|c| (c.frame.n == ng || c.frame.n == -ng) && c.bend.is_none())
     }
 }
 
@@ -163,9 +167,50 @@ struct Cap {
 
 impl Component<'_> {
     #[inline]
-    fn bound(&self, world_wo: Vec3, toward: &Toward, transport: Transport) -> ScatterBound {
-        let wo = self.frame.to_local(world_wo);
-        let cos = toward.max_cos(&self.frame);
+    fn bound(&self, wo: Vec3, toward: &Toward, way: Way) -> ScatterBound {
+        let bound = self.bound_in(&self.frame, wo, toward, way);
+        match &self.bend {
+            None => bound,
+            // What shadows it leaves at most all. Over another cosine than its own it is not bounded.
+            Some(_) if way.transport == Transport::Radiance => {
+                let f =
+                    bound.f_cos.zip(bound.f, |f_cos, _| if f_cos > 0.0 { UNBOUNDED } else { 0.0 });
+                ScatterBound { f, ..bound }
+            }
+            Some(bend) => {
+                let flipped = self.bound_in(&bend.flipped(self.frame), wo, toward, way);
+                ScatterBound {
+                    f: bound.f.zip(flipped.f, f32::max),
+                    f_cos: bound.f_cos.zip(flipped.f_cos, f32::max),
+                }
+            }
+        }
+    }
+
+    /// The bound of the lobe in `frame`, the cosines being those of [`Component::f_cos`].
+    #[inline]
+    fn bound_in(&self, frame: &Frame, wo: Vec3, toward: &Toward, way: Way) -> ScatterBound {
+        let bound = self.bound_of_lobe(frame, wo, toward, way.transport);
+        let Way { transport, ng } = way;
+        if transport == Transport::Radiance || frame.n == ng || frame.n == -ng {
+            return bound;
+        }
+        let turned = (wo.dot(frame.n) / wo.dot(ng)).abs().min(UNBOUNDED);
+        let cos = [ng, -ng].map(|n| toward.max_cos(&Frame::from_normal(n)));
+        let f = bound.f * turned;
+        ScatterBound { f, f_cos: f * cos[0].max(cos[1]).max(0.0) }
+    }
+
+    #[inline]
+    fn bound_of_lobe(
+        &self,
+        frame: &Frame,
+        world_wo: Vec3,
+        toward: &Toward,
+        transport: Transport,
+    ) -> ScatterBound {
+        let wo = frame.to_local(world_wo);
+        let cos = toward.max_cos(frame);
         let lambert = |albedo: Rgb| ScatterBound {
             f: albedo * INV_PI,
             f_cos: albedo * (INV_PI * cos.max(0.0)),
@@ -179,7 +224,7 @@ impl Component<'_> {
             Cap {
                 wo,
                 cos,
-                center: self.frame.to_local(cone.axis) * cone.cos,
+                center: frame.to_local(cone.axis) * cone.cos,
                 radius: cone.sin + UNIT_ROUNDING,
                 min_cos_wo: -cone.max_cos(-world_wo),
             }
@@ -194,7 +239,7 @@ impl Component<'_> {
                 ScatterBound { f: albedo * (a + b * sin / wo.z), f_cos: albedo * f_cos }
             }
             Lobe::Phong { diffuse, specular, exponent } => {
-                let mirrored = self.frame.to_world(reflect_z(wo));
+                let mirrored = frame.to_world(reflect_z(wo));
                 let peak = toward.cone().max_cos(mirrored).max(0.0).powf(exponent);
                 let f = diffuse * INV_PI + specular * ((exponent + 2.0) * 0.5 * INV_PI * peak);
                 ScatterBound { f, f_cos: f * cos }

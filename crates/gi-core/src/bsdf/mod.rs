@@ -5,8 +5,10 @@
 //! shading normal in it. (A blend may join lobes whose normals were bent differently, so there is no
 //! one cosine to multiply afterwards; walks use `f_cos`.)
 
+mod bend;
 mod bound;
 mod coat;
+mod component;
 mod fresnel;
 mod glossy;
 mod lobe;
@@ -15,9 +17,10 @@ mod resolve;
 
 use glam::Vec3;
 
-use crate::math::{Frame, Rgb, sqr};
+use crate::math::{Rgb, sqr};
 pub use bound::{ScatterBound, Toward};
 pub(crate) use coat::Coat;
+use component::{Component, Way};
 pub use fresnel::dielectric_hemispherical;
 pub use glossy::{GlossyLobe, Kind, LobeView};
 use lobe::Lobe;
@@ -84,29 +87,6 @@ pub struct DiffusePart {
 /// Most lobes that a material may blend; deeper ones are refused when the scene is made.
 pub const MAX_COMPONENTS: usize = 6;
 
-/// A lobe in its own frame with its share of a blend.
-#[derive(Clone, Copy, Debug)]
-struct Component<'a> {
-    lobe: Lobe<'a>,
-    frame: Frame,
-    weight: f32,
-    /// Which of the scene's materials it is of.
-    material: u32,
-}
-
-impl Component<'_> {
-    #[inline]
-    fn f_cos(&self, wo: Vec3, wi: Vec3, transport: Transport) -> Rgb {
-        let (wo, wi) = (self.frame.to_local(wo), self.frame.to_local(wi));
-        self.lobe.f(wo, wi, transport) * (wi.z.abs() * self.weight)
-    }
-
-    #[inline]
-    fn pdf_w(&self, wo: Vec3, wi: Vec3) -> f32 {
-        self.lobe.pdf_w(self.frame.to_local(wo), self.frame.to_local(wi)) * self.weight
-    }
-}
-
 /// (whole - part) / whole, nothing where they differ by rounding only.
 #[inline]
 fn share_left(whole: f32, part: f32) -> f32 {
@@ -118,7 +98,7 @@ fn share_left(whole: f32, part: f32) -> f32 {
 #[derive(Clone, Copy, Debug)]
 pub struct Bsdf<'a> {
     parts: Parts<'a>,
-    transport: Transport,
+    way: Way,
 }
 
 /// Nearly all materials are one lobe; blends are kept apart so that they cost the others nothing.
@@ -141,28 +121,28 @@ impl<'a> Bsdf<'a> {
         }
     }
 
-    /// f(wo, wi) times |cos| of `wi` with the shading normal. Delta lobes are not in it.
+    /// f(wo, wi) times |cos| of `wi` with the shading normal. Delta lobes are not in it. For [`Transport::Power`], where
+    /// light arrives along `wo`, f times |cos(wo, ns) cos(wi, ng) / cos(wo, ng)|: power is counted by the geometric normal
+    /// [Veach97, 5.3.2].
     #[inline]
     pub fn f_cos(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        self.components().iter().map(|c| c.f_cos(wo, wi, self.transport)).sum()
+        self.components().iter().map(|c| c.f_cos(wo, wi, self.way)).sum()
     }
 
-    /// f(wo, wi) without the cosine, as density estimates want it. Delta lobes are not in it.
+    /// f(wo, wi) without the cosine, as density estimates want it: where a map bends the normal, [`Bsdf::f_cos`] over the
+    /// cosine with the unbent one. Delta lobes are not in it.
     #[inline]
     pub fn f(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        let f = |c: &Component| {
-            c.lobe.f(c.frame.to_local(wo), c.frame.to_local(wi), self.transport) * c.weight
-        };
-        self.components().iter().map(f).sum()
+        self.components().iter().map(|c| c.f(wo, wi, self.way)).sum()
     }
 
     /// Density per solid angle with which [`Bsdf::sample`] returns `wi`, delta lobes apart.
     #[inline]
     pub fn pdf_w(&self, wo: Vec3, wi: Vec3) -> f32 {
         match &self.parts {
-            Parts::One(c) => c.pdf_w(wo, wi),
+            Parts::One(c) => c.pdf_w(wo, wi, self.way),
             Parts::Blend { total, .. } => {
-                self.components().iter().map(|c| c.pdf_w(wo, wi)).sum::<f32>() / total
+                self.components().iter().map(|c| c.pdf_w(wo, wi, self.way)).sum::<f32>() / total
             }
         }
     }
@@ -171,12 +151,8 @@ impl<'a> Bsdf<'a> {
     #[inline]
     pub fn f_cos_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
         match &self.parts {
-            Parts::One(c) => {
-                let (wo, wi) = (c.frame.to_local(wo), c.frame.to_local(wi));
-                let f_cos = c.lobe.f(wo, wi, self.transport) * (wi.z.abs() * c.weight);
-                (f_cos, c.lobe.pdf_w(wo, wi) * c.weight)
-            }
-            Parts::Blend { .. } => (self.f_cos(wo, wi), self.pdf_w(wo, wi)),
+            Parts::One(c) if c.bend.is_none() => c.f_cos_pdf(wo, wi, self.way),
+            _ => (self.f_cos(wo, wi), self.pdf_w(wo, wi)),
         }
     }
 
@@ -184,7 +160,7 @@ impl<'a> Bsdf<'a> {
     #[inline]
     pub fn has_choice(&self) -> bool {
         match &self.parts {
-            Parts::One(c) => c.lobe.has_choice(),
+            Parts::One(c) => c.bend.is_some() || c.lobe.has_choice(),
             Parts::Blend { .. } => true,
         }
     }
@@ -194,8 +170,7 @@ impl<'a> Bsdf<'a> {
     pub fn sample(&self, wo: Vec3, u_choice: f32, u: [f32; 2]) -> Option<Scatter> {
         match &self.parts {
             Parts::One(c) => {
-                let mut s = c.lobe.sample(c.frame.to_local(wo), u_choice, u, self.transport)?;
-                s.wi = c.frame.to_world(s.wi);
+                let mut s = c.sample(wo, u_choice, u, self.way)?;
                 s.weight *= c.weight;
                 Some(s)
             }
@@ -215,8 +190,7 @@ impl<'a> Bsdf<'a> {
         });
         let c = chosen.or(components.last())?;
         let u_within = (rest / c.weight).clamp(0.0, 1.0 - f32::EPSILON);
-        let mut s = c.lobe.sample(c.frame.to_local(wo), u_within, u, self.transport)?;
-        s.wi = c.frame.to_world(s.wi);
+        let mut s = c.sample(wo, u_within, u, self.way)?;
         if s.delta {
             s.weight *= total;
             s.pdf_w *= c.weight / total;
@@ -239,9 +213,9 @@ impl<'a> Bsdf<'a> {
         self.components().iter().all(|c| c.lobe.is_delta())
     }
 
-    /// Whether the Lambertian part is all that there is.
+    /// Whether the Lambertian part is all that there is, and its normal is not bent.
     pub fn is_diffuse(&self) -> bool {
-        matches!(self.parts, Parts::One(Component { lobe: Lobe::Diffuse { .. }, .. }))
+        matches!(self.parts, Parts::One(Component { lobe: Lobe::Diffuse { .. }, bend: None, .. }))
     }
 
     /// The normal above which both directions must lie for light to pass between them; `None` where it may pass otherwise.
@@ -269,7 +243,7 @@ impl<'a> Bsdf<'a> {
         let mut part: Option<DiffusePart> = None;
         for c in self.components() {
             let local = c.frame.to_local(wo);
-            let albedo = c.lobe.diffuse_albedo(local) * c.weight;
+            let albedo = c.lobe.diffuse_albedo(local) * (c.weight * c.mean_unshadowed());
             if albedo.is_black() {
                 continue;
             }
@@ -287,19 +261,26 @@ impl<'a> Bsdf<'a> {
     /// though its coat lets in a little more from above and less from the side than the mean.
     pub fn beside_diffuse(&self, part: &DiffusePart, wo: Vec3, wi: Vec3) -> Rgb {
         let diffuse = |c: &Component| {
+            let unshadowed = c.bend.map_or(1.0, |b| b.unshadowed(&c.frame, wi));
             let (wo, wi) = (c.frame.to_local(wo), c.frame.to_local(wi));
-            c.lobe.diffuse_f(wo, wi) * (wi.z.max(0.0) * c.weight)
+            c.lobe.diffuse_f(wo, wi) * (wi.z.max(0.0) * c.weight * unshadowed)
         };
         let alike = self.components().iter().filter(|c| c.frame.n == part.normal);
         let diffuse: Rgb = alike.map(diffuse).sum();
         self.f_cos(wo, wi).zip(diffuse, share_left)
     }
 
-    /// [`Bsdf::diffuse_part`] of a surface that is Lambertian and nothing else.
+    /// [`Bsdf::diffuse_part`] of a surface that is Lambertian and nothing else, its normal not bent.
     #[inline]
     pub fn diffuse_only(&self, wo: Vec3) -> Option<DiffusePart> {
         match &self.parts {
-            Parts::One(Component { lobe: Lobe::Diffuse { albedo }, weight, frame, .. }) => {
+            Parts::One(Component {
+                lobe: Lobe::Diffuse { albedo },
+                weight,
+                frame,
+                bend: None,
+                ..
+            }) => {
                 let lit = wo.dot(frame.n) > 0.0;
                 let albedo = if lit { *albedo * *weight } else { Rgb::BLACK };
                 Some(DiffusePart { albedo, normal: frame.n })

@@ -2,10 +2,11 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{Bsdf, Coat, Component, Lobe, MAX_COMPONENTS, Parts, Transport};
+use super::bend::Bend;
+use super::{Bsdf, Coat, Component, Lobe, MAX_COMPONENTS, Parts, Transport, Way};
 use crate::bsdf::microfacet::Microfacets;
 use crate::geometry::{Surface, Tangents};
-use crate::material::{Material, Roughness};
+use crate::material::{BentNormals, Material, Roughness};
 use crate::math::{Frame, Rgb, sqr};
 use crate::texture::Texture;
 
@@ -114,6 +115,8 @@ struct Context<'a, 's> {
     surface: &'s Surface,
     tangents: &'s dyn Fn() -> Tangents,
     wo: Vec3,
+    /// `wo` on paths from the eye.
+    eye: Option<Vec3>,
 }
 
 impl<'a> Bsdf<'a> {
@@ -133,16 +136,17 @@ impl<'a> Bsdf<'a> {
         if let Material::TwoSided { front, back } = materials[id].material {
             (id, frame) = side(front, back, frame, wo);
         }
-        let context = Context { materials, surface, tangents, wo };
+        let eye = (transport == Transport::Radiance).then_some(wo);
+        let context = Context { materials, surface, tangents, wo, eye };
+        let way = Way { transport, ng: surface.ng };
         if let Some(lobe) = lobe(&materials[id], surface.uv) {
             let frame = context.oriented(&materials[id], frame);
-            return Bsdf {
-                parts: Parts::One(Component { lobe, frame, weight: 1.0, material: id as u32 }),
-                transport,
-            };
+            let material = id as u32;
+            let parts = Parts::One(Component { lobe, frame, weight: 1.0, material, bend: None });
+            return Bsdf { parts, way };
         }
         let mut collected = Collected { components: [EMPTY; MAX_COMPONENTS], count: 0 };
-        context.collect(id, frame, 1.0, &mut collected);
+        context.collect(id, Place { frame, weight: 1.0, bend: None }, &mut collected);
         let Collected { components, count } = collected;
         let parts = match count {
             0 => Parts::One(EMPTY),
@@ -153,7 +157,7 @@ impl<'a> Bsdf<'a> {
                 total: components[..count].iter().map(|c| c.weight).sum(),
             },
         };
-        Bsdf { parts, transport }
+        Bsdf { parts, way }
     }
 }
 
@@ -163,7 +167,17 @@ const EMPTY: Component<'static> = Component {
     frame: Frame { s: Vec3::X, t: Vec3::Y, n: Vec3::Z },
     weight: 1.0,
     material: 0,
+    bend: None,
 };
+
+/// Where in the tree of a material a lobe stands.
+#[derive(Clone, Copy)]
+struct Place {
+    frame: Frame,
+    /// Its share.
+    weight: f32,
+    bend: Option<Bend>,
+}
 
 struct Collected<'a> {
     components: [Component<'a>; MAX_COMPONENTS],
@@ -172,54 +186,50 @@ struct Collected<'a> {
 
 impl<'a> Context<'a, '_> {
     /// Walk the tree of a material and collect its lobes.
-    fn collect(&self, id: usize, frame: Frame, weight: f32, out: &mut Collected<'a>) {
-        if weight <= 0.0 {
+    fn collect(&self, id: usize, at: Place, out: &mut Collected<'a>) {
+        if at.weight <= 0.0 {
             return;
         }
         let prepared = &self.materials[id];
         let uv = self.surface.uv;
+        let share = |share: f32| Place { weight: at.weight * share, ..at };
         match &prepared.material {
             Material::TwoSided { front, back } => {
-                let (inner, frame) = side(*front, *back, frame, self.wo);
-                self.collect(inner, frame, weight, out);
+                let (inner, frame) = side(*front, *back, at.frame, self.wo);
+                let turned = frame.n != at.frame.n;
+                let bend = at.bend.map(|b| if turned { b.turned() } else { b });
+                self.collect(inner, Place { frame, bend, ..at }, out);
             }
             Material::Mask { opacity, inner } => {
                 let opacity = opacity.scalar(uv).clamp(0.0, 1.0);
-                self.collect(*inner, frame, weight * opacity, out);
-                out.push(Component {
-                    lobe: Lobe::Null,
-                    frame,
-                    weight: weight * (1.0 - opacity),
-                    material: id as u32,
-                });
+                self.collect(*inner, share(opacity), out);
+                out.push(Lobe::Null, share(1.0 - opacity), id);
             }
-            Material::Blend { weight: share, first, second } => {
-                let share = share.scalar(uv).clamp(0.0, 1.0);
-                self.collect(*first, frame, weight * (1.0 - share), out);
-                self.collect(*second, frame, weight * share, out);
+            Material::Blend { weight, first, second } => {
+                let weight = weight.scalar(uv).clamp(0.0, 1.0);
+                self.collect(*first, share(1.0 - weight), out);
+                self.collect(*second, share(weight), out);
             }
-            Material::Bump { height, inner } => {
-                self.collect(*inner, self.bumped(frame, height), weight, out);
+            Material::Bump { height, inner, normals } => {
+                self.collect(*inner, self.bent(at, self.bumped(at.frame, height), *normals), out);
             }
-            Material::NormalMap { normals, inner } => {
-                let c = normals.eval(uv);
-                let local = Vec3::new(c.r, c.g, c.b) * 2.0 - 1.0;
-                let n = Frame::from_normal_tangent(frame.n, (self.tangents)().dpdu).to_world(local);
-                let n = n.try_normalize().unwrap_or(frame.n);
-                self.collect(
-                    *inner,
-                    Frame::from_normal_tangent(n, (self.tangents)().dpdu),
-                    weight,
-                    out,
-                );
+            Material::NormalMap { map, inner, normals } => {
+                self.collect(*inner, self.bent(at, self.mapped(at.frame, map), *normals), out);
             }
             _ => {
                 if let Some(lobe) = lobe(prepared, uv) {
-                    let frame = self.oriented(prepared, frame);
-                    out.push(Component { lobe, frame, weight, material: id as u32 });
+                    let frame = self.oriented(prepared, at.frame);
+                    out.push(lobe, Place { frame, ..at }, id);
                 }
             }
         }
+    }
+
+    /// The same place with a bent frame, flipped toward the eye where it faces away from it.
+    fn bent(&self, at: Place, frame: Frame, how: BentNormals) -> Place {
+        let bend = Bend::new(at.frame.n, frame.n, how);
+        let frame = self.eye.map_or(frame, |eye| bend.seen_from(frame, eye));
+        Place { frame, bend: Some(bend), ..at }
     }
 
     /// Turn the frame along the texture coordinates where the lobe is not the same all round.
@@ -230,6 +240,14 @@ impl<'a> Context<'a, '_> {
         } else {
             frame
         }
+    }
+
+    /// The normal that a picture gives.
+    fn mapped(&self, frame: Frame, map: &Texture) -> Frame {
+        let (c, along) = (map.eval(self.surface.uv), (self.tangents)().dpdu);
+        let local = Vec3::new(c.r, c.g, c.b) * 2.0 - 1.0;
+        let n = Frame::from_normal_tangent(frame.n, along).to_world(local);
+        Frame::from_normal_tangent(n.try_normalize().unwrap_or(frame.n), along)
     }
 
     /// Bend the normal by the slope of a height field \[Blinn78\].
@@ -245,9 +263,10 @@ impl<'a> Context<'a, '_> {
 }
 
 impl<'a> Collected<'a> {
-    fn push(&mut self, component: Component<'a>) {
-        if component.weight > 0.0 && self.count < MAX_COMPONENTS {
-            self.components[self.count] = component;
+    fn push(&mut self, lobe: Lobe<'a>, Place { frame, weight, bend }: Place, material: usize) {
+        if weight > 0.0 && self.count < MAX_COMPONENTS {
+            let material = material as u32;
+            self.components[self.count] = Component { lobe, frame, weight, material, bend };
             self.count += 1;
         }
     }

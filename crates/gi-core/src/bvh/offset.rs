@@ -40,4 +40,13 @@ impl Bvh {
         let tmax = 1.0 - self.lift(q) / d.abs().max_element();
         Ray { o, tmin: 0.0, d, tmax }
     }
+
+    /// The rest of `ray` behind a surface that it met at parameter `t`. Origin, direction and end stay as they are, so that
+    /// however many surfaces a segment passes, it still ends where it was to end. The gap behind the surface is as wide as
+    /// that of [`Bvh::offset_origin`], along the ray.
+    #[inline]
+    pub fn beyond(&self, ray: &Ray, t: f32) -> Ray {
+        let gap = self.lift(ray.at(t)) / ray.d.abs().max_element();
+        Ray { tmin: (t + gap).max(t.next_up()), ..*ray }
+    }
 }

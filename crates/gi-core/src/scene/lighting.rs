@@ -133,7 +133,7 @@ impl Scene {
             None => Rgb::WHITE,
             // Whatever it is that was found first: an opaque one ends the question.
             Some(prim) if !(self.has_null && self.has_null_at(prim)) => Rgb::BLACK,
-            Some(_) => self.transmittance_through(ray),
+            Some(_) => self.transmittance_through::<false>(ray, None),
         }
     }
 
@@ -142,22 +142,32 @@ impl Scene {
         self.materials[self.shapes[self.shape_of[prim as usize] as usize].material].has_null
     }
 
-    fn transmittance_through(&self, mut ray: Ray) -> Rgb {
-        let mut left = Rgb::WHITE;
-        let toward = -ray.d.normalize();
+    /// What surfaces that let light straight through, and with `MEDIA` media too, leave of light along a segment that
+    /// starts in `medium`.
+    pub(super) fn transmittance_through<const MEDIA: bool>(
+        &self,
+        mut ray: Ray,
+        mut medium: Option<usize>,
+    ) -> Rgb {
+        let length = ray.d.length();
+        let toward = -ray.d / length;
+        let (mut left, mut passed) = (Rgb::WHITE, ray.tmin);
         while let Some(hit) = self.closest(&ray) {
             if !self.has_null_at(hit.prim) {
                 return Rgb::BLACK;
             }
             let surface = self.surface(&ray, &hit);
             left *= self.bsdf(&surface, toward, Transport::Radiance).straight_through(toward);
+            if MEDIA {
+                left *= self.dimmed(medium, (hit.t - passed) * length);
+                medium = self.medium_toward(&surface, ray.d, medium);
+                passed = hit.t;
+            }
             if left.is_black() {
                 return Rgb::BLACK;
             }
-            // Go on behind the surface; the part of the segment that is left shrinks by what was passed.
-            let o = self.tree.offset_origin(surface.p, surface.ng, ray.d);
-            ray = Ray { o, tmin: 0.0, d: ray.d, tmax: ray.tmax - hit.t };
+            ray = self.tree.beyond(&ray, hit.t);
         }
-        left
+        if MEDIA { left * self.dimmed(medium, (ray.tmax - passed).max(0.0) * length) } else { left }
     }
 }

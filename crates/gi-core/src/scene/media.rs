@@ -6,7 +6,6 @@
 use glam::Vec3;
 
 use super::Scene;
-use crate::bsdf::Transport;
 use crate::geometry::Surface;
 use crate::light::{Light, LightSample};
 use crate::math::Rgb;
@@ -123,30 +122,12 @@ impl Scene {
     }
 
     /// The share of light that passes along a ray segment that starts in `medium`: what masks, panes and media leave.
-    pub fn transmittance_through_media(&self, mut ray: Ray, medium: Option<usize>) -> Rgb {
-        let length = ray.d.length();
+    pub fn transmittance_through_media(&self, ray: Ray, medium: Option<usize>) -> Rgb {
         match self.tree.any(&ray) {
-            None => return self.dimmed(medium, ray.tmax * length),
-            Some(prim) if !self.has_null_at(prim) => return Rgb::BLACK,
-            Some(_) => {}
+            None => self.dimmed(medium, (ray.tmax - ray.tmin) * ray.d.length()),
+            Some(prim) if !self.has_null_at(prim) => Rgb::BLACK,
+            Some(_) => self.transmittance_through::<true>(ray, medium),
         }
-        let (mut left, mut medium) = (Rgb::WHITE, medium);
-        let toward = -ray.d / length;
-        while let Some(hit) = self.closest(&ray) {
-            if !self.has_null_at(hit.prim) {
-                return Rgb::BLACK;
-            }
-            let surface = self.surface(&ray, &hit);
-            left *= self.bsdf(&surface, toward, Transport::Radiance).straight_through(toward);
-            left *= self.dimmed(medium, hit.t * length);
-            if left.is_black() {
-                return Rgb::BLACK;
-            }
-            medium = self.medium_toward(&surface, ray.d, medium);
-            let o = self.tree.offset_origin(surface.p, surface.ng, ray.d);
-            ray = Ray { o, tmin: 0.0, d: ray.d, tmax: ray.tmax - hit.t };
-        }
-        left * self.dimmed(medium, ray.tmax.max(0.0) * length)
     }
 
     /// [`Scene::visibility`] for a path that reached `surface` in `medium`.

@@ -1,7 +1,7 @@
 use std::collections::HashSet;
 
 use gi_core::image_io::{ImageFile, Layers, write_file};
-use gi_core::material::{Distribution, Material, Roughness};
+use gi_core::material::{BentNormals, Distribution, Material, Roughness};
 use gi_core::math::Rgb;
 use gi_core::texture::{Bitmap, Lookup, Texture, Wrap};
 use glam::{Affine2, Affine3A, Mat3, Vec2, Vec3};
@@ -114,19 +114,26 @@ impl Exporter<'_> {
                 self.material(*first)?;
                 self.material(*second)?;
             }
-            Material::Bump { height, inner } => {
+            Material::Bump { height, inner, normals } => {
                 open(self, "bumpmap");
+                self.bent_normals(*normals);
                 self.map("bump", height)?;
                 self.material(*inner)?;
             }
-            Material::NormalMap { normals, inner } => {
+            Material::NormalMap { map, inner, normals } => {
                 open(self, "normalmap");
-                self.map("normalmap", normals)?;
+                self.bent_normals(*normals);
+                self.map("normalmap", map)?;
                 self.material(*inner)?;
             }
         }
         self.xml.close();
         Ok(())
+    }
+
+    fn bent_normals(&mut self, normals: BentNormals) {
+        self.xml.value("boolean", "flip_invalid_normals", &normals.flipped.to_string());
+        self.xml.value("boolean", "use_shadowing_function", &normals.shadowed.to_string());
     }
 
     /// Mitsuba 3 has no Phong: a mixture of Lambert and a rough mirror of the same albedos. The lobe cos^n about

@@ -4,7 +4,7 @@ mod approximate;
 pub(crate) mod ior;
 mod parameters;
 
-use gi_core::material::{Distribution, Material, Roughness};
+use gi_core::material::{BentNormals, Distribution, Material, Roughness};
 use gi_core::math::Rgb;
 use gi_core::texture::Texture;
 
@@ -127,11 +127,19 @@ impl Builder<'_> {
             "bumpmap" | "bump" => {
                 let scale = Rgb::grey(node.float("scale", 1.0));
                 let height = self.only_texture(node)?.scaled(scale);
-                Material::Bump { height, inner: self.only_child(node)? }
+                Material::Bump {
+                    height,
+                    inner: self.only_child(node)?,
+                    normals: Self::bent_normals(node),
+                }
             }
             "normalmap" => {
-                let normals = self.only_texture(node)?;
-                Material::NormalMap { normals, inner: self.only_child(node)? }
+                let map = self.only_texture(node)?;
+                Material::NormalMap {
+                    map,
+                    inner: self.only_child(node)?,
+                    normals: Self::bent_normals(node),
+                }
             }
             "blendbsdf" => self.blend(node)?,
             "mixturebsdf" => return self.mixture(node),
@@ -140,6 +148,16 @@ impl Builder<'_> {
                 return None;
             }
         })
+    }
+
+    /// What `bumpmap` and `normalmap` do about normals that face away: Mitsuba 3 repairs them unless told not to, earlier
+    /// versions had no such repair.
+    fn bent_normals(node: Node<'_>) -> BentNormals {
+        let repaired = node.doc.version >= 3;
+        BentNormals {
+            flipped: node.bool("flip_invalid_normals", repaired),
+            shadowed: node.bool("use_shadowing_function", repaired),
+        }
     }
 
     fn dielectric(&mut self, node: Node<'_>) -> Option<Material> {
