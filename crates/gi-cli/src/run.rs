@@ -9,6 +9,7 @@ use gi_core::image_io::Layers;
 use gi_core::scene::Scene;
 use gi_core::technique::{Picture, Setting, Technique};
 use gi_scene::{ExportError, Loaded};
+use glam::Vec3A;
 use serde_json::{Map, Value, json};
 
 use crate::passes::{identity, merge, passes};
@@ -58,7 +59,8 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<(), Failure> {
     output.check_apart(&others)?;
     say_warnings(common, &loaded.warnings);
 
-    let Loaded { parts, camera, filter, mut warnings, hash, world, .. } = loaded;
+    let Loaded { mut parts, mut camera, filter, mut warnings, hash, world, .. } = loaded;
+    camera.to_world.translation += Vec3A::from(parts.recentre());
     check_film(camera.size)?;
     let clock = Instant::now();
     let scene = Scene::new(parts)

@@ -80,6 +80,10 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     if loaded.is_none() && !report.has_errors() {
         report.error_nowhere(format!("`{}` holds no scene", path.display()));
     }
+    let mut loaded = loaded;
+    for warning in loaded.iter_mut().flat_map(|l| l.parts.enclose_media()) {
+        report.warn_nowhere(warning);
+    }
     let warnings = report.finish()?;
     let loaded = loaded.expect("a scene without problems was read");
     Ok(Loaded { warnings, ..loaded })

@@ -74,7 +74,7 @@ fn connections(setting: &Setting, vpls: &Vpls, film: &Film, pixel: Option<[usize
             v.p
         };
         let Some(to) = setting.camera.connect(end, [0.5; 2], margin) else { continue };
-        let open = !setting.scene.transmittance(c.shadow).is_black();
+        let open = !c.transmittance(setting.scene).is_black();
         // Green and red of one palette that the colour-blind can tell apart.
         let colour = if open { Rgb::new(0.0, 0.35, 0.17) } else { Rgb::new(0.66, 0.12, 0.0) };
         canvas.line(from, Vec2::from_array(to.film), 0.3 * dot(film), colour);

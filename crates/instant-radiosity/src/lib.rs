@@ -153,6 +153,11 @@ impl<'a> Technique<'a> for InstantRadiosity<'a> {
 }
 
 impl InstantRadiosity<'_> {
+    /// See [`gi_core::scene::Scene::origin`].
+    pub fn origin(&self) -> glam::Vec3 {
+        self.setting.scene.origin()
+    }
+
     /// The lights of a pass: its light paths are the next of one sequence.
     fn shoot(&self, index: u32) -> Vpls {
         let paths = self.pilot.paths_for(self.params.vpls);

@@ -118,7 +118,8 @@ impl Program for Args {
 
     fn export(&self, technique: &InstantRadiosity<'_>, path: &Path) -> Vec<u8> {
         let lights = &technique.vpls().lights;
-        if is_table(path) { to_csv(lights).into_bytes() } else { to_ply(lights) }
+        let origin = technique.origin();
+        if is_table(path) { to_csv(lights, origin).into_bytes() } else { to_ply(lights, origin) }
     }
 }
 

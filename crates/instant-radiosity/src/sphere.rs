@@ -65,7 +65,7 @@ impl Spheres {
             }
             connections += 1;
             let shadow = scene.tree().shadow_ray(at.surface.p, at.surface.ng, vpl.p);
-            sum += light * scene.transmittance(shadow);
+            sum += light * scene.transmittance_to(shadow, vpl.on);
         }
         technique.energy.note(sum.luminance(), 0.0, connections);
         sum

@@ -105,6 +105,11 @@ impl<'a> Technique<'a> for IrradianceCaching<'a> {
 }
 
 impl<'a> IrradianceCaching<'a> {
+    /// See [`gi_core::scene::Scene::origin`].
+    pub fn origin(&self) -> glam::Vec3 {
+        self.setting.scene.origin()
+    }
+
     fn empty(setting: Setting<'a>, params: &Params) -> Self {
         let count = params.bounces.unwrap_or(1).max(1);
         let mut technique = IrradianceCaching {

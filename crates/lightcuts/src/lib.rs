@@ -139,6 +139,11 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
 }
 
 impl<'a> Lightcuts<'a> {
+    /// See [`gi_core::scene::Scene::origin`].
+    pub fn origin(&self) -> glam::Vec3 {
+        self.setting.scene.origin()
+    }
+
     /// All illumination becomes point lights, and they become trees [slide 61].
     fn make_lights(&mut self, index: u32) {
         let Setting { scene, seed, .. } = self.setting;

@@ -157,7 +157,7 @@ impl<'a> Lights<'_, 'a> {
         }
         if let Some(c) = self.prepared.connect_unit(light as usize, &at.receiver) {
             cut.rays += 1;
-            let open = self.scene.transmittance(c.shadow);
+            let open = c.transmittance(self.scene);
             cluster.kept = at.kept(c.geometry, shape.is_direct());
             cluster.unit = c.radiance * open * cluster.kept;
             if let Some(record) = record {
@@ -218,7 +218,7 @@ impl<'a> Lights<'_, 'a> {
         };
         let direct = self.prepared.set().lights[light as usize].depth == 0;
         let kept = at.kept(c.geometry, direct);
-        c.radiance * self.scene.transmittance(c.shadow) * kept
+        c.radiance * c.transmittance(self.scene) * kept
     }
 
     /// What one light brings.

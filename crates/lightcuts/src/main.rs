@@ -212,7 +212,8 @@ impl Program for Args {
             return cuts_csv(technique).into_bytes();
         }
         let lights = &technique.vpls().lights;
-        if is_table(path) { to_csv(lights).into_bytes() } else { to_ply(lights) }
+        let origin = technique.origin();
+        if is_table(path) { to_csv(lights, origin).into_bytes() } else { to_ply(lights, origin) }
     }
 }
 

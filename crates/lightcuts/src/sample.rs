@@ -136,7 +136,7 @@ impl<'a> Lights<'_, 'a> {
         };
         lit.rays += 1;
         let kept = at.kept(c.geometry, shape.is_direct());
-        let light = c.radiance * node.power * self.scene.transmittance(c.shadow) * (1.0 / pdf);
+        let light = c.radiance * node.power * c.transmittance(self.scene) * (1.0 / pdf);
         let part = if shape.is_direct() { &mut lit.direct } else { &mut lit.indirect };
         *part += light * kept;
         lit.cut_off += (light * (1.0 - kept)).luminance();

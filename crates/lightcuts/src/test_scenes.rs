@@ -140,7 +140,7 @@ pub(crate) fn lights(scene: &Scene, count: u32, rng: &mut Pcg) -> Vpls {
         };
         let on_surface = matches!(kind, Kind::Oriented | Kind::Glossy(_));
         let ns = if on_surface { toward(surface.ns()) } else { n };
-        set.lights.push(Vpl { p, n, ns, power, kind, depth });
+        set.lights.push(Vpl { p, n, ns, power, kind, depth, on: None });
     }
     set.lights.sort_by_key(|v| v.depth);
     set

@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use glam::Vec3;
+
 use crate::map::PhotonMap;
 use crate::photon::{Kind, Photon};
 use crate::volume::VolumeMaps;
@@ -24,6 +26,7 @@ enum Map {
 fn all<'m>(
     [global, caustic]: [Option<&'m PhotonMap>; 2],
     volume: Option<&'m VolumeMaps>,
+    origin: Vec3,
 ) -> impl Iterator<Item = Exported> + 'm {
     let on_surfaces = [(Map::Global, global), (Map::Caustic, caustic)].into_iter();
     let on_surfaces = on_surfaces.flat_map(|(map, photons)| {
@@ -34,7 +37,10 @@ fn all<'m>(
     let in_media = media.flat_map(|(medium, photons)| {
         photons.iter().map(move |s| Exported { photon: s.photon, map: Map::Volume(medium) })
     });
-    on_surfaces.chain(in_media)
+    on_surfaces.chain(in_media).map(move |mut exported| {
+        exported.photon.position = (exported.photon.p() + origin).to_array();
+        exported
+    })
 }
 
 fn kind_name(kind: Kind) -> &'static str {
@@ -45,11 +51,15 @@ fn kind_name(kind: Kind) -> &'static str {
     }
 }
 
-/// Photons as comma-separated values: the map that each is of, the kind of its path, where it is, its power, the direction back to
+/// Photons as comma-separated values, `origin` being that of the scene: the map that each is of, the kind of its path, where it is, its power, the direction back to
 /// the light, and the surface's normal or the number of the medium.
-pub(crate) fn to_csv(maps: [Option<&PhotonMap>; 2], volume: Option<&VolumeMaps>) -> Vec<u8> {
+pub(crate) fn to_csv(
+    maps: [Option<&PhotonMap>; 2],
+    volume: Option<&VolumeMaps>,
+    origin: Vec3,
+) -> Vec<u8> {
     let mut out = "map,kind,x,y,z,red,green,blue,dx,dy,dz,nx,ny,nz,medium\n".to_string();
-    for Exported { photon, map } in all(maps, volume) {
+    for Exported { photon, map } in all(maps, volume, origin) {
         let (c, d, n) =
             (photon.payload.power.to_rgb(), photon.payload.direction(), photon.payload.normal());
         let (kind, [x, y, z]) = (kind_name(photon.payload.kind()), photon.position);
@@ -68,12 +78,16 @@ pub(crate) fn to_csv(maps: [Option<&PhotonMap>; 2], volume: Option<&VolumeMaps>)
     out.into_bytes()
 }
 
-/// Photons as the points of a binary PLY: position, direction back to the light as `nx ny nz`, power, as `type` 0, 1, 2 for
+/// Photons as the points of a binary PLY, `origin` being that of the scene: position, direction back to the light as `nx ny nz`, power, as `type` 0, 1, 2 for
 /// direct, caustic and indirect photons of the global map, 3 for those of the caustic map, 4 and 5 for caustic and indirect
 /// photons in media, and as `medium` the number of the medium, -1 on surfaces.
-pub(crate) fn to_ply(maps: [Option<&PhotonMap>; 2], volume: Option<&VolumeMaps>) -> Vec<u8> {
+pub(crate) fn to_ply(
+    maps: [Option<&PhotonMap>; 2],
+    volume: Option<&VolumeMaps>,
+    origin: Vec3,
+) -> Vec<u8> {
     let (mut points, mut count) = (Vec::new(), 0);
-    for Exported { photon, map } in all(maps, volume) {
+    for Exported { photon, map } in all(maps, volume, origin) {
         let (power, d) = (photon.payload.power.to_rgb().to_array(), photon.payload.direction());
         for x in photon.position.into_iter().chain(d.to_array()).chain(power) {
             points.extend(x.to_le_bytes());

@@ -15,11 +15,11 @@ impl PhotonMapping<'_> {
 
     /// All photons, to look at: as comma-separated values, or as a PLY of points.
     pub fn export(&self, as_csv: bool) -> Vec<u8> {
-        let volume = self.volume();
+        let (volume, origin) = (self.volume(), self.setting.scene.origin());
         if as_csv {
-            export::to_csv(self.maps(), volume)
+            export::to_csv(self.maps(), volume, origin)
         } else {
-            export::to_ply(self.maps(), volume)
+            export::to_ply(self.maps(), volume, origin)
         }
     }
 

@@ -156,6 +156,11 @@ fn mean_reach(cache: &Cache<impl Sited>) -> f64 {
 }
 
 impl<'a> RadianceCaching<'a> {
+    /// See [`gi_core::scene::Scene::origin`].
+    pub fn origin(&self) -> glam::Vec3 {
+        self.setting.scene.origin()
+    }
+
     fn empty(setting: Setting<'a>, params: &Params) -> Self {
         let bounds = setting.scene.bounds();
         let how = |error: ErrorControl, accuracy: f32| {

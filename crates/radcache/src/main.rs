@@ -176,7 +176,8 @@ impl Program for Args {
             return technique.saved().to_bytes();
         }
         let records = technique.irradiance_records();
-        if is_table(path) { to_csv(records).into_bytes() } else { to_ply(records) }
+        let origin = technique.origin();
+        if is_table(path) { to_csv(records, origin).into_bytes() } else { to_ply(records, origin) }
     }
 }
 

@@ -54,8 +54,18 @@ pub struct Connection {
     pub geometry: f32,
     /// Unit direction to the light.
     pub wi: Vec3,
-    /// Whatever this ray meets stands in between.
+    /// Whatever this ray meets stands in between, but for what the light lies on.
     pub shadow: Ray,
+    /// [`Vpl::on`] of the light.
+    on: Option<u32>,
+}
+
+impl Connection {
+    /// The share of the light that nothing stops.
+    #[inline]
+    pub fn transmittance(&self, scene: &Scene) -> Rgb {
+        scene.transmittance_to(self.shadow, self.on)
+    }
 }
 
 impl Vpls {
@@ -92,6 +102,7 @@ pub(crate) fn connect(
             geometry: 0.0,
             wi,
             shadow: scene.spawn(x, wi),
+            on: None,
         });
     }
     let to = vpl.p - x.p;
@@ -119,5 +130,12 @@ pub(crate) fn connect(
     }
     let geometry = x.ng.dot(wi).abs() * cos_light * inverse_sq;
     let shadow = scene.tree().shadow_ray(x.p, x.ng, vpl.p);
-    Some(Connection { radiance, arriving: intensity * inverse_sq, geometry, wi, shadow })
+    Some(Connection {
+        radiance,
+        arriving: intensity * inverse_sq,
+        geometry,
+        wi,
+        shadow,
+        on: vpl.on,
+    })
 }

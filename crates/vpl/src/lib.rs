@@ -14,6 +14,7 @@ mod shoot;
 use gi_core::geometry::Surface;
 use gi_core::light::PointSource;
 use gi_core::math::Rgb;
+use gi_core::scene::Scene;
 use glam::Vec3;
 
 pub use energy::Energy;
@@ -38,6 +39,8 @@ pub struct Vpl {
     pub kind: Kind,
     /// Scatterings on its path, its own included: 0 for points of lights.
     pub depth: u32,
+    /// The flat primitive that it lies on, see [`Scene::transmittance_to`].
+    pub on: Option<u32>,
 }
 
 /// How a virtual point light shines.
@@ -93,7 +96,7 @@ impl Vpls {
 
 impl Vpl {
     /// The light that a path starts from.
-    fn of_emission(emission: &gi_core::light::Emission, paths: f32) -> Self {
+    fn of_emission(scene: &Scene, emission: &gi_core::light::Emission, paths: f32) -> Self {
         let (kind, power) = match emission.source {
             PointSource::Oriented(power) => (Kind::Oriented, power),
             PointSource::Omni(power) => (Kind::Omni, power),
@@ -101,30 +104,31 @@ impl Vpl {
             PointSource::Directional(power) => (Kind::Directional, power),
         };
         let n = if kind == Kind::Oriented { emission.ng } else { emission.d };
-        Vpl { p: emission.p, n, ns: n, power: power / paths, kind, depth: 0 }
+        let on = scene.flat_light(emission.light);
+        Vpl { p: emission.p, n, ns: n, power: power / paths, kind, depth: 0, on }
     }
 }
 
-/// Lights as a point cloud: position, normal, power, depth.
-pub fn to_ply(vpls: &[Vpl]) -> Vec<u8> {
+/// Lights as a point cloud, `origin` being that of the scene: position, normal, power, depth.
+pub fn to_ply(vpls: &[Vpl], origin: Vec3) -> Vec<u8> {
     let floats = ["x", "y", "z", "nx", "ny", "nz", "power_r", "power_g", "power_b"];
     let mut out = format!("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", vpls.len());
     floats.iter().for_each(|p| out += &format!("property float {p}\n"));
     out += "property uint depth\nend_header\n";
     let mut out = out.into_bytes();
     for v in vpls {
-        let numbers = [v.p.to_array(), v.n.to_array(), v.power.to_array()].concat();
+        let numbers = [(v.p + origin).to_array(), v.n.to_array(), v.power.to_array()].concat();
         numbers.iter().for_each(|f| out.extend(f.to_le_bytes()));
         out.extend(v.depth.to_le_bytes());
     }
     out
 }
 
-/// Lights as a table.
-pub fn to_csv(vpls: &[Vpl]) -> String {
+/// Lights as a table, `origin` being that of the scene.
+pub fn to_csv(vpls: &[Vpl], origin: Vec3) -> String {
     let mut out = String::from("x,y,z,nx,ny,nz,power_r,power_g,power_b,depth,kind\n");
     for v in vpls {
-        let numbers = [v.p.to_array(), v.n.to_array(), v.power.to_array()].concat();
+        let numbers = [(v.p + origin).to_array(), v.n.to_array(), v.power.to_array()].concat();
         let row: Vec<String> = numbers.iter().map(f32::to_string).collect();
         let kind = match v.kind {
             Kind::Oriented => "oriented",

@@ -47,7 +47,7 @@ impl Group {
             let u = ((i as f32 + u) / count as f32).min(1.0 - f32::EPSILON);
             let Some((k, probability, _)) = self.by_power.sample(u) else { return };
             let emission = scene.emit_from((self.lights[k], probability), u_p, u_d);
-            out.extend(emission.map(|e| Vpl::of_emission(&e, count as f32)));
+            out.extend(emission.map(|e| Vpl::of_emission(scene, &e, count as f32)));
         }
     }
 }
@@ -74,7 +74,7 @@ pub fn points(scene: &Scene, numbers: &LightNumbers, seed: u32, index: u32) -> V
     };
     for (k, _) in scene.lights().all().iter().enumerate().filter(|(_, l)| without_extent(l)) {
         let emission = scene.emit_from((k, 1.0), [0.5; 2], [0.5; 2]);
-        set.lights.extend(emission.map(|e| Vpl::of_emission(&e, 1.0)));
+        set.lights.extend(emission.map(|e| Vpl::of_emission(scene, &e, 1.0)));
     }
     set.lights.retain(|v| !v.power.is_black());
     set

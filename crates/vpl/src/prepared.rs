@@ -65,7 +65,8 @@ impl<'v, 'a> Prepared<'v, 'a> {
             // they left them, and what is hidden is asked nothing else.
             let mut passed = 0;
             for &k in turned {
-                let through = self.scene.transmittance(self.shadow(&self.set.lights[k], at));
+                let vpl = &self.set.lights[k];
+                let through = self.scene.transmittance_to(self.shadow(vpl, at), vpl.on);
                 seen[passed] = (k, through);
                 passed += usize::from(!through.is_black());
             }

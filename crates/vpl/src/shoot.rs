@@ -130,7 +130,7 @@ impl Shooting {
         let paths = self.paths as f32;
         chunk.emitted += walk.emission().power / paths;
         if self.lights {
-            chunk.lights.push(Vpl::of_emission(walk.emission(), paths));
+            chunk.lights.push(Vpl::of_emission(scene, walk.emission(), paths));
         }
         let mut scatterings = 0;
         // The light at a vertex scatters there once more.
@@ -139,7 +139,7 @@ impl Shooting {
             scatterings = vertex.depth + 1;
             chunk.arrived += vertex.power / paths;
             if !vertex.bsdf.is_delta() {
-                chunk.leave(&vertex, paths);
+                chunk.leave(scene, &vertex, paths);
             }
             if !walk.scatter(&vertex, self.roulette(path, scatterings)) {
                 return;
@@ -170,7 +170,7 @@ impl Shooting {
 
 impl Chunk {
     /// Leave a light at a vertex.
-    fn leave(&mut self, vertex: &LightVertex, paths: f32) {
+    fn leave(&mut self, scene: &Scene, vertex: &LightVertex, paths: f32) {
         let (surface, power) = (&vertex.surface, vertex.power / paths);
         let depth = vertex.depth + 1;
         let toward = |n: Vec3| n * 1f32.copysign(n.dot(vertex.wo));
@@ -187,8 +187,11 @@ impl Chunk {
                 (Kind::Glossy(self.surfaces.len() as u32 - 1), toward(surface.ns()), power)
             }
         };
-        if !power.is_black() {
-            self.lights.push(Vpl { p: surface.p, n, ns, power, kind, depth });
+        debug_assert!(power.is_finite(), "a virtual light of power {power:?}");
+        // Lights of no finite power would leave no estimate and no tree of lights finite.
+        if !power.is_black() && power.is_finite() {
+            let on = scene.flat_at(surface);
+            self.lights.push(Vpl { p: surface.p, n, ns, power, kind, depth, on });
         }
     }
 }
@@ -272,7 +275,8 @@ mod tests {
         let scene = sphere(0.5);
         let p = Vec3::new(0.0, 0.0, 1.0);
         let power = Rgb::new(1.0, 2.0, 3.0);
-        let vpl = Vpl { p, n: -Vec3::Z, ns: -Vec3::Z, power, kind: Kind::Oriented, depth: 1 };
+        let vpl =
+            Vpl { p, n: -Vec3::Z, ns: -Vec3::Z, power, kind: Kind::Oriented, depth: 1, on: None };
         let set = Vpls::default();
         // The sphere's lowest point, seen from its middle: cosines 1, distance 2, f = 0.5 / pi.
         let ray = Ray::new(Vec3::ZERO, -Vec3::Z);

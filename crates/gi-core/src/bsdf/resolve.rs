@@ -28,6 +28,7 @@ pub(crate) struct PreparedMaterial {
 impl PreparedMaterial {
     /// Prepare `material`, whose children stand in `before`.
     pub(crate) fn new(material: Material, before: &[PreparedMaterial]) -> Self {
+        let material = at_the_ends(material);
         let coat = match &material {
             Material::Plastic { eta, nonlinear, roughness, .. } => {
                 let rough = roughness.as_ref().map(|r| (r.distribution, r.alpha_u.mean().mean()));
@@ -60,15 +61,46 @@ impl PreparedMaterial {
     }
 }
 
+/// Relative indices closer to 1 than this bend no light that one could see; the half vectors of a rough interface lose
+/// all their digits there.
+const SAME_INDEX: f32 = 1e-4;
+/// Facets narrower than this reflect like a mirror: nobody could sample such a lobe by anything but itself.
+const SMOOTH: f32 = 1e-3;
+
+/// The material that another one comes down to at the end of a range: an interface between equal indices lets light
+/// straight through, and facets without width are a smooth surface.
+fn at_the_ends(mut material: Material) -> Material {
+    let smooth = |r: &mut Roughness| {
+        let narrow = |t: &Texture| matches!(t, Texture::Constant(a) if a.mean() < SMOOTH);
+        narrow(&r.alpha_u) && narrow(&r.alpha_v)
+    };
+    match &mut material {
+        Material::Conductor { roughness, .. }
+        | Material::Dielectric { roughness, .. }
+        | Material::Plastic { roughness, .. } => {
+            roughness.take_if(smooth);
+        }
+        _ => {}
+    }
+    match material {
+        Material::Dielectric { eta, reflectance, transmittance, .. }
+            if (eta - 1.0).abs() < SAME_INDEX =>
+        {
+            Material::ThinDielectric { eta: 1.0, reflectance, transmittance }
+        }
+        other => other,
+    }
+}
+
 /// Whether the material itself, children apart, has a delta lobe that passes nothing straight through only.
 fn has_delta(material: &Material) -> bool {
-    matches!(
-        material,
+    match material {
         Material::Conductor { roughness: None, .. }
-            | Material::Dielectric { roughness: None, .. }
-            | Material::Plastic { roughness: None, .. }
-            | Material::ThinDielectric { .. }
-    )
+        | Material::Dielectric { roughness: None, .. }
+        | Material::Plastic { roughness: None, .. } => true,
+        Material::ThinDielectric { eta, .. } => *eta != 1.0,
+        _ => false,
+    }
 }
 
 /// Whether every child stands before its parent, as [`Material`] demands.

@@ -78,6 +78,8 @@ pub struct LightSample {
     pub pdf_w: f32,
     /// Whether no other way of sampling can find this light.
     pub delta: bool,
+    /// Which primitive of which shape shines, if one does.
+    pub primitive: Option<[u32; 2]>,
 }
 
 /// All lights of a scene.
@@ -174,16 +176,24 @@ impl Lights {
                 radiance,
                 pdf_w: 1.0,
                 delta: true,
+                primitive: None,
             })
         };
-        let distant =
-            |wi, radiance, pdf_w| LightSample { wi, p: None, radiance, pdf_w, delta: false };
+        let distant = |wi, radiance, pdf_w| LightSample {
+            wi,
+            p: None,
+            radiance,
+            pdf_w,
+            delta: false,
+            primitive: None,
+        };
         match &self.lights[light] {
             Light::Area { emitter, shape, primitive } => {
                 let (point, pdf_w) = emitter.sample_from(p, u)?;
                 let wi = (point.p - p).try_normalize()?;
                 let radiance = emission(*shape, *primitive, &point);
-                Some(LightSample { wi, p: Some(point.p), radiance, pdf_w, delta: false })
+                let primitive = Some([*shape, *primitive]);
+                Some(LightSample { wi, p: Some(point.p), radiance, pdf_w, delta: false, primitive })
             }
             Light::Point { position, intensity } => delta(*position, *intensity),
             Light::Spot { position, frame, intensity, cutoff, beam } => {
@@ -197,6 +207,7 @@ impl Lights {
                 radiance: *irradiance,
                 pdf_w: 1.0,
                 delta: true,
+                primitive: None,
             }),
             Light::Constant { radiance } => {
                 Some(distant(warp::sphere(u), *radiance, warp::sphere_pdf()))

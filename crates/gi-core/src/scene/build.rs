@@ -64,7 +64,7 @@ impl Scene {
     /// See [`SceneError`]. An empty scene is fine.
     pub fn new(parts: SceneParts) -> Result<Self, SceneError> {
         check(&parts)?;
-        let SceneParts { shapes, groups, instances, materials, media, lights } = parts;
+        let SceneParts { shapes, groups, instances, materials, media, lights, origin } = parts;
         let own_shapes = shapes.len();
         let group_starts: Vec<usize> = groups
             .iter()
@@ -121,6 +121,7 @@ impl Scene {
             lights,
             tree,
             bounds,
+            origin,
             has_null,
             has_media,
             light_media: Vec::new(),

@@ -4,10 +4,10 @@ use glam::{Vec2, Vec3};
 
 use super::Scene;
 use crate::bsdf::Transport;
-use crate::geometry::{Shape, Surface};
+use crate::geometry::{Geometry, Shape, Surface};
 use crate::light::{Emission, EmitterPoint, Light, LightSample, Targets, sphere_round};
 use crate::math::Rgb;
-use crate::ray::Ray;
+use crate::ray::{Hit, Ray};
 
 impl Scene {
     /// Radiance that `surface` itself sends along `wo`.
@@ -123,17 +123,24 @@ impl Scene {
             Some(q) => self.tree.shadow_ray(surface.p, surface.ng, q),
             None => self.spawn(surface, light.wi),
         };
-        self.transmittance(ray)
+        self.transmittance_to(ray, self.flat_end(light))
     }
 
     /// The share of light that passes along a ray segment: 0 or 1, or what masks and panes leave.
     #[inline]
     pub fn transmittance(&self, ray: Ray) -> Rgb {
+        self.transmittance_to(ray, None)
+    }
+
+    /// [`Scene::transmittance`] to a point of the flat primitive `end`. That cannot stand in its own way, but rounding would
+    /// put it there: where a sliver is met along its length is known badly.
+    #[inline]
+    pub fn transmittance_to(&self, ray: Ray, end: Option<u32>) -> Rgb {
         match self.tree.any(&ray) {
             None => Rgb::WHITE,
             // Whatever it is that was found first: an opaque one ends the question.
-            Some(prim) if !(self.has_null && self.has_null_at(prim)) => Rgb::BLACK,
-            Some(_) => self.transmittance_through::<false>(ray, None),
+            Some(prim) if !self.lets_pass(prim, end) => Rgb::BLACK,
+            Some(_) => self.transmittance_through::<false>(ray, end, None),
         }
     }
 
@@ -142,29 +149,68 @@ impl Scene {
         self.materials[self.shapes[self.shape_of[prim as usize] as usize].material].has_null
     }
 
+    /// Whether a segment that ends on the primitive `end` may go on where it meets `prim`.
+    #[inline]
+    pub(super) fn lets_pass(&self, prim: u32, end: Option<u32>) -> bool {
+        self.has_null && self.has_null_at(prim) || Some(prim) == end
+    }
+
+    /// The primitive that light comes from, if that is flat.
+    #[inline]
+    pub(super) fn flat_end(&self, light: &LightSample) -> Option<u32> {
+        let [shape, primitive] = light.primitive?;
+        self.flat_primitive(shape, primitive)
+    }
+
+    /// The number of a shape's primitive, counted through all shapes, if that is flat.
+    #[inline]
+    fn flat_primitive(&self, shape: u32, primitive: u32) -> Option<u32> {
+        let flat = matches!(self.shapes[shape as usize].geometry, Geometry::Mesh(_));
+        flat.then(|| self.first_primitive[shape as usize] + primitive)
+    }
+
+    /// The flat primitive that light number `light` is, see [`Scene::transmittance_to`].
+    pub fn flat_light(&self, light: u32) -> Option<u32> {
+        match &self.lights.all()[light as usize] {
+            Light::Area { shape, primitive, .. } => self.flat_primitive(*shape, *primitive),
+            _ => None,
+        }
+    }
+
+    /// The flat primitive that `surface` is a point of, see [`Scene::transmittance_to`]. `None` in instances, whose primitives
+    /// stand in many places.
+    pub fn flat_at(&self, surface: &Surface) -> Option<u32> {
+        let shape = &self.shapes[surface.shape as usize];
+        let flat = matches!(shape.geometry, Geometry::Mesh(_));
+        (flat && surface.instance == Hit::NO_INSTANCE).then_some(surface.prim)
+    }
+
     /// What surfaces that let light straight through, and with `MEDIA` media too, leave of light along a segment that
-    /// starts in `medium`.
+    /// starts in `medium` and ends on the primitive `end`.
     pub(super) fn transmittance_through<const MEDIA: bool>(
         &self,
         mut ray: Ray,
+        end: Option<u32>,
         mut medium: Option<usize>,
     ) -> Rgb {
         let length = ray.d.length();
         let toward = -ray.d / length;
         let (mut left, mut passed) = (Rgb::WHITE, ray.tmin);
         while let Some(hit) = self.closest(&ray) {
-            if !self.has_null_at(hit.prim) {
+            if !self.lets_pass(hit.prim, end) {
                 return Rgb::BLACK;
             }
-            let surface = self.surface(&ray, &hit);
-            left *= self.bsdf(&surface, toward, Transport::Radiance).straight_through(toward);
-            if MEDIA {
-                left *= self.dimmed(medium, (hit.t - passed) * length);
-                medium = self.medium_toward(&surface, ray.d, medium);
-                passed = hit.t;
-            }
-            if left.is_black() {
-                return Rgb::BLACK;
+            if Some(hit.prim) != end {
+                let surface = self.surface(&ray, &hit);
+                left *= self.bsdf(&surface, toward, Transport::Radiance).straight_through(toward);
+                if MEDIA {
+                    left *= self.dimmed(medium, (hit.t - passed) * length);
+                    medium = self.medium_toward(&surface, ray.d, medium);
+                    passed = hit.t;
+                }
+                if left.is_black() {
+                    return Rgb::BLACK;
+                }
             }
             ray = self.tree.beyond(&ray, hit.t);
         }

@@ -123,10 +123,20 @@ impl Scene {
 
     /// The share of light that passes along a ray segment that starts in `medium`: what masks, panes and media leave.
     pub fn transmittance_through_media(&self, ray: Ray, medium: Option<usize>) -> Rgb {
+        self.transmittance_through_media_to(ray, None, medium)
+    }
+
+    /// The same to a point of the flat primitive `end`, see [`Scene::transmittance_to`].
+    fn transmittance_through_media_to(
+        &self,
+        ray: Ray,
+        end: Option<u32>,
+        medium: Option<usize>,
+    ) -> Rgb {
         match self.tree.any(&ray) {
             None => self.dimmed(medium, (ray.tmax - ray.tmin) * ray.d.length()),
-            Some(prim) if !self.has_null_at(prim) => Rgb::BLACK,
-            Some(_) => self.transmittance_through::<true>(ray, medium),
+            Some(prim) if !self.lets_pass(prim, end) => Rgb::BLACK,
+            Some(_) => self.transmittance_through::<true>(ray, end, medium),
         }
     }
 
@@ -142,7 +152,7 @@ impl Scene {
             Some(q) => self.tree.shadow_ray(surface.p, surface.ng, q),
             None => self.spawn(surface, light.wi),
         };
-        self.transmittance_through_media(ray, medium)
+        self.transmittance_through_media_to(ray, self.flat_end(light), medium)
     }
 
     /// The share of light that reaches the point `p` inside `medium` from where a light sample says.
@@ -157,6 +167,6 @@ impl Scene {
             Some(q) => self.tree.shadow_ray(p, Vec3::ZERO, q),
             None => Ray::new(p, light.wi),
         };
-        self.transmittance_through_media(ray, medium)
+        self.transmittance_through_media_to(ray, self.flat_end(light), medium)
     }
 }

@@ -122,6 +122,20 @@ fn count_edges<'a>(
     }
 }
 
+/// Whether some shapes, taken together, leave no edge open.
+pub(super) fn is_closed<'s>(shapes: impl Iterator<Item = &'s Shape>) -> bool {
+    let mut edges: HashMap<[[u32; 3]; 2], (u32, &str)> = HashMap::new();
+    for shape in shapes {
+        match &shape.geometry {
+            Geometry::Mesh(mesh) => (0..mesh.triangles.len())
+                .for_each(|k| count_edges(mesh.corners(k), &shape.name, &mut edges)),
+            Geometry::Sphere { .. } => {}
+            Geometry::Disk { .. } | Geometry::Cylinder { .. } => return false,
+        }
+    }
+    edges.values().all(|(count, _)| count % 2 == 0)
+}
+
 /// Points spread over a shape.
 fn posts(shape: &Shape) -> Vec<Post> {
     match &shape.geometry {

@@ -5,8 +5,10 @@ mod lighting;
 mod media;
 mod media_check;
 mod parts;
+mod recentre;
 mod solids;
 mod surface;
+mod winding;
 
 use glam::{Affine3A, Mat3, Vec3};
 
@@ -36,6 +38,7 @@ pub struct Scene {
     lights: Lights,
     tree: Bvh,
     bounds: Bounds,
+    origin: Vec3,
     /// Whether anything lets light straight through, so that shadow rays must look.
     has_null: bool,
     /// Whether any shape parts media.
@@ -76,6 +79,11 @@ impl Scene {
     /// All materials, as they are prepared.
     pub(crate) fn prepared_materials(&self) -> &[PreparedMaterial] {
         &self.materials
+    }
+
+    /// Where the scene's own origin lies in the coordinates of its file, see [`SceneParts::recentre`].
+    pub fn origin(&self) -> Vec3 {
+        self.origin
     }
 
     /// The box round all surfaces.

@@ -4,6 +4,7 @@ use crate::geometry::{Instance, Shape};
 use crate::light::LightSource;
 use crate::material::Material;
 use crate::medium::Medium;
+use glam::Vec3;
 
 /// Everything that a scene file gives but the camera.
 #[derive(Clone, Debug, Default)]
@@ -20,4 +21,6 @@ pub struct SceneParts {
     pub media: Vec<Medium>,
     /// Lights that are no surfaces.
     pub lights: Vec<LightSource>,
+    /// Where the origin of all these coordinates lies in those of the file, see [`SceneParts::recentre`].
+    pub origin: Vec3,
 }

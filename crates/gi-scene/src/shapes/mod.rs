@@ -225,10 +225,7 @@ impl Builder<'_> {
                 let (geometry, mirrored) = solids::disk(&to_world);
                 (geometry, ShapeOrigin::Itself, mirrored)
             }
-            "cylinder" => {
-                let (geometry, mirrored) = solids::cylinder(node, &to_world)?;
-                (geometry, ShapeOrigin::Itself, mirrored)
-            }
+            "cylinder" => (solids::cylinder(node, &to_world)?, ShapeOrigin::Itself, false),
             _ => {
                 let (file, portable, mesh) = self.assets.take_mesh(node.id)?;
                 let origin = if portable && !node.has("max_smooth_angle") {

@@ -125,9 +125,8 @@ pub(crate) fn disk(to_world: &Affine3A) -> (Geometry, bool) {
     (Geometry::Disk { center: to_world.translation.into(), du, dv }, mirrors(to_world))
 }
 
-/// A cylinder from `p0` to `p1`, and whether its normals point inward: a mirroring map turns them round,
-/// as in Mitsuba 3.
-pub(crate) fn cylinder(node: Node<'_>, to_world: &Affine3A) -> Option<(Geometry, bool)> {
+/// A cylinder from `p0` to `p1`. Its normals point outward under mirroring maps too, as in Mitsuba 3.
+pub(crate) fn cylinder(node: Node<'_>, to_world: &Affine3A) -> Option<Geometry> {
     let [p0, p1] = [("p0", Vec3::ZERO), ("p1", Vec3::Z)]
         .map(|(name, default)| node.vector(name).unwrap_or(default));
     let radius = node.float("radius", 1.0);
@@ -147,5 +146,5 @@ pub(crate) fn cylinder(node: Node<'_>, to_world: &Affine3A) -> Option<(Geometry,
         node.error("the cylinder has no area", "");
         return None;
     }
-    Some((Geometry::Cylinder { p0, p1, radius }, mirrors(to_world)))
+    Some(Geometry::Cylinder { p0, p1, radius })
 }

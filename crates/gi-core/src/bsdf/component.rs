@@ -1,0 +1,162 @@
+//! A lobe at a point: turned into its frame, bent where a map bends normals, with its share of a blend.
+
+use glam::Vec3;
+
+use super::bend::Bend;
+use super::lobe::Lobe;
+use super::{Scatter, Transport};
+use crate::math::{Frame, Rgb};
+
+/// A lobe in its own frame with its share of a blend.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Component<'a> {
+    pub(super) lobe: Lobe<'a>,
+    pub(super) frame: Frame,
+    pub(super) weight: f32,
+    /// Which of the scene's materials it is of.
+    pub(super) material: u32,
+    /// Where a map bends its normal. On paths from the eye the frame is the one that the eye sees.
+    pub(super) bend: Option<Bend>,
+}
+
+/// The way a path runs, and the unit geometric normal of where it is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    pub(super) transport: Transport,
+    pub(super) ng: Vec3,
+}
+
+impl Component<'_> {
+    /// f times the cosine of the arriving light with the lobe's normal. On light paths the light arrives along `wo`, and
+    /// its power is counted by the geometric normal: |cos(wo, n) cos(wi, ng) / cos(wo, ng)| takes the place of the cosine
+    /// of `wi` [Veach97, 5.3.2].
+    #[inline]
+    pub(super) fn f_cos(&self, wo: Vec3, wi: Vec3, way: Way) -> Rgb {
+        let (frame, unshadowed) = match (&self.bend, way.transport) {
+            (None, _) => (self.frame, 1.0),
+            (Some(bend), Transport::Radiance) => (self.frame, bend.unshadowed(&self.frame, wi)),
+            (Some(bend), Transport::Power) => {
+                let frame = bend.seen_from(self.frame, wi);
+                (frame, bend.unshadowed(&frame, wo))
+            }
+        };
+        let (local_wo, local_wi) = (frame.to_local(wo), frame.to_local(wi));
+        let cos = local_wi.z.abs() * adjoint(&frame, wo, wi, way);
+        self.lobe.f(local_wo, local_wi, way.transport) * (cos * unshadowed * self.weight)
+    }
+
+    /// [`Component::f_cos`] and [`Component::pdf_w`] at once, of a lobe that is not bent.
+    #[inline]
+    pub(super) fn f_cos_pdf(&self, wo: Vec3, wi: Vec3, way: Way) -> (Rgb, f32) {
+        let (local_wo, local_wi) = (self.frame.to_local(wo), self.frame.to_local(wi));
+        let cos = local_wi.z.abs() * adjoint(&self.frame, wo, wi, way);
+        let f_cos = self.lobe.f(local_wo, local_wi, way.transport) * (cos * self.weight);
+        (f_cos, self.lobe.pdf_w(local_wo, local_wi) * self.weight)
+    }
+
+    /// [`Component::f_cos`] over the cosine of `wi` with the normal by which light is counted: the unbent shading normal,
+    /// on light paths the geometric normal.
+    #[inline]
+    pub(super) fn f(&self, wo: Vec3, wi: Vec3, way: Way) -> Rgb {
+        let normal = match (&self.bend, way.transport) {
+            (None, Transport::Radiance) => {
+                let local = (self.frame.to_local(wo), self.frame.to_local(wi));
+                return self.lobe.f(local.0, local.1, way.transport) * self.weight;
+            }
+            (Some(bend), Transport::Radiance) => bend.unbent(),
+            (_, Transport::Power) => way.ng,
+        };
+        let cos = wi.dot(normal).abs();
+        if cos > 0.0 { self.f_cos(wo, wi, way) / cos } else { Rgb::BLACK }
+    }
+
+    /// Density per solid angle with which [`Component::sample`] returns `wi`, times the share of the blend.
+    #[inline]
+    pub(super) fn pdf_w(&self, wo: Vec3, wi: Vec3, way: Way) -> f32 {
+        let within = |frame: &Frame| self.lobe.pdf_w(frame.to_local(wo), frame.to_local(wi));
+        let pdf_w = match self.flippable(way) {
+            None => within(&self.frame),
+            Some((bend, share)) => {
+                (1.0 - share) * within(&self.frame) + share * within(&bend.flipped(self.frame))
+            }
+        };
+        pdf_w * self.weight
+    }
+
+    /// Draw where a path goes on, the share of the blend not yet in the weight.
+    #[inline]
+    pub(super) fn sample(&self, wo: Vec3, u_choice: f32, u: [f32; 2], way: Way) -> Option<Scatter> {
+        if let Some(flippable) = self.flippable(way) {
+            return self.sample_flippable(wo, u_choice, u, way, flippable);
+        }
+        let frame = &self.frame;
+        let mut s = self.lobe.sample(frame.to_local(wo), u_choice, u, way.transport)?;
+        s.wi = frame.to_world(s.wi);
+        if s.null {
+            return Some(s);
+        }
+        if let Some(bend) = &self.bend {
+            let light = if way.transport == Transport::Radiance { s.wi } else { wo };
+            s.weight *= bend.unshadowed(frame, light);
+        }
+        if way.transport == Transport::Power {
+            s.weight *= adjoint(frame, wo, s.wi, way);
+        }
+        Some(s)
+    }
+
+    /// On light paths the eye is where the path goes, so that which way the normal is flipped is known only afterwards: the
+    /// frame is drawn as well.
+    fn sample_flippable(
+        &self,
+        wo: Vec3,
+        u_choice: f32,
+        u: [f32; 2],
+        way: Way,
+        (bend, share): (&Bend, f32),
+    ) -> Option<Scatter> {
+        let (frame, u_choice, chosen) = if u_choice < share {
+            (bend.flipped(self.frame), u_choice / share, share)
+        } else {
+            (self.frame, (u_choice - share) / (1.0 - share), 1.0 - share)
+        };
+        let u_choice = u_choice.min(1.0 - f32::EPSILON);
+        let mut s = self.lobe.sample(frame.to_local(wo), u_choice, u, way.transport)?;
+        s.wi = frame.to_world(s.wi);
+        if s.null {
+            return Some(s);
+        }
+        if s.delta {
+            let sees_it = bend.seen_from(self.frame, s.wi).n == frame.n;
+            s.weight *= bend.unshadowed(&frame, wo) * adjoint(&frame, wo, s.wi, way) / chosen;
+            s.pdf_w *= chosen;
+            return sees_it.then_some(s);
+        }
+        let whole = Component { weight: 1.0, ..*self };
+        let pdf_w = whole.pdf_w(wo, s.wi, way);
+        s.weight = whole.f_cos(wo, s.wi, way) / pdf_w;
+        (pdf_w > 0.0).then_some(Scatter { pdf_w, ..s })
+    }
+
+    /// Where the frame depends on where a light path goes: how it is bent, and how often the flipped frame is drawn.
+    #[inline]
+    fn flippable(&self, way: Way) -> Option<(&Bend, f32)> {
+        let bend = self.bend.as_ref().filter(|_| way.transport == Transport::Power)?;
+        Some((bend, bend.share_flipped(&self.frame))).filter(|(_, share)| *share > 0.0)
+    }
+
+    /// Share of diffuse light that a bent lobe gets.
+    pub(super) fn mean_unshadowed(&self) -> f32 {
+        self.bend.as_ref().map_or(1.0, Bend::mean_unshadowed)
+    }
+}
+
+/// What the cosine of `wi` with the frame's normal is multiplied by on light paths, see [`Component::f_cos`].
+#[inline]
+fn adjoint(frame: &Frame, wo: Vec3, wi: Vec3, Way { transport, ng }: Way) -> f32 {
+    if transport == Transport::Radiance || frame.n == ng || frame.n == -ng {
+        return 1.0;
+    }
+    let denominator = (wo.dot(ng) * wi.dot(frame.n)).abs();
+    if denominator > 0.0 { (wo.dot(frame.n) * wi.dot(ng)).abs() / denominator } else { 0.0 }
+}

@@ -1,0 +1,61 @@
+//! Scenes far from the world's origin, where single precision has few digits left.
+
+use glam::{Vec3, Vec3A};
+
+use super::SceneParts;
+use crate::geometry::{Geometry, Shape};
+use crate::light::LightSource;
+use crate::math::Bounds;
+
+/// A scene that is farther from the origin than this, in its own radii, is moved there.
+const FAR: f32 = 8.0;
+
+impl SceneParts {
+    /// Move a scene that lies far from the world's origin there, and return by how much to move what else stands in the
+    /// world, the camera say. Gaps between rays and surfaces grow with the coordinates: ten kilometres out they are
+    /// centimetres, and shift what light paths find.
+    pub fn recentre(&mut self) -> Vec3 {
+        let bounds = self.bounds();
+        if bounds.is_empty() {
+            return Vec3::ZERO;
+        }
+        let (center, radius) = (bounds.center(), 0.5 * bounds.extent().length());
+        if !center.is_finite() || center.length() <= FAR * radius {
+            return Vec3::ZERO;
+        }
+        self.shapes.iter_mut().for_each(|s| s.geometry.shift(-center));
+        self.instances.iter_mut().for_each(|i| i.to_world.translation -= Vec3A::from(center));
+        for light in &mut self.lights {
+            if let LightSource::Point { position, .. } | LightSource::Spot { position, .. } = light
+            {
+                *position -= center;
+            }
+        }
+        self.origin += center;
+        -center
+    }
+
+    /// The box round all shapes and instances.
+    fn bounds(&self) -> Bounds {
+        let around = |shapes: &[Shape]| {
+            shapes.iter().map(|s| s.geometry.bounds()).fold(Bounds::EMPTY, Bounds::union)
+        };
+        let instances =
+            self.instances.iter().map(|i| around(&self.groups[i.group]).transformed(&i.to_world));
+        instances.fold(around(&self.shapes), Bounds::union)
+    }
+}
+
+impl Geometry {
+    /// Move it.
+    fn shift(&mut self, by: Vec3) {
+        match self {
+            Geometry::Mesh(mesh) => mesh.positions.iter_mut().for_each(|p| *p += by),
+            Geometry::Sphere { center, .. } | Geometry::Disk { center, .. } => *center += by,
+            Geometry::Cylinder { p0, p1, .. } => {
+                *p0 += by;
+                *p1 += by;
+            }
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! Which side of a medium's boundary is inside.
+
+use super::SceneParts;
+use super::media_check::is_closed;
+use crate::geometry::{Geometry, Shape};
+
+impl SceneParts {
+    /// Let `interior` of every closed boundary be what it encloses. A normal decides where media lie, and a mesh that is wound
+    /// inward turns its normals round: its medium would be all the world but the inside. Shapes that are only together
+    /// closed, as six rectangles are, are looked at together. Returns a warning for each boundary that was turned.
+    pub fn enclose_media(&mut self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        let lists = std::iter::once(&mut self.shapes).chain(&mut self.groups);
+        lists.for_each(|shapes| enclose(shapes, &mut warnings));
+        warnings
+    }
+}
+
+/// Turn the boundaries among some shapes that face inward.
+fn enclose(shapes: &mut [Shape], warnings: &mut Vec<String>) {
+    let mut turn = |shapes: &mut [Shape], of: &[usize]| {
+        for &k in of {
+            let shape = &mut shapes[k];
+            std::mem::swap(&mut shape.interior, &mut shape.exterior);
+            warnings.push(format!(
+                "shape \"{}\" faces inward: its `interior` medium is taken to be what it encloses",
+                shape.name
+            ));
+        }
+    };
+    let boundaries: Vec<usize> =
+        (0..shapes.len()).filter(|&k| shapes[k].interior.is_some()).collect();
+    let (closed, open): (Vec<usize>, Vec<usize>) =
+        boundaries.into_iter().partition(|&k| is_closed([&shapes[k]].into_iter()));
+    for k in closed {
+        if volume(&shapes[k]) < 0.0 {
+            turn(shapes, &[k]);
+        }
+    }
+    let mut media: Vec<Option<usize>> = open.iter().map(|&k| shapes[k].interior).collect();
+    media.sort_unstable();
+    media.dedup();
+    for medium in media {
+        let of: Vec<usize> =
+            open.iter().copied().filter(|&k| shapes[k].interior == medium).collect();
+        let volume: f64 = of.iter().map(|&k| volume(&shapes[k])).sum();
+        if volume < 0.0 && is_closed(of.iter().map(|&k| &shapes[k])) {
+            turn(shapes, &of);
+        }
+    }
+}
+
+/// The volume that a shape encloses, negative where its normals point inward; the share of it that an open mesh has in the
+/// volume of a closed one.
+fn volume(shape: &Shape) -> f64 {
+    let volume = match &shape.geometry {
+        Geometry::Sphere { radius, .. } => f64::from(*radius).powi(3),
+        Geometry::Mesh(mesh) => (0..mesh.triangles.len())
+            .map(|k| {
+                let [a, b, c] = mesh.corners(k).map(|p| p.as_dvec3());
+                let six = a.dot(b.cross(c));
+                let turned = mesh.oriented_normal(k).dot(mesh.area_vector(k)) < 0.0;
+                if turned { -six } else { six }
+            })
+            .sum(),
+        Geometry::Disk { .. } | Geometry::Cylinder { .. } => 0.0,
+    };
+    if shape.flip_normals { -volume } else { volume }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Mesh;
+    use glam::Vec3;
+
+    /// A tetrahedron whose faces face out, and the medium 0 in it.
+    fn tetrahedron(offset: Vec3) -> Shape {
+        let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].map(|p| p + offset).to_vec();
+        let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        let mesh = Mesh { positions, triangles, ..Mesh::default() };
+        Shape { interior: Some(0), ..Shape::new("body", Geometry::Mesh(mesh), 0) }
+    }
+
+    fn turned(shape: &Shape) -> Shape {
+        let Geometry::Mesh(mut mesh) = shape.geometry.clone() else { unreachable!() };
+        mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        Shape { geometry: Geometry::Mesh(mesh), ..shape.clone() }
+    }
+
+    fn interiors(shapes: Vec<Shape>) -> (Vec<Option<usize>>, usize) {
+        let mut parts = SceneParts { shapes, ..SceneParts::default() };
+        let warnings = parts.enclose_media();
+        (parts.shapes.iter().map(|s| s.interior).collect(), warnings.len())
+    }
+
+    #[test]
+    fn a_boundary_that_is_wound_inward_has_its_medium_inside() {
+        for offset in [Vec3::ZERO, Vec3::new(50.0, -30.0, 7.0)] {
+            let body = tetrahedron(offset);
+            assert_eq!(interiors(vec![body.clone()]), (vec![Some(0)], 0));
+            assert_eq!(interiors(vec![turned(&body), body.clone()]), (vec![None, Some(0)], 1));
+            let flipped = Shape { flip_normals: true, ..body.clone() };
+            assert_eq!(interiors(vec![flipped.clone()]), (vec![None], 1));
+            assert_eq!(interiors(vec![turned(&flipped)]), (vec![Some(0)], 0));
+        }
+    }
+
+    #[test]
+    fn faces_that_are_only_together_closed_are_looked_at_together() {
+        let faces = |shape: &Shape| -> Vec<Shape> {
+            let Geometry::Mesh(mesh) = &shape.geometry else { unreachable!() };
+            let face = |t: &[u32; 3]| {
+                let mesh = Mesh { triangles: vec![*t], ..mesh.clone() };
+                Shape { geometry: Geometry::Mesh(mesh), ..shape.clone() }
+            };
+            mesh.triangles.iter().map(face).collect()
+        };
+        let body = tetrahedron(Vec3::new(2.0, 1.0, -4.0));
+        assert_eq!(interiors(faces(&body)), (vec![Some(0); 4], 0));
+        assert_eq!(interiors(faces(&turned(&body))), (vec![None; 4], 4));
+        // An open bowl says nothing of what is inside.
+        assert_eq!(interiors(faces(&turned(&body))[1..].to_vec()), (vec![Some(0); 3], 0));
+    }
+}
