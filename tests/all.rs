@@ -14,6 +14,8 @@ mod instant_radiosity_facts;
 mod irrcache_facts;
 /// What lightcuts are held to.
 mod lightcuts_facts;
+/// All programs against each other on scenes that combine surfaces, maps, media, lights and places.
+mod matrix;
 /// What light in participating media is held to.
 mod media;
 /// Paths from the lights in participating media.
@@ -24,3 +26,5 @@ mod photonmap;
 mod ppm_facts;
 /// What radiance caching is held to.
 mod radcache_facts;
+/// Scenes put together at random.
+mod random_scenes;

@@ -1,5 +1,6 @@
 //! Helpers of the tests that cross crates: scenes with known answers and rendering them, programs and running them.
 
+pub mod pictures;
 pub mod program;
 
 use gi_core::camera::{Camera, CameraSpec};
@@ -12,7 +13,7 @@ use gi_core::scene::{Scene, SceneParts};
 use gi_core::technique::{Setting, Technique};
 use gi_core::texture::Texture;
 use gi_stats::z_test;
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Vec3, Vec3A};
 
 /// A scene and its camera; pictures are made with the box filter, so that pixels are independent.
 pub struct World {
@@ -24,9 +25,25 @@ pub struct World {
 
 impl World {
     /// A world of `parts` seen through `camera`.
-    pub fn new(parts: SceneParts, camera: &CameraSpec) -> Self {
+    pub fn new(mut parts: SceneParts, camera: &CameraSpec) -> Self {
+        // As programs do.
+        let mut camera = camera.clone();
+        camera.to_world.translation += Vec3A::from(parts.recentre());
         let scene = Scene::new(parts).expect("a valid scene");
-        World { scene, camera: Camera::new(camera) }
+        World { scene, camera: Camera::new(&camera) }
+    }
+
+    /// The world of a Mitsuba 3 scene, of which `body` is all but the outermost tags. Beside it lie the pictures of
+    /// [`pictures`].
+    pub fn of_xml(body: &str) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("scene.xml");
+        pictures::write(folder.path());
+        let text = format!("<scene version=\"3.0.0\">{body}</scene>");
+        std::fs::write(&path, text).expect("written");
+        let loaded = gi_scene::load(&path, &gi_scene::Options::default());
+        let loaded = loaded.unwrap_or_else(|problems| panic!("{problems}\n{body}"));
+        World::new(loaded.parts, &loaded.camera)
     }
 
     /// A scene file's world, its picture scaled to `size`.

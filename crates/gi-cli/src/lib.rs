@@ -48,6 +48,11 @@ pub trait Program: Parser {
         false
     }
 
+    /// Whether light that mirrors and glass focus is found from the lights, so that it needs no luck.
+    fn finds_focused_light(&self) -> bool {
+        false
+    }
+
     /// Files that the flags ask for besides the picture. They are found to be writable before the work, and
     /// written after it.
     fn outputs(&self) -> Vec<PathBuf> {

@@ -8,6 +8,7 @@ use gi_core::film::Film;
 use gi_core::image_io::Layers;
 use gi_core::scene::Scene;
 use gi_core::technique::{Picture, Setting, Technique};
+use gi_core::walk::{Focused, focused};
 use gi_scene::{ExportError, Loaded};
 use glam::Vec3A;
 use serde_json::{Map, Value, json};
@@ -66,9 +67,12 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<(), Failure> {
     let scene = Scene::new(parts)
         .map_err(|e| Failure::Input(format!("error: {}: {e}", common.scene.display())))?;
     let build_time = clock.elapsed();
-    let about_media = media_warnings(&scene, args.knows_media());
-    say_warnings(common, &about_media);
-    warnings.extend(about_media);
+    let mut about_light = media_warnings(&scene, args.knows_media());
+    if !args.finds_focused_light() {
+        about_light.extend(focus_warning(&scene, common.seed));
+    }
+    say_warnings(common, &about_light);
+    warnings.extend(about_light);
     let camera = Camera::new(&camera);
     say_scene(common, &scene, camera.size());
     let setting =
@@ -154,6 +158,25 @@ fn media_warnings(scene: &Scene, known: bool) -> Vec<String> {
                 .into(),
         ],
     }
+}
+
+/// Shares of focused light below this are not worth a word.
+const LITTLE: f32 = 0.01;
+
+/// What the user should know about light that the program finds badly.
+fn focus_warning(scene: &Scene, seed: u32) -> Option<String> {
+    let Focused { unreachable, rare } = focused(scene, seed);
+    let (share, what) = match (unreachable, rare) {
+        (u, _) if u >= LITTLE => (u, "from lights without extent: this program cannot find it"),
+        (_, r) if r >= LITTLE => {
+            (r, "from small lamps: this program finds it rarely, as bright specks")
+        }
+        _ => return None,
+    };
+    Some(format!(
+        "{:.0} % of the light reaches surfaces over mirrors or glass {what} (`ppm` and `photonmap` find it)",
+        100.0 * share
+    ))
 }
 
 fn say_scene(common: &Common, scene: &Scene, [w, h]: [usize; 2]) {

@@ -10,8 +10,10 @@ use crate::math::Rgb;
 use crate::ray::Ray;
 use crate::sampler::Sampler;
 use crate::scene::Scene;
+pub use focused::{Focused, focused};
 pub use media::{LightEvent, MediumVertex};
 
+mod focused;
 mod media;
 mod toward;
 
@@ -42,6 +44,8 @@ pub struct LightWalk<'a> {
     sampler: Sampler,
     emission: Emission,
     ray: Ray,
+    /// The flat primitive that the ray leaves.
+    left: Option<u32>,
     power: Rgb,
     /// Surface points met, straight passes counted: each has dimensions of its own.
     met: u32,
@@ -80,6 +84,7 @@ impl<'a> LightWalk<'a> {
             sampler,
             emission,
             ray,
+            left: scene.flat_light(emission.light),
             power,
             met: 0,
             depth: 0,
@@ -122,7 +127,7 @@ impl<'a> LightWalk<'a> {
             return None;
         }
         self.sampler.jump_to(EMISSION_DIMENSIONS + self.met * VERTEX_DIMENSIONS);
-        let (surface, _) = self.scene.intersect(&self.ray)?;
+        let (surface, _) = self.scene.intersect_behind(self.ray, self.left)?;
         Some(self.vertex(surface))
     }
 
@@ -169,6 +174,7 @@ impl<'a> LightWalk<'a> {
         }
         self.power = vertex.power * factor;
         self.ray = self.scene.spawn(surface, s.wi);
+        self.left = self.scene.flat_at(surface);
         !self.power.is_black()
     }
 }

@@ -27,7 +27,7 @@ use gi_core::film::Film;
 use gi_core::math::Rgb;
 use gi_core::sampler::Sampler;
 use gi_core::technique::{Picture, Setting, Technique};
-use vpl::{Energy, Pilot, Prepared, Receiver, Shooting, Termination, Vpls, shoot};
+use vpl::{Energy, MIN_ROUGHNESS, Pilot, Prepared, Receiver, Shooting, Termination, Vpls, shoot};
 
 use figures::Figure;
 use sphere::Spheres;
@@ -188,7 +188,8 @@ impl InstantRadiosity<'_> {
         most: f32,
         sampler: &mut Sampler,
     ) -> Option<Supplied> {
-        let at = Receiver::new(v.surface, v.wo, v.bsdf);
+        let bsdf = v.bsdf.broad(v.wo, MIN_ROUGHNESS)?;
+        let at = Receiver::new(v.surface, v.wo, &bsdf);
         // A light after j scatterings has come j + 1 segments, and the connection is one more.
         let deepest = match self.params.limits.max_depth {
             None => u32::MAX,
@@ -205,7 +206,8 @@ impl InstantRadiosity<'_> {
             self.add_up(&at, lights, surfaces, most)
         };
         let most = if self.params.compensation && !self.params.vsl { most } else { f32::INFINITY };
-        Some(Supplied { answered: Answered::Straight { most }, direct, indirect, caustic: None })
+        let answered = Answered::Straight { most, min_roughness: MIN_ROUGHNESS };
+        Some(Supplied { answered, direct, indirect, caustic: None })
     }
 
     /// The sum over a range of lights, every geometric term bounded by `most`.

@@ -4,7 +4,6 @@
 use std::f32::consts::PI;
 use std::ops::Range;
 
-use gi_core::bsdf::Transport;
 use gi_core::math::{Frame, Rgb, safe_sqrt};
 use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
@@ -110,8 +109,8 @@ impl Spheres {
         match vpl.kind {
             Kind::Glossy(k) => {
                 let lit = &technique.vpls.surfaces[k as usize];
-                let bsdf = technique.setting.scene.bsdf(&lit.surface, lit.wo, Transport::Power);
-                bsdf.f_cos(lit.wo, d) * vpl.power
+                let bsdf = lit.bsdf(technique.setting.scene);
+                bsdf.map_or(Rgb::BLACK, |bsdf| bsdf.f_cos(lit.wo, d) * vpl.power)
             }
             _ => vpl.power * d.dot(vpl.n).max(0.0),
         }

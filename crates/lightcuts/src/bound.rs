@@ -5,7 +5,7 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use gi_core::bsdf::{Bsdf, ScatterBound, Toward, Transport};
+use gi_core::bsdf::{Bsdf, ScatterBound, Toward};
 use gi_core::geometry::Surface;
 use gi_core::math::{Bounds, Frame, INV_PI, Rgb, safe_sqrt};
 use gi_core::scene::Scene;
@@ -188,7 +188,7 @@ impl Ord for Piece {
 
 /// The gain of a glossy light: the largest bound over pieces of the sphere, the worst of which is split again and again.
 pub fn gain(scene: &Scene, lit: &LitSurface) -> Gain {
-    let bsdf = scene.bsdf(&lit.surface, lit.wo, Transport::Power);
+    let Some(bsdf) = lit.bsdf(scene) else { return Gain::default() };
     Gain {
         most: worst(|toward| bsdf.bound(lit.wo, toward).f_cos.max()),
         over_cos: worst(|toward| bsdf.bound(lit.wo, toward).f.max()),

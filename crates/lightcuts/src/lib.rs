@@ -39,7 +39,7 @@ use gi_core::eye::{Answered, EyePath, EyeVertex, Supplied};
 use gi_core::film::{Film, Show};
 use gi_core::sampler::Sampler;
 use gi_core::technique::{Picture, Setting, Technique};
-use vpl::{Pilot, Prepared, Receiver, Shooting, Termination, Vpls, points, shoot};
+use vpl::{MIN_ROUGHNESS, Pilot, Prepared, Receiver, Shooting, Termination, Vpls, points, shoot};
 
 use bound::Site;
 use light::{At, Lights};
@@ -201,7 +201,8 @@ impl<'a> Lightcuts<'a> {
         corners: Option<&Corners>,
         sampler: &mut Sampler,
     ) -> Option<Supplied> {
-        let at = self.at(v.surface, v.wo, v.bsdf, (v.segments, v.rough))?;
+        let bsdf = v.bsdf.broad(v.wo, MIN_ROUGHNESS)?;
+        let at = self.at(v.surface, v.wo, &bsdf, (v.segments, v.rough))?;
         let params = &self.params;
         let lit = match (params.method, corners) {
             (Method::Cuts, Some(corners)) if lights.agree_on_the_whole(&at, corners) => {
@@ -216,7 +217,7 @@ impl<'a> Lightcuts<'a> {
         };
         self.tally.note(&lit, v.rough == 0);
         Some(Supplied {
-            answered: Answered::Straight { most: self.compensated() },
+            answered: Answered::Straight { most: self.compensated(), min_roughness: MIN_ROUGHNESS },
             direct: params.direct_by_points.then_some(lit.direct),
             indirect: lit.indirect,
             caustic: None,

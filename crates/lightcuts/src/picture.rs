@@ -5,6 +5,7 @@ use gi_core::eye::EyeVertex;
 use gi_core::film::{Film, Sample as PixelSample};
 use gi_core::rng::{bits_to_unit, hash_words};
 use rayon::prelude::*;
+use vpl::MIN_ROUGHNESS;
 
 use crate::light::Lights;
 use crate::reconstruct::{Corners, Sample};
@@ -79,10 +80,7 @@ fn take(technique: &Lightcuts, lights: &Lights, film: [f32; 2]) -> Option<Sample
     let ray = technique.setting.camera.ray(film, [0.5; 2]);
     let (surface, _) = lights.scene.intersect(&ray)?;
     let wo = -ray.d;
-    let bsdf = lights.scene.bsdf(&surface, wo, Transport::Radiance);
-    if bsdf.is_delta() {
-        return None;
-    }
+    let bsdf = lights.scene.bsdf(&surface, wo, Transport::Radiance).broad(wo, MIN_ROUGHNESS)?;
     let at = technique.at(&surface, wo, &bsdf, (1, 0))?;
     let sample = Sample::take(lights, &surface, &at, &technique.params.cut);
     technique.tally.sampled(sample.rays);

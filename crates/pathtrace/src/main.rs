@@ -46,6 +46,10 @@ impl Program for Args {
         matches!(self.mode, ModeFlag::Volpath | ModeFlag::Light)
     }
 
+    fn finds_focused_light(&self) -> bool {
+        matches!(self.mode, ModeFlag::Light)
+    }
+
     fn params(&self) -> Result<Params, String> {
         let mode = match self.mode {
             ModeFlag::Path => Mode::Path,

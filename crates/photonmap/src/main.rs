@@ -141,6 +141,10 @@ impl Program for Args {
         self.volume_photons > 0
     }
 
+    fn finds_focused_light(&self) -> bool {
+        self.caustic_photons > 0
+    }
+
     fn params(&self) -> Result<Params, String> {
         if self.photons == 0 || self.lookup == 0 {
             return Err("--photons and --lookup are at least 1".into());

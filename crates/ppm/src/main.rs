@@ -92,6 +92,10 @@ impl Program for Args {
         &self.common
     }
 
+    fn finds_focused_light(&self) -> bool {
+        true
+    }
+
     fn params(&self) -> Result<Params, String> {
         let method = match self.method {
             MethodFlag::Ppm => Method::Ppm,

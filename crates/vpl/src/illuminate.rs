@@ -1,6 +1,6 @@
 //! A point lit by one virtual point light [slide 50].
 
-use gi_core::bsdf::{Bsdf, DiffusePart, Transport};
+use gi_core::bsdf::{Bsdf, DiffusePart};
 use gi_core::geometry::Surface;
 use gi_core::math::{INV_PI, Rgb};
 use gi_core::ray::Ray;
@@ -78,8 +78,7 @@ impl Vpls {
     /// Share per solid angle of the power at a glossy light that goes along `d`.
     pub(crate) fn scattered(&self, scene: &Scene, k: u32, d: Vec3) -> Rgb {
         let lit = &self.surfaces[k as usize];
-        let bsdf = scene.bsdf(&lit.surface, lit.wo, Transport::Power);
-        bsdf.f_cos(lit.wo, d)
+        lit.bsdf(scene).map_or(Rgb::BLACK, |bsdf| bsdf.f_cos(lit.wo, d))
     }
 }
 

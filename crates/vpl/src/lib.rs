@@ -11,6 +11,7 @@ mod points;
 mod prepared;
 mod shoot;
 
+use gi_core::bsdf::{Bsdf, Transport};
 use gi_core::geometry::Surface;
 use gi_core::light::PointSource;
 use gi_core::math::Rgb;
@@ -22,6 +23,11 @@ pub use illuminate::{Connection, Receiver};
 pub use points::{LightNumbers, points};
 pub use prepared::Prepared;
 pub use shoot::{Pilot, Shooting, Termination, shoot};
+
+/// Width of the narrowest lobe that virtual lights light, or scatter by, as that of microfacets. Narrower ones are sampled by
+/// paths: of a mirror's reflection of a thousand points hardly any is seen, and the one that is is far too bright. Mitsuba's
+/// default width, 0.1, is narrow.
+pub const MIN_ROUGHNESS: f32 = 0.15;
 
 /// A virtual point light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,6 +71,13 @@ pub struct LitSurface {
     pub surface: Surface,
     /// Unit direction to where its light came from.
     pub wo: Vec3,
+}
+
+impl LitSurface {
+    /// How it scatters the light on, narrow lobes apart.
+    pub fn bsdf<'a>(&self, scene: &'a Scene) -> Option<Bsdf<'a>> {
+        scene.bsdf(&self.surface, self.wo, Transport::Power).broad(self.wo, MIN_ROUGHNESS)
+    }
 }
 
 /// A set of virtual point lights.

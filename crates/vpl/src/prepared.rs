@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use gi_core::bsdf::{Bsdf, Transport};
+use gi_core::bsdf::Bsdf;
 use gi_core::math::Rgb;
 use gi_core::ray::Ray;
 use gi_core::scene::Scene;
@@ -17,7 +17,7 @@ pub struct Prepared<'v, 'a> {
     set: &'v Vpls,
     scene: &'a Scene,
     /// How the glossy ones scatter; none where they are too many to keep.
-    bsdfs: Vec<Bsdf<'a>>,
+    bsdfs: Vec<Option<Bsdf<'a>>>,
     /// Positions and normals, a column a coordinate. Lights that may shine in all directions have no normal; those that shine in
     /// parallel stand far away.
     columns: [Vec<f32>; 6],
@@ -31,10 +31,9 @@ const BATCH: usize = 64;
 impl<'v, 'a> Prepared<'v, 'a> {
     /// Make a set ready.
     pub fn new(set: &'v Vpls, scene: &'a Scene) -> Self {
-        let bsdf = |lit: &crate::LitSurface| scene.bsdf(&lit.surface, lit.wo, Transport::Power);
         let kept = if set.surfaces.len() <= MOST_KEPT { &set.surfaces[..] } else { &[] };
-        let bsdfs: Vec<Bsdf> = kept.iter().map(bsdf).collect();
-        let opaque = |k: u32| bsdfs.get(k as usize).and_then(Bsdf::opaque_normal);
+        let bsdfs: Vec<Option<Bsdf>> = kept.iter().map(|lit| lit.bsdf(scene)).collect();
+        let opaque = |k: u32| bsdfs.get(k as usize)?.as_ref().and_then(Bsdf::opaque_normal);
         let far = 1e6 * scene.radius();
         let place = |v: &Vpl| match v.kind {
             Kind::Oriented => [v.p, v.n],
@@ -141,6 +140,6 @@ impl<'v, 'a> Prepared<'v, 'a> {
             return self.set.scattered(self.scene, k, d);
         };
         let lit = &self.set.surfaces[k as usize];
-        bsdf.f_cos(lit.wo, d)
+        bsdf.as_ref().map_or(Rgb::BLACK, |bsdf| bsdf.f_cos(lit.wo, d))
     }
 }

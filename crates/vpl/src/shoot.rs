@@ -7,7 +7,7 @@ use gi_core::walk::{LightVertex, LightWalk, Roulette};
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::{Kind, LitSurface, Vpl, Vpls};
+use crate::{Kind, LitSurface, MIN_ROUGHNESS, Vpl, Vpls};
 
 /// When light paths end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -172,12 +172,13 @@ impl Chunk {
     /// Leave a light at a vertex.
     fn leave(&mut self, scene: &Scene, vertex: &LightVertex, paths: f32) {
         let (surface, power) = (&vertex.surface, vertex.power / paths);
+        let Some(bsdf) = vertex.bsdf.broad(vertex.wo, MIN_ROUGHNESS) else { return };
         let depth = vertex.depth + 1;
         let toward = |n: Vec3| n * 1f32.copysign(n.dot(vertex.wo));
         let n = toward(surface.ng);
         // A Lambertian surface shines as the cosine, of its geometric normal even where another one shades it: that is
         // what the correction by both normals comes to. All other surfaces are asked.
-        let (kind, ns, power) = match vertex.bsdf.diffuse_only(vertex.wo) {
+        let (kind, ns, power) = match bsdf.diffuse_only(vertex.wo) {
             Some(part) => {
                 let bent = part.normal.dot(vertex.wo) / n.dot(vertex.wo).max(f32::MIN_POSITIVE);
                 (Kind::Oriented, part.normal, power * part.albedo * (INV_PI * bent))

@@ -8,6 +8,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
+use super::component::Part;
 use super::fresnel::{self, reflect_z};
 use super::lobe::{Lobe, oren_nayar_factors};
 use super::microfacet::Microfacets;
@@ -190,7 +191,11 @@ impl Component<'_> {
     /// The bound of the lobe in `frame`, the cosines being those of [`Component::f_cos`].
     #[inline]
     fn bound_in(&self, frame: &Frame, wo: Vec3, toward: &Toward, way: Way) -> ScatterBound {
-        let bound = self.bound_of_lobe(frame, wo, toward, way.transport);
+        let mut bound = self.bound_of_lobe(frame, wo, toward, way.transport);
+        if let Some(Part { diffuse, rest }) = self.part {
+            let most = diffuse.zip(rest, f32::max);
+            (bound.f, bound.f_cos) = (bound.f * most, bound.f_cos * most);
+        }
         let Way { transport, ng } = way;
         if transport == Transport::Radiance || frame.n == ng || frame.n == -ng {
             return bound;
@@ -215,6 +220,8 @@ impl Component<'_> {
             f: albedo * INV_PI,
             f_cos: albedo * (INV_PI * cos.max(0.0)),
         };
+        // Lobes that do not count need no bound.
+        let rest = self.part.is_none_or(|p| !p.rest.is_black());
         let two_sided = matches!(self.lobe, Lobe::RoughDielectric { .. });
         if !two_sided && (wo.z <= 0.0 || cos <= 0.0) {
             return ScatterBound::default();
@@ -241,7 +248,8 @@ impl Component<'_> {
             Lobe::Phong { diffuse, specular, exponent } => {
                 let mirrored = frame.to_world(reflect_z(wo));
                 let peak = toward.cone().max_cos(mirrored).max(0.0).powf(exponent);
-                let f = diffuse * INV_PI + specular * ((exponent + 2.0) * 0.5 * INV_PI * peak);
+                let peak = if rest { (exponent + 2.0) * 0.5 * INV_PI * peak } else { 0.0 };
+                let f = diffuse * INV_PI + specular * peak;
                 ScatterBound { f, f_cos: f * cos }
             }
             Lobe::RoughConductor { eta, k, tint, facets } => {
@@ -252,7 +260,7 @@ impl Component<'_> {
             Lobe::Plastic { coat, diffuse, specular } => {
                 let base = coat.base_bound(wo, cos, diffuse);
                 let mut bound = ScatterBound { f: base, f_cos: base * cos };
-                if let Some(facets) = coat.facets() {
+                if let Some(facets) = coat.facets().filter(|_| rest) {
                     let cap = cap();
                     let fresnel = coat.fresnel(cap.min_cos_half());
                     let shine = cap.reflected(facets, specular * fresnel);

@@ -17,6 +17,21 @@ pub(super) struct Component<'a> {
     pub(super) material: u32,
     /// Where a map bends its normal. On paths from the eye the frame is the one that the eye sees.
     pub(super) bend: Option<Bend>,
+    /// Where only some of what it scatters counts; directions are drawn as ever.
+    pub(super) part: Option<Part>,
+}
+
+/// Factors on what a lobe scatters, delta lobes apart.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Part {
+    /// On its diffuse part, see [`Lobe::diffuse_f`].
+    pub(super) diffuse: Rgb,
+    /// On the rest.
+    pub(super) rest: Rgb,
+}
+
+impl Part {
+    const ALL: Part = Part { diffuse: Rgb::WHITE, rest: Rgb::WHITE };
 }
 
 /// The way a path runs, and the unit geometric normal of where it is.
@@ -27,6 +42,45 @@ pub(super) struct Way {
 }
 
 impl Component<'_> {
+    /// f of the lobe as far as it counts. Directions are local.
+    #[inline]
+    fn lobe_f(&self, wo: Vec3, wi: Vec3, transport: Transport) -> Rgb {
+        let f = self.lobe.f(wo, wi, transport);
+        match self.part {
+            None => f,
+            Some(Part { diffuse, rest }) => {
+                let base = self.lobe.diffuse_f(wo, wi);
+                base * diffuse + (f - base).map(|f| f.max(0.0)) * rest
+            }
+        }
+    }
+
+    /// Whether any of it is a lobe narrower than `min_roughness`, delta lobes apart.
+    #[inline]
+    pub(super) fn is_sharp(&self, min_roughness: f32) -> bool {
+        self.lobe.roughness() < min_roughness && self.part.is_none_or(|p| !p.rest.is_black())
+    }
+
+    /// The same with factors on what is broad, the lobe's diffuse part at least, and on what is sharper than `min_roughness`.
+    pub(super) fn weighed(mut self, min_roughness: f32, broad: Rgb, sharp: Rgb) -> Self {
+        let Part { diffuse, rest } = self.part.unwrap_or(Part::ALL);
+        let factor = if self.is_sharp(min_roughness) { sharp } else { broad };
+        self.part = Some(Part { diffuse: diffuse * broad, rest: rest * factor });
+        self
+    }
+
+    /// Whether it scatters anything toward `wo` but by delta lobes.
+    pub(super) fn scatters(&self, wo: Vec3) -> bool {
+        match self.part {
+            _ if self.lobe.is_delta() => false,
+            None => true,
+            Some(Part { diffuse, rest }) => {
+                let local = self.frame.to_local(wo);
+                !rest.is_black() || !(diffuse * self.lobe.diffuse_albedo(local)).is_black()
+            }
+        }
+    }
+
     /// f times the cosine of the arriving light with the lobe's normal. On light paths the light arrives along `wo`, and
     /// its power is counted by the geometric normal: |cos(wo, n) cos(wi, ng) / cos(wo, ng)| takes the place of the cosine
     /// of `wi` [Veach97, 5.3.2].
@@ -42,7 +96,7 @@ impl Component<'_> {
         };
         let (local_wo, local_wi) = (frame.to_local(wo), frame.to_local(wi));
         let cos = local_wi.z.abs() * adjoint(&frame, wo, wi, way);
-        self.lobe.f(local_wo, local_wi, way.transport) * (cos * unshadowed * self.weight)
+        self.lobe_f(local_wo, local_wi, way.transport) * (cos * unshadowed * self.weight)
     }
 
     /// [`Component::f_cos`] and [`Component::pdf_w`] at once, of a lobe that is not bent.
@@ -50,7 +104,7 @@ impl Component<'_> {
     pub(super) fn f_cos_pdf(&self, wo: Vec3, wi: Vec3, way: Way) -> (Rgb, f32) {
         let (local_wo, local_wi) = (self.frame.to_local(wo), self.frame.to_local(wi));
         let cos = local_wi.z.abs() * adjoint(&self.frame, wo, wi, way);
-        let f_cos = self.lobe.f(local_wo, local_wi, way.transport) * (cos * self.weight);
+        let f_cos = self.lobe_f(local_wo, local_wi, way.transport) * (cos * self.weight);
         (f_cos, self.lobe.pdf_w(local_wo, local_wi) * self.weight)
     }
 
@@ -61,7 +115,7 @@ impl Component<'_> {
         let normal = match (&self.bend, way.transport) {
             (None, Transport::Radiance) => {
                 let local = (self.frame.to_local(wo), self.frame.to_local(wi));
-                return self.lobe.f(local.0, local.1, way.transport) * self.weight;
+                return self.lobe_f(local.0, local.1, way.transport) * self.weight;
             }
             (Some(bend), Transport::Radiance) => bend.unbent(),
             (_, Transport::Power) => way.ng,
@@ -93,6 +147,11 @@ impl Component<'_> {
         let mut s = self.lobe.sample(frame.to_local(wo), u_choice, u, way.transport)?;
         s.wi = frame.to_world(s.wi);
         if s.null {
+            return Some(s);
+        }
+        if self.part.is_some() && !s.delta {
+            let whole = Component { weight: 1.0, ..*self };
+            s.weight = whole.f_cos(wo, s.wi, way) / s.pdf_w;
             return Some(s);
         }
         if let Some(bend) = &self.bend {

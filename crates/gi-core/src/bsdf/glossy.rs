@@ -25,7 +25,8 @@ pub struct LobeView {
     pub material: usize,
     /// What it does.
     pub kind: Kind,
-    /// What [`GlossyLobe::f_cos`] is multiplied by here: colours from textures, and the share in a blend.
+    /// What [`GlossyLobe::f_cos`] is multiplied by here: colours from textures, the share in a blend, and of a bent normal the
+    /// mean of what reaches it.
     pub tint: Rgb,
     /// Its frame, normal on the side of the path.
     pub frame: Frame,
@@ -50,7 +51,8 @@ impl Component<'_> {
         };
         let kind = if glossy && !tint.is_black() { Kind::Glossy } else { Kind::Diffuse };
         let material = self.material as usize;
-        LobeView { material, kind, tint: tint * self.weight, frame: self.frame }
+        let tint = tint * (self.weight * self.mean_unshadowed());
+        LobeView { material, kind, tint, frame: self.frame }
     }
 }
 

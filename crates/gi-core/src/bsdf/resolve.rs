@@ -174,7 +174,14 @@ impl<'a> Bsdf<'a> {
         if let Some(lobe) = lobe(&materials[id], surface.uv) {
             let frame = context.oriented(&materials[id], frame);
             let material = id as u32;
-            let parts = Parts::One(Component { lobe, frame, weight: 1.0, material, bend: None });
+            let parts = Parts::One(Component {
+                lobe,
+                frame,
+                weight: 1.0,
+                material,
+                bend: None,
+                part: None,
+            });
             return Bsdf { parts, way };
         }
         let mut collected = Collected { components: [EMPTY; MAX_COMPONENTS], count: 0 };
@@ -200,6 +207,7 @@ const EMPTY: Component<'static> = Component {
     weight: 1.0,
     material: 0,
     bend: None,
+    part: None,
 };
 
 /// Where in the tree of a material a lobe stands.
@@ -298,7 +306,8 @@ impl<'a> Collected<'a> {
     fn push(&mut self, lobe: Lobe<'a>, Place { frame, weight, bend }: Place, material: usize) {
         if weight > 0.0 && self.count < MAX_COMPONENTS {
             let material = material as u32;
-            self.components[self.count] = Component { lobe, frame, weight, material, bend };
+            self.components[self.count] =
+                Component { lobe, frame, weight, material, bend, part: None };
             self.count += 1;
         }
     }

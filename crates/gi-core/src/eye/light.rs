@@ -1,8 +1,10 @@
 //! Light that the eye walk adds up.
 
+use std::borrow::Cow;
+
 use glam::Vec3;
 
-use super::{EyePath, Prefix, Supplied, Supplier};
+use super::{Answered, EyePath, Prefix, Supplied, Supplier};
 use crate::bsdf::Bsdf;
 use crate::film::{Components, Show};
 use crate::geometry::Surface;
@@ -19,6 +21,24 @@ impl<'a> EyePath<'a> {
             Show::Direct => prefix.rough == 0,
             Show::Indirect => prefix.rough > 0,
             Show::Caustic => false,
+        }
+    }
+
+    /// The part of `bsdf` that light straight from lights has not been supplied for.
+    #[inline]
+    pub(super) fn left_for_lights<'b>(
+        &self,
+        bsdf: &'b Bsdf<'a>,
+        supplied: Option<&Supplied>,
+    ) -> Option<Cow<'b, Bsdf<'a>>> {
+        match supplied {
+            Some(Supplied { direct: Some(_), answered, .. }) => match *answered {
+                Answered::Straight { min_roughness, .. } if bsdf.is_sharp(min_roughness) => {
+                    Some(Cow::Owned(bsdf.with_broad(min_roughness, Rgb::BLACK)))
+                }
+                _ => None,
+            },
+            _ => Some(Cow::Borrowed(bsdf)),
         }
     }
 
@@ -55,25 +75,29 @@ impl<'a> EyePath<'a> {
         out: &mut Components,
     ) {
         let emitted = self.scene.emitted(surface, wo);
-        if emitted.is_black() || prefix.has_answered_lights() {
+        let left = prefix.lights_left();
+        if emitted.is_black() || left.is_black() {
             return;
         }
         let weight = match prefix.last {
             Some((p, pdf_w)) => emitter_weight(Some(pdf_w), self.scene.light_pdf_w(p, surface)),
             None => 1.0,
         };
-        *out.of_path(prefix.rough, prefix.after_delta) += prefix.throughput * emitted * weight;
+        *out.of_path(prefix.rough, prefix.after_delta) +=
+            prefix.throughput * left * emitted * weight;
     }
 
     /// Light from infinity, where the path has left the scene.
     #[inline]
     pub(super) fn add_background(&self, d: Vec3, prefix: &Prefix, out: &mut Components) {
-        if prefix.has_answered_lights() {
+        let left = prefix.lights_left();
+        if left.is_black() {
             return;
         }
         for (radiance, pdf_light) in self.scene.escaped(d) {
             let weight = emitter_weight(prefix.last.map(|(_, pdf_w)| pdf_w), pdf_light);
-            *out.of_path(prefix.rough, prefix.after_delta) += prefix.throughput * radiance * weight;
+            *out.of_path(prefix.rough, prefix.after_delta) +=
+                prefix.throughput * left * radiance * weight;
         }
     }
 }

@@ -183,7 +183,7 @@ impl<'a> EyePath<'a> {
             prefix.length += hit.t;
             let surface = scene.surface(&ray, &hit);
             let wo = -ray.d;
-            let bsdf = scene.bsdf(&surface, wo, Transport::Radiance);
+            let mut bsdf = scene.bsdf(&surface, wo, Transport::Radiance);
             if !seen {
                 (out.albedo, out.normal, out.depth) = (bsdf.albedo_hint(wo), surface.ns(), hit.t);
                 seen = true;
@@ -197,23 +197,17 @@ impl<'a> EyePath<'a> {
             }
             // Ask the technique, for what nobody has answered for.
             let rough = !bsdf.is_delta();
-            let here = prefix.unanswered_at(&surface, wo, rough, sampler);
+            let here = prefix.unanswered_at(&surface, wo, &mut bsdf, sampler);
             let mut supplied = None;
             if rough && !ends && !here.is_black() {
                 let vertex = prefix.vertex(&surface, wo, &bsdf, here);
                 supplied = supplier.vertex(&vertex, sampler);
                 add_supplied(supplied.as_ref(), &prefix, here, &mut out.radiance);
             }
-            // Sample a light.
-            if !ends && supplied.is_none_or(|s| s.direct.is_none()) {
-                self.add_direct::<S>(
-                    &surface,
-                    &bsdf,
-                    wo,
-                    (&prefix, here),
-                    sampler,
-                    &mut out.radiance,
-                );
+            // Sample a light, for what was not answered for.
+            if !ends && let Some(left) = self.left_for_lights(&bsdf, supplied.as_ref()) {
+                let to = (&prefix, here);
+                self.add_direct::<S>(&surface, &left, wo, to, sampler, &mut out.radiance);
             }
             // Choose the next direction.
             let (u_choice, u, u_roulette) =
@@ -261,7 +255,7 @@ impl<'a> EyePath<'a> {
     fn is_done(&self, prefix: &Prefix) -> bool {
         // Whatever lies ahead has been answered for.
         let all_answered = prefix.unanswered.is_black()
-            && prefix.direct_answered
+            && prefix.direct_left.is_black()
             && prefix.caustic_answered
             && !prefix.after_delta;
         prefix.throughput.is_black()

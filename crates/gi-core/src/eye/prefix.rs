@@ -17,8 +17,8 @@ pub(super) struct Prefix {
     pub(super) unanswered: Rgb,
     /// Whether light over delta lobes was supplied at the last vertex.
     pub(super) caustic_answered: bool,
-    /// Whether light straight from lights was.
-    pub(super) direct_answered: bool,
+    /// Share of light straight from lights that was not.
+    pub(super) direct_left: Rgb,
     /// Where light from the next surface, if it is met straight, was supplied: how much of it shows there.
     pub(super) straight: Option<Straight>,
     /// Where the last scattering was, and its density per solid angle; `None` at the eye and after delta lobes.
@@ -44,7 +44,7 @@ impl Prefix {
         throughput: Rgb::WHITE,
         unanswered: Rgb::WHITE,
         caustic_answered: false,
-        direct_answered: false,
+        direct_left: Rgb::WHITE,
         straight: None,
         last: None,
         rough: 0,
@@ -71,20 +71,25 @@ impl Prefix {
     }
 
     /// Share of what `surface` scatters, by other than delta lobes if `rough`, that nobody has answered for. Small shares are
-    /// rounded to nothing or one by Russian roulette.
+    /// rounded to nothing or one by Russian roulette. Where that is not the same for all lobes, `bsdf` is weighed instead.
     #[inline]
     pub(super) fn unanswered_at(
         &self,
         surface: &Surface,
         wo: Vec3,
-        rough: bool,
+        bsdf: &mut Bsdf,
         sampler: &mut Sampler,
     ) -> Rgb {
-        match &self.straight {
-            _ if !rough => self.unanswered,
-            Some(straight) => play_for(straight.unanswered(surface, wo), sampler),
-            None => play_for(self.unanswered, sampler),
+        let Some(straight) = self.straight.as_ref().filter(|_| !bsdf.is_delta()) else {
+            let rough = !bsdf.is_delta();
+            return if rough { play_for(self.unanswered, sampler) } else { self.unanswered };
+        };
+        let broad = play_for(straight.unanswered(surface, wo), sampler);
+        if !bsdf.is_sharp(straight.min_roughness) {
+            return broad;
         }
+        *bsdf = bsdf.with_broad(straight.min_roughness, broad);
+        Rgb::WHITE
     }
 
     /// Take in that the path was scattered at `surface`, where `here` was not answered for before and `supplied` is now.
@@ -109,8 +114,12 @@ impl Prefix {
             self.last = Some((surface.p, scatter.pdf_w));
             self.unanswered = unanswered(supplied, bsdf, wo, scatter.wi);
             self.caustic_answered = supplied.is_some_and(|s| s.caustic.is_some());
-            self.direct_answered = supplied.is_some_and(|s| s.direct.is_some());
-            self.straight = supplied.and_then(|s| Straight::new(&s.answered, surface, scatter.wi));
+            self.direct_left = supplied.map_or(Rgb::WHITE, |s| s.direct_left(bsdf, wo, scatter.wi));
+            self.straight = supplied.and_then(|s| {
+                Straight::new(&s.answered, surface, scatter.wi, |min_roughness| {
+                    bsdf.share_broad(min_roughness, wo, scatter.wi)
+                })
+            });
         }
     }
 
@@ -129,13 +138,18 @@ impl Prefix {
         self.rough += 1;
         (self.after_delta, self.last, self.straight) = (false, Some((p, pdf_w)), None);
         self.entered = None;
-        (self.unanswered, self.caustic_answered, self.direct_answered) = (Rgb::WHITE, false, false);
+        (self.unanswered, self.caustic_answered) = (Rgb::WHITE, false);
+        self.direct_left = Rgb::WHITE;
     }
 
-    /// Whether the light of what is met now was supplied at the last vertex.
+    /// Share of the light of what is met now that was not supplied at the last vertex.
     #[inline]
-    pub(super) fn has_answered_lights(&self) -> bool {
-        if self.after_delta { self.caustic_answered } else { self.direct_answered }
+    pub(super) fn lights_left(&self) -> Rgb {
+        match self.after_delta {
+            false => self.direct_left,
+            true if self.caustic_answered => Rgb::BLACK,
+            true => Rgb::WHITE,
+        }
     }
 }
 
@@ -156,23 +170,47 @@ pub(super) struct Straight {
     p: Vec3,
     cos: f32,
     most: f32,
+    min_roughness: f32,
+    /// Share of the scattering there that was answered for.
+    share: Rgb,
 }
 
 impl Straight {
-    fn new(answered: &Answered, surface: &Surface, wi: Vec3) -> Option<Self> {
+    fn new(
+        answered: &Answered,
+        surface: &Surface,
+        wi: Vec3,
+        share: impl FnOnce(f32) -> Rgb,
+    ) -> Option<Self> {
         match *answered {
-            Answered::Straight { most } => {
-                Some(Straight { p: surface.p, cos: surface.ng.dot(wi).abs(), most })
+            Answered::Straight { most, min_roughness } => {
+                let (cos, share) = (surface.ng.dot(wi).abs(), share(min_roughness));
+                Some(Straight { p: surface.p, cos, most, min_roughness, share })
             }
             _ => None,
         }
     }
 
-    /// Share of the light of `surface`, met straight, that the bounded geometric term left out.
+    /// Share of the light of `surface`, met straight, that the bounded geometric term and narrow lobes left out.
     fn unanswered(&self, surface: &Surface, wo: Vec3) -> Rgb {
         let cos = surface.ng.dot(wo).abs();
         let geometry = self.cos * cos / (surface.p - self.p).length_squared();
-        Rgb::grey(if geometry > self.most { 1.0 - self.most / geometry } else { 0.0 })
+        let kept = if geometry > self.most { self.most / geometry } else { 1.0 };
+        self.share.map(|share| (1.0 - share * kept).max(0.0))
+    }
+}
+
+impl Supplied {
+    /// Share of light straight from lights that was not answered for, if it comes from `wi`.
+    #[inline]
+    fn direct_left(&self, bsdf: &Bsdf, wo: Vec3, wi: Vec3) -> Rgb {
+        match self.answered {
+            _ if self.direct.is_none() => Rgb::WHITE,
+            Answered::Straight { min_roughness, .. } => {
+                bsdf.share_broad(min_roughness, wo, wi).map(|share| 1.0 - share)
+            }
+            Answered::Rough | Answered::Diffuse(_) => Rgb::BLACK,
+        }
     }
 }
 

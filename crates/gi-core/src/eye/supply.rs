@@ -34,8 +34,9 @@ pub struct EyeVertex<'v, 'a> {
 pub struct Supplied {
     /// Which scattering at the vertex is answered for.
     pub answered: Answered,
-    /// Radiance of light that comes straight from a light and is scattered by other than delta lobes. `None` lets the path
-    /// look for it: a light is sampled, and met by scattering.
+    /// Radiance of light that comes straight from a light and is scattered by what is answered for, of which
+    /// [`Answered::Diffuse`] means all but delta lobes here. `None` lets the path look for it: a light is sampled, and met by
+    /// scattering.
     pub direct: Option<Rgb>,
     /// Radiance that the answered scattering sends back along the path, of light that came over other surfaces that
     /// scatter by other than delta lobes.
@@ -51,9 +52,12 @@ pub enum Answered {
     Rough,
     /// All but delta lobes, of light from other such surfaces that are seen straight, not over delta lobes, and of
     /// that what a geometric term cos cos' / d^2 (geometric normals) bounded by `most` leaves, per squared world unit.
+    /// Lobes narrower than `min_roughness`, here and there, are left to the path.
     Straight {
         /// The bound; infinite where there is none.
         most: f32,
+        /// Width of the narrowest lobe that is answered for, as that of microfacets.
+        min_roughness: f32,
     },
     /// The diffuse part. What the whole scatters besides is left to the path.
     Diffuse(DiffusePart),

@@ -30,12 +30,20 @@ pub enum SceneError {
         /// How many it blends.
         lobes: usize,
     },
+    /// A scene so large that areas and powers overflow.
+    TooLarge {
+        /// How far it reaches, world units.
+        extent: f32,
+    },
     /// A shining shape in a group: its copies would have to be lights.
     ShiningGroup {
         /// The shape's name.
         shape: String,
     },
 }
+
+/// The diagonal of the largest scene: the square of its square is still a number.
+const LARGEST: f32 = 8e9;
 
 impl fmt::Display for SceneError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -48,6 +56,11 @@ impl fmt::Display for SceneError {
                     "the material of shape \"{shape}\" blends {lobes} lobes; {MAX_COMPONENTS} are the most"
                 )
             }
+            SceneError::TooLarge { extent } => write!(
+                f,
+                "the scene is {extent:.1e} units across; more than {LARGEST:.0e} leave single precision no room for areas \
+                 and powers: scale it down"
+            ),
             SceneError::ShiningGroup { shape } => {
                 write!(f, "shape \"{shape}\" shines, which shapes of a group may not")
             }
@@ -103,6 +116,9 @@ impl Scene {
         }
         let has_null = shapes.iter().any(|s| prepared[s.material].has_null);
         let bounds = tree.bounds();
+        if !bounds.is_empty() && bounds.extent().length() > LARGEST {
+            return Err(SceneError::TooLarge { extent: bounds.extent().length() });
+        }
         let sphere = bounding_sphere(bounds);
         let lights = Lights::new(&shapes[..own_shapes], lights, sphere);
         let instances = instances.iter().map(prepare_instance).collect();

@@ -109,6 +109,18 @@ impl Scene {
         Some((self.surface(ray, &hit), hit.t))
     }
 
+    /// [`Scene::intersect`] for a ray that leaves the flat primitive `left`, which it cannot meet again; a sliver would be
+    /// met at a point of it far from where the ray is.
+    #[inline]
+    pub fn intersect_behind(&self, mut ray: Ray, left: Option<u32>) -> Option<(Surface, f32)> {
+        let mut hit = self.tree.closest(&ray)?;
+        while Some(hit.prim) == left {
+            ray = self.tree.beyond(&ray, hit.t);
+            hit = self.tree.closest(&ray)?;
+        }
+        Some((self.surface(&ray, &hit), hit.t))
+    }
+
     /// The ray that leaves `surface` along `d`, lifted off it.
     #[inline]
     pub fn spawn(&self, surface: &Surface, d: Vec3) -> Ray {

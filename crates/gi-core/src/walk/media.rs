@@ -89,13 +89,13 @@ impl<'a> LightWalk<'a> {
         self.sampler.jump_to(EMISSION_DIMENSIONS + self.met * VERTEX_DIMENSIONS);
         let u = self.sampler.next_2d();
         let Some(index) = self.medium else {
-            let (surface, _) = self.scene.intersect(&self.ray)?;
+            let (surface, _) = self.scene.intersect_behind(self.ray, self.left)?;
             return Some(LightEvent::Surface(self.vertex(surface)));
         };
         // Nothing beyond where the path is scattered needs to be looked for.
         let medium = self.scene.medium(index);
         let t = medium.distance(self.power, u);
-        let met = self.scene.intersect(&Ray { tmax: t, ..self.ray });
+        let met = self.scene.intersect_behind(Ray { tmax: t, ..self.ray }, self.left);
         let reach = met.as_ref().map_or(f32::INFINITY, |(_, t)| *t);
         match (medium.flight(t, reach, self.power), met) {
             (Flight::Scattered { t, weight }, _) => {
@@ -127,6 +127,7 @@ impl<'a> LightWalk<'a> {
         let wi = self.scene.medium(vertex.medium).phase.sample(vertex.wo, u);
         self.power = vertex.power / survival;
         self.ray = Ray::new(vertex.p, wi);
+        self.left = None;
         !self.power.is_black()
     }
 }

@@ -2,6 +2,7 @@ use super::*;
 use crate::light::{At, Lights};
 use crate::test_scenes::{is_bent, lights, materials, point, rubble};
 use crate::tree::{Forest, Tree};
+use gi_core::bsdf::Transport;
 use gi_core::rng::Pcg;
 use vpl::{Prepared, Receiver};
 
@@ -130,7 +131,7 @@ fn a_glossy_light_never_sends_more_than_its_gain() {
             let (surface, wo) = point(&scene, &mut rng);
             let lit = LitSurface { surface, wo };
             let gain = gain(&scene, &lit);
-            let bsdf = scene.bsdf(&surface, wo, Transport::Power);
+            let Some(bsdf) = lit.bsdf(&scene) else { continue };
             for _ in 0..200 {
                 let drawn = bsdf.sample(wo, rng.next_f32(), rng.next_2d());
                 let Some(d) = drawn.filter(|s| !s.delta).map(|s| s.wi) else { continue };

@@ -10,6 +10,7 @@ use gi_core::film::Film;
 use gi_core::math::Rgb;
 use gi_core::technique::Picture;
 use rayon::prelude::*;
+use vpl::MIN_ROUGHNESS;
 
 use crate::Lightcuts;
 use crate::light::{At, Lights};
@@ -64,9 +65,7 @@ impl<'a> Lightcuts<'a> {
         let ray = self.setting.camera.ray([x as f32 + 0.5, y as f32 + 0.5], [0.5; 2]);
         let (surface, _) = scene.intersect(&ray)?;
         let bsdf = scene.bsdf(&surface, -ray.d, Transport::Radiance);
-        if bsdf.is_delta() {
-            return None;
-        }
+        let bsdf = bsdf.broad(-ray.d, MIN_ROUGHNESS)?;
         Some(look(&self.at(&surface, -ray.d, &bsdf, (1, 0))?))
     }
 }
