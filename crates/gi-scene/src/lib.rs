@@ -24,6 +24,7 @@ mod sensor;
 mod shapes;
 mod sky;
 mod spectrum;
+mod statements;
 mod texels;
 mod textures;
 mod transform;

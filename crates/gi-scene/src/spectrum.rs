@@ -115,7 +115,7 @@ fn integrate(spectrum: impl Fn(f32) -> f32) -> [f64; 3] {
 }
 
 /// XYZ to linear Rec. 709 \[ITU-R BT.709, D65\].
-fn xyz_to_rgb([x, y, z]: [f64; 3]) -> Rgb {
+pub(crate) fn xyz_to_rgb([x, y, z]: [f64; 3]) -> Rgb {
     Rgb::new(
         (3.240_479 * x - 1.537_150 * y - 0.498_535 * z) as f32,
         (-0.969_256 * x + 1.875_991 * y + 0.041_556 * z) as f32,

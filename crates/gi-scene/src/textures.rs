@@ -9,13 +9,13 @@ use glam::{Affine2, Affine3A, Mat2, Vec2};
 
 use crate::build::Builder;
 use crate::document::{Class, Meaning, Node};
-use crate::texels;
+use crate::{files, texels};
 
 /// How deep textures may be nested. They are trees, and one that refers to the next twice doubles each time.
 const MAX_NESTING: usize = 6;
 
 /// A picture file and how it is read: pictures with equal keys are read once.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct BitmapFile {
     pub(crate) path: PathBuf,
     pub(crate) raw: bool,
@@ -26,6 +26,7 @@ pub(crate) struct BitmapFile {
 impl BitmapFile {
     /// Read the picture.
     pub(crate) fn read(&self) -> Result<Bitmap, String> {
+        files::refuse_pointer_file(&self.path)?;
         let encoding = if self.raw { Encoding::Raw } else { Encoding::Auto };
         let bitmap = read_bitmap(&self.path, encoding, self.wrap, self.lookup)?;
         texels::check(&bitmap, &self.path)?;

@@ -11,6 +11,7 @@ mod fresnel;
 mod glossy;
 mod lobe;
 mod microfacet;
+mod principled;
 mod resolve;
 
 use glam::Vec3;

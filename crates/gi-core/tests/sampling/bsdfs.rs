@@ -2,7 +2,7 @@
 
 use gi_core::bsdf::{Bsdf, Toward, Transport};
 use gi_core::geometry::{Geometry, Mesh, Shape, Surface};
-use gi_core::material::{Distribution, Material, Roughness};
+use gi_core::material::{Distribution, Material, Principled, PrincipledThin, Roughness};
 use gi_core::math::{Bounds, Rgb};
 use gi_core::ray::Ray;
 use gi_core::rng::Pcg;
@@ -35,6 +35,108 @@ fn plastic(nonlinear: bool, roughness: Option<Roughness>) -> Material {
     Material::Plastic { eta: 1.49, diffuse, specular: white(), nonlinear, roughness }
 }
 
+/// A dull principled surface, changed.
+fn principled(change: impl FnOnce(&mut Principled)) -> Material {
+    let zero = || Texture::grey(0.0);
+    let mut p = Principled {
+        base_color: Texture::Constant(Rgb::new(0.6, 0.4, 0.2)),
+        roughness: Texture::grey(0.5),
+        anisotropic: zero(),
+        metallic: zero(),
+        spec_trans: zero(),
+        eta: 1.5,
+        spec_tint: zero(),
+        sheen: zero(),
+        sheen_tint: zero(),
+        flatness: zero(),
+        clearcoat: zero(),
+        clearcoat_gloss: zero(),
+    };
+    change(&mut p);
+    Material::Principled(Box::new(p))
+}
+
+/// A principled sheet, changed.
+fn sheet(change: impl FnOnce(&mut PrincipledThin)) -> Material {
+    let zero = || Texture::grey(0.0);
+    let mut p = PrincipledThin {
+        base_color: Texture::Constant(Rgb::new(0.6, 0.4, 0.2)),
+        roughness: Texture::grey(0.5),
+        anisotropic: zero(),
+        spec_trans: zero(),
+        diff_trans: zero(),
+        eta: Texture::grey(1.5),
+        spec_tint: zero(),
+        sheen: zero(),
+        sheen_tint: zero(),
+        flatness: zero(),
+    };
+    change(&mut p);
+    Material::PrincipledThin(Box::new(p))
+}
+
+/// The principled model with each of its lobes.
+fn principled_materials() -> Vec<(&'static str, Vec<Material>, bool)> {
+    let grey = Texture::grey;
+    vec![
+        ("principled", vec![principled(|_| {})], false),
+        ("principled, rough", vec![principled(|p| p.roughness = grey(1.0))], false),
+        (
+            "principled, flat with sheen",
+            vec![principled(|p| {
+                p.flatness = grey(0.7);
+                (p.sheen, p.sheen_tint) = (grey(0.5), grey(0.5));
+            })],
+            false,
+        ),
+        (
+            "principled metal, anisotropic",
+            vec![principled(|p| (p.metallic, p.anisotropic) = (grey(1.0), grey(0.8)))],
+            false,
+        ),
+        (
+            "principled, tinted with clearcoat",
+            vec![principled(|p| {
+                (p.clearcoat, p.clearcoat_gloss) = (grey(1.0), grey(0.3));
+                (p.spec_tint, p.metallic) = (grey(0.8), grey(0.3));
+            })],
+            false,
+        ),
+        (
+            "principled glass",
+            vec![principled(|p| (p.spec_trans, p.roughness) = (grey(1.0), grey(0.6)))],
+            false,
+        ),
+        (
+            "principled, some of all",
+            vec![principled(|p| {
+                (p.spec_trans, p.metallic, p.eta) = (grey(0.6), grey(0.2), 1.33);
+                (p.anisotropic, p.clearcoat, p.sheen) = (grey(0.5), grey(0.5), grey(0.3));
+                (p.spec_tint, p.flatness) = (grey(0.4), grey(0.3));
+            })],
+            false,
+        ),
+        (
+            "principled, thinner than outside",
+            vec![principled(|p| {
+                (p.spec_trans, p.eta, p.clearcoat) = (grey(0.7), 0.8, grey(0.5));
+                (p.spec_tint, p.metallic) = (grey(0.5), grey(0.2));
+            })],
+            false,
+        ),
+        ("principled sheet", vec![sheet(|p| p.diff_trans = grey(0.8))], false),
+        (
+            "principled sheet, some of all",
+            vec![sheet(|p| {
+                (p.spec_trans, p.diff_trans, p.eta) = (grey(0.6), grey(1.2), grey(1.33));
+                (p.anisotropic, p.spec_tint, p.sheen) = (grey(0.5), grey(0.5), grey(0.4));
+                (p.flatness, p.sheen_tint) = (grey(0.5), grey(0.5));
+            })],
+            false,
+        ),
+    ]
+}
+
 /// Name, table of materials whose last is the one to test, and whether its albedo must be one.
 fn materials() -> Vec<(&'static str, Vec<Material>, bool)> {
     use Distribution::{Beckmann, Ggx};
@@ -49,7 +151,7 @@ fn materials() -> Vec<(&'static str, Vec<Material>, bool)> {
         Material::NormalMap { normals: Texture::Constant(Rgb::new(0.6, 0.45, 0.95)), inner: 0 };
     let blend = Material::Blend { weight: Texture::grey(0.4), first: 0, second: 1 };
     let metal_2 = metal(rough(Ggx, 0.2, 0.2));
-    vec![
+    let mut all = vec![
         ("diffuse", vec![diffuse.clone()], false),
         (
             "diffuse, two-sided",
@@ -97,7 +199,9 @@ fn materials() -> Vec<(&'static str, Vec<Material>, bool)> {
             vec![diffuse, metal_2, blend, mask(2), Material::TwoSided { front: 3, back: 3 }],
             false,
         ),
-    ]
+    ];
+    all.extend(principled_materials());
+    all
 }
 
 /// A floor with the last of the materials, seen from above.
@@ -207,18 +311,39 @@ fn reflection_is_reciprocal() {
 #[test]
 fn refraction_is_reciprocal_up_to_the_squared_index() {
     for distribution in [Distribution::Ggx, Distribution::Beckmann] {
-        let (scene, surface) = floor(vec![glass(rough(distribution, 0.3, 0.3))]);
-        let mut rng = Pcg::new(7, 7);
-        for _ in 0..500 {
-            let (above, below) =
-                (warp::hemisphere(rng.next_2d()), -warp::hemisphere(rng.next_2d()));
-            let power = |a, b| scene.bsdf(&surface, a, Transport::Power).f(a, b).r;
-            let radiance = |a, b| scene.bsdf(&surface, a, Transport::Radiance).f(a, b).r;
-            // f(wo, wi) / eta_i^2 = f(wi, wo) / eta_o^2 [Veach97, 5.2], and power is radiance turned round.
-            let (down, up) = (radiance(above, below), radiance(below, above));
-            assert!((down * 1.5 * 1.5 - up).abs() <= 1e-3 * up + 1e-5, "{down} {up}");
-            assert!((power(above, below) - up).abs() <= 1e-3 * up + 1e-5);
-        }
+        refraction_is_reciprocal(glass(rough(distribution, 0.3, 0.3)), 1.5);
+    }
+    let clear = |p: &mut Principled| (p.spec_trans, p.eta) = (Texture::grey(0.8), 1.5);
+    refraction_is_reciprocal(principled(clear), 1.5);
+}
+
+fn refraction_is_reciprocal(material: Material, eta: f32) {
+    let (scene, surface) = floor(vec![material]);
+    let mut rng = Pcg::new(7, 7);
+    for _ in 0..500 {
+        let (above, below) = (warp::hemisphere(rng.next_2d()), -warp::hemisphere(rng.next_2d()));
+        let power = |a, b| scene.bsdf(&surface, a, Transport::Power).f(a, b).r;
+        let radiance = |a, b| scene.bsdf(&surface, a, Transport::Radiance).f(a, b).r;
+        // f(wo, wi) / eta_i^2 = f(wi, wo) / eta_o^2 [Veach97, 5.2], and power is radiance turned round.
+        let (down, up) = (radiance(above, below), radiance(below, above));
+        assert!((down * eta * eta - up).abs() <= 1e-3 * up + 1e-5, "{down} {up}");
+        assert!((power(above, below) - up).abs() <= 1e-3 * up + 1e-5);
+    }
+}
+
+#[test]
+fn light_through_a_sheet_is_the_same_from_either_end() {
+    let all = |p: &mut PrincipledThin| {
+        (p.spec_trans, p.diff_trans) = (Texture::grey(0.6), Texture::grey(1.2));
+        (p.roughness, p.anisotropic) = (Texture::grey(0.9), Texture::grey(0.5));
+    };
+    let (scene, surface) = floor(vec![sheet(all)]);
+    let mut rng = Pcg::new(9, 7);
+    for _ in 0..2000 {
+        let (a, b) = (warp::sphere(rng.next_2d()), warp::sphere(rng.next_2d()));
+        let radiance = scene.bsdf(&surface, a, Transport::Radiance).f(a, b).r;
+        let power = scene.bsdf(&surface, b, Transport::Power).f(b, a).r;
+        assert!((radiance - power).abs() <= 1e-3 * power + 1e-5, "{a} {b}: {radiance} {power}");
     }
 }
 

@@ -3,6 +3,7 @@
 mod approximate;
 pub(crate) mod ior;
 mod parameters;
+mod principled;
 
 use gi_core::material::{Distribution, Material, Roughness};
 use gi_core::math::Rgb;
@@ -72,7 +73,8 @@ impl Builder<'_> {
         let of = |index: &usize| self.transmits[*index];
         let transmits = match &material {
             Material::Dielectric { .. } | Material::ThinDielectric { .. } | Material::Null => true,
-            Material::Mask { .. } => true,
+            Material::Mask { .. } | Material::PrincipledThin(_) => true,
+            Material::Principled(p) => !p.spec_trans.is_black(),
             Material::TwoSided { front, back } => of(front) || of(back),
             Material::Blend { first, second, .. } => of(first) || of(second),
             Material::Bump { inner, .. } | Material::NormalMap { inner, .. } => of(inner),
@@ -117,7 +119,8 @@ impl Builder<'_> {
                 exponent: self.exponent(node),
             },
             "ward" => self.ward(node),
-            "principled" | "principledthin" => return self.principled(node),
+            "principled" => self.principled(node),
+            "principledthin" => self.principled_thin(node),
             "null" => Material::Null,
             "mask" | "opacity" => {
                 let opacity = self.share(node, "opacity", 0.5);
