@@ -53,7 +53,8 @@ impl Assets {
                 meshes.push(Wanted { object, span, key: MeshFile::of(node, path) });
             } else if node.class() == Class::Emitter {
                 let (wrap, lookup) = (Wrap::Repeat, Lookup::Bilinear);
-                let key = BitmapFile { path, raw: false, wrap, lookup };
+                let raw = node.float_opt("gamma") == Some(1.0);
+                let key = BitmapFile { path, raw, wrap, lookup };
                 bitmaps.push(Wanted { object, span, key });
             } else {
                 bitmaps.push(Wanted { object, span, key: BitmapFile::of(node, path) });

@@ -26,8 +26,7 @@ pub(crate) fn frame(
     if !check(camera, report) {
         return None;
     }
-    let boxes = parts.shapes.iter().map(|s| s.geometry.bounds());
-    let bounds = boxes.fold(Bounds::EMPTY, Bounds::union);
+    let bounds = bounds_of(parts);
     let center = if bounds.is_empty() { Vec3::ZERO } else { bounds.center() };
     let radius = (0.5 * bounds.extent().length()).max(1e-3);
     let fov = camera.fov.unwrap_or(DEFAULT_FOV).to_radians();
@@ -44,6 +43,12 @@ pub(crate) fn frame(
     };
     let up = up(camera.up, view, report)?;
     Some(CameraSpec::look_at(origin, target, up, fov, size))
+}
+
+/// The box round all shapes, those of groups apart.
+pub(crate) fn bounds_of(parts: &SceneParts) -> Bounds {
+    let boxes = parts.shapes.iter().map(|s| s.geometry.bounds());
+    boxes.fold(Bounds::EMPTY, Bounds::union)
 }
 
 /// The scene's own camera, moved, turned and zoomed as the options say; what they do not say stays. `None` after a reported

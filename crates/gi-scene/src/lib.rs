@@ -16,6 +16,7 @@ mod export;
 mod files;
 mod framing;
 mod hash;
+mod integrator;
 mod load;
 mod materials;
 mod media;

@@ -155,15 +155,24 @@ impl Builder<'_> {
     }
 
     fn bitmap(&mut self, node: Node<'_>) -> Option<Texture> {
-        node.ignore(&["filename", "max_anisotropy", "cache", "channel", "format", "accel"]);
+        node.ignore(&["filename", "max_anisotropy", "cache", "format", "accel"]);
         note_wrapping(node);
-        if let Some(gamma) = node.float_opt("gamma").filter(|g| *g != 1.0 && *g > 0.0) {
-            let message = format!("gamma {gamma} is read as the sRGB curve");
-            node.report.warn(node.span_of("gamma"), message);
+        note_gamma(node);
+        if let Some(channel) = node.text("channel") {
+            let message = format!("`channel` is ignored: all of them are read, not only `{channel}`");
+            node.report.warn(node.span_of("channel"), message);
         }
         let bitmap = self.assets.bitmap(node.id)?;
         self.origins.note_bitmap(&bitmap, self.assets.bitmap_file(node.id)?);
         Some(Texture::Bitmap { bitmap, to_uv: to_uv(node), scale: Rgb::WHITE })
+    }
+}
+
+/// Say that a picture's own gamma is read otherwise. (1 is linear, and below zero the file's.)
+pub(crate) fn note_gamma(node: Node<'_>) {
+    if let Some(gamma) = node.float_opt("gamma").filter(|g| *g != 1.0 && *g > 0.0) {
+        let message = format!("gamma {gamma} is read as the sRGB curve");
+        node.report.warn(node.span_of("gamma"), message);
     }
 }
 

@@ -9,6 +9,7 @@ use crate::hash::Hash;
 use crate::value;
 use substitute::{Define, Element};
 
+mod comments;
 mod properties;
 mod substitute;
 
@@ -21,6 +22,9 @@ const MAX_INCLUDES: usize = 1000;
 const MAX_NESTING: usize = 64;
 /// How many elements one file may hold: a bound on memory far above any scene found.
 const MAX_NODES: u32 = 1 << 24;
+
+/// Textures that may stand in a `<spectrum>`.
+const TEXTURES: [&str; 3] = ["bitmap", "checkerboard", "scale"];
 
 /// Read a scene file and all that it includes.
 pub(crate) fn parse(
@@ -74,6 +78,7 @@ impl<'r> Parser<'r> {
             search: vec![files::folder_of(path)],
             presets,
             version: 3,
+            unknown_tags: Vec::new(),
             hash,
         };
         let defines = defines.iter().rev().map(define).collect(); // the last -D of a name wins
@@ -96,7 +101,8 @@ impl<'r> Parser<'r> {
         self.doc.hash.bytes(text.as_bytes());
         let file = self.report.add_file(path, &text);
         let options = roxmltree::ParsingOptions { nodes_limit: MAX_NODES, ..Default::default() };
-        let xml = match roxmltree::Document::parse_with_options(&text, options) {
+        let readable = comments::without_dashes(&text);
+        let xml = match roxmltree::Document::parse_with_options(&readable, options) {
             Ok(xml) => xml,
             Err(why) => return self.xml_error(&why, &text, file),
         };
@@ -156,7 +162,10 @@ impl<'r> Parser<'r> {
             "ref" => self.reference(&element, parent),
             "transform" => self.transform(node, &element, file, parent),
             "spectrum" if element.get("type").is_some() => {
-                self.object(node, &element, Class::Spectrum, (file, parent, depth));
+                // Mitsuba 2 wrote textures so.
+                let is_texture = TEXTURES.contains(&element.text("type").unwrap_or_default());
+                let class = if is_texture { Class::Texture } else { Class::Spectrum };
+                self.object(node, &element, class, (file, parent, depth));
             }
             "mode" => {}
             tag => match Class::of(tag) {

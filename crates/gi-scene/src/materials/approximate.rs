@@ -4,7 +4,7 @@ use gi_core::material::Material;
 use gi_core::texture::Texture;
 
 use crate::build::Builder;
-use crate::document::{Class, Meaning, Node};
+use crate::document::{Class, Node};
 use crate::value;
 
 impl Builder<'_> {

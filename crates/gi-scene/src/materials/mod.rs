@@ -101,7 +101,9 @@ impl Builder<'_> {
                 Material::Diffuse { reflectance: self.share(node, "reflectance", 0.5) }
             }
             "roughdiffuse" => {
-                node.ignore(&["use_fast_approx"]);
+                if !node.bool("use_fast_approx", false) {
+                    node.warn("`roughdiffuse` is computed by Oren and Nayar's qualitative model");
+                }
                 let alpha = self.texture(node, "alpha", Texture::grey(0.2), Meaning::Factor);
                 Material::RoughDiffuse { reflectance: self.share(node, "reflectance", 0.5), alpha }
             }

@@ -285,6 +285,7 @@ impl Builder<'_> {
             second.error("a second emitter of one shape", "expected one");
         }
         let emitter = emitters.first()?;
+        self.used_emitters.insert(emitter.id);
         if emitter.plugin() != "area" {
             emitter.unknown_plugin(&["area"]);
             return None;

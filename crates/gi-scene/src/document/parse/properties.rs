@@ -60,6 +60,11 @@ impl Parser<'_> {
     /// A plain value; other tags are noted and dropped.
     pub(super) fn property(&mut self, element: &Element, parent: ObjectId) {
         if !TAGS.contains(&element.tag.as_str()) {
+            const MAX_NAMED: usize = 8;
+            let unknown = &mut self.doc.unknown_tags;
+            if parent == 0 && unknown.len() < MAX_NAMED && !unknown.contains(&element.tag) {
+                unknown.push(element.tag.clone());
+            }
             let hint = suggestion(&element.tag, TAGS).map(|s| format!(", {s}")).unwrap_or_default();
             self.report.warn(element.span, format!("unknown tag `{}`: ignored{hint}", element.tag));
             return;
