@@ -56,9 +56,8 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<(), Failure> {
     let kept = common.stats.iter().chain(&common.checkpoint).cloned();
     let others: Vec<PathBuf> = kept.chain(args.outputs()).collect();
     output.check_apart(&others)?;
-    let Loaded {
-        parts, camera, filter, mut warnings, hash, world, integrator_max_depth, ..
-    } = loaded;
+    let Loaded { parts, camera, filter, mut warnings, hash, world, integrator_max_depth, .. } =
+        loaded;
     warnings.extend(depth_warning(common, arguments, integrator_max_depth));
     say_warnings(common, &warnings);
     check_film(camera.size)?;

@@ -13,10 +13,8 @@ const PARTIAL: [(&str, &str); 6] = [
     ("stokes", "polarisation is not made"),
 ];
 /// Switches that change the picture.
-const SWITCHES: [(&str, &str); 2] = [
-    ("hide_emitters", "lamps are seen"),
-    ("strict_normals", "shading normals do not stop light"),
-];
+const SWITCHES: [(&str, &str); 2] =
+    [("hide_emitters", "lamps are seen"), ("strict_normals", "shading normals do not stop light")];
 
 /// Longest path that the scene's integrator asks for; -1 is without end.
 pub(crate) fn read(doc: &Document, report: &Report) -> Option<i32> {

@@ -48,12 +48,7 @@ pub(crate) fn read(
     );
     sensor.children(Class::Ignored);
     sensor.children(Class::Medium);
-    sensor.ignore(&[
-        "shutter_open",
-        "shutter_close",
-        "focus_distance",
-        "aperture_radius",
-    ]);
+    sensor.ignore(&["shutter_open", "shutter_close", "focus_distance", "aperture_radius"]);
     let (projection, to_world) = projection(sensor, size)?;
     note_far_clip(sensor, to_world, parts);
     let near = sensor.within("near_clip", 0.0, 0.0..=MAX_NUMBER);

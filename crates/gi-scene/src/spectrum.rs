@@ -145,18 +145,13 @@ mod tests {
     #[test]
     fn constant_emission_has_the_colour_of_equal_energy() {
         let flat = Spectrum::Pairs(vec![(300.0, 2.0), (900.0, 2.0)]);
-        near(flat.emission(), (EQUAL_ENERGY * 2.0).to_array(), 2e-4);
+        near(flat.emission(), (EQUAL_ENERGY * 2.0).to_array(), 1e-3);
     }
 
     #[test]
     fn a_lamp_given_by_wavelengths_has_mitsubas_green() {
         // Mitsuba 3.9.1; the fit of the observer that stood here before was 0.4 % high in green.
-        let lamp = Spectrum::Pairs(vec![
-            (400.0, 0.0),
-            (500.0, 0.8),
-            (600.0, 1.56),
-            (700.0, 1.84),
-        ]);
+        let lamp = Spectrum::Pairs(vec![(400.0, 0.0), (500.0, 0.8), (600.0, 1.56), (700.0, 1.84)]);
         near(lamp.emission(), [2.071_08, 1.085_46, 0.277_115], 1e-3);
     }
 

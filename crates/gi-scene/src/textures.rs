@@ -159,7 +159,8 @@ impl Builder<'_> {
         note_wrapping(node);
         note_gamma(node);
         if let Some(channel) = node.text("channel") {
-            let message = format!("`channel` is ignored: all of them are read, not only `{channel}`");
+            let message =
+                format!("`channel` is ignored: all of them are read, not only `{channel}`");
             node.report.warn(node.span_of("channel"), message);
         }
         let bitmap = self.assets.bitmap(node.id)?;

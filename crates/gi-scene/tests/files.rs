@@ -238,7 +238,10 @@ fn comments_may_hold_two_dashes() {
     let folder = Folder::new();
     let body = "<!-- render with -o x.exr --spp 64 --->\n<!-- \u{e4} -- --><shape type='cuboid'/>";
     let shown = folder.problems(body);
-    assert!(shown.contains("unknown shape `cuboid`") && shown.contains("scene.xml:3:28"), "{shown}");
+    assert!(
+        shown.contains("unknown shape `cuboid`") && shown.contains("scene.xml:3:27"),
+        "{shown}"
+    );
     assert!(shown.contains("<!-- \u{e4} -- -->"), "the line is shown as it is: {shown}");
 }
 
@@ -255,7 +258,10 @@ fn a_scene_may_begin_with_a_byte_order_mark() {
 fn a_scene_of_another_dialect_is_refused() {
     let folder = Folder::new();
     let shown = folder.problems("<sensor type='perspective'/><mesh type='obj'/><mesh type='obj'/>");
-    assert!(shown.contains("another dialect") && shown.ends_with("Mitsuba knows no <mesh>"), "{shown}");
+    assert!(
+        shown.contains("another dialect") && shown.ends_with("Mitsuba knows no <mesh>"),
+        "{shown}"
+    );
     assert!(load(&folder.write("a.xml", "<world><mesh/></world>"), &Options::default()).is_err());
 }
 
@@ -271,8 +277,7 @@ fn a_file_that_git_lfs_has_not_fetched_is_named_as_such() {
     }
     for (kind, name) in [("obj", "a.obj"), ("ply", "a.ply"), ("serialized", "a.serialized")] {
         folder.write(name, pointer);
-        let body =
-            format!("<shape type='{kind}'><string name='filename' value='{name}'/></shape>");
+        let body = format!("<shape type='{kind}'><string name='filename' value='{name}'/></shape>");
         all_say(folder.problems(&body));
     }
     for name in ["a.exr", "a.png", "a.hdr", "a.pfm", "a.jpg"] {
@@ -306,14 +311,17 @@ fn a_radiance_picture_may_begin_with_any_program_s_name() {
 #[test]
 fn what_an_integrator_asks_for_and_does_not_get_is_named() {
     let warnings = |integrator: &str| {
-        let loaded = scene(&format!("{integrator}<shape type='cube'/>"));
+        let sensor = "<sensor type='perspective'/>";
+        let loaded = scene(&format!("{integrator}{sensor}<shape type='cube'/>"));
         loaded.warnings.join("\n")
     };
-    let hidden = "<integrator type='path'><boolean name='hide_emitters' value='true'/></integrator>";
+    let hidden =
+        "<integrator type='path'><boolean name='hide_emitters' value='true'/></integrator>";
     assert!(warnings(hidden).contains("`hide_emitters` is ignored"), "{}", warnings(hidden));
     assert_eq!(warnings(&hidden.replace("true", "false")), "");
     assert!(warnings("<integrator type='direct'/>").contains("--max-depth 2"));
-    let nested = "<integrator type='aov'><integrator type='path'><integer name='max_depth' value='5'/>
+    let nested =
+        "<integrator type='aov'><integrator type='path'><integer name='max_depth' value='5'/>
         <boolean name='hideEmitters' value='true'/></integrator></integrator>";
     assert!(warnings(nested).contains("`hide_emitters` is ignored"));
     assert_eq!(scene(&format!("{nested}<shape type='cube'/>")).integrator_max_depth, Some(5));

@@ -13,7 +13,8 @@ const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 /// Load an OBJ of one triangle with a material of this name.
 fn one(folder: &Folder, head: &str, material: &[u8]) -> Result<Loaded, String> {
     let text = [head.as_bytes(), b"usemtl ", material, b"\n", TRIANGLE.as_bytes()].concat();
-    load(&folder.write("a.obj", text), &Options::default()).map_err(|e| folder.strip(&e.to_string()))
+    load(&folder.write("a.obj", text), &Options::default())
+        .map_err(|e| folder.strip(&e.to_string()))
 }
 
 /// The diffuse colour of the first shape, if its material was found.
@@ -37,10 +38,8 @@ fn an_obj_that_begins_with_a_byte_order_mark_keeps_its_library() {
     let loaded = one(&folder, "\u{feff}mtllib a.mtl\n", b"m").unwrap();
     assert_eq!(diffuse(&loaded), Rgb::new(0.9, 0.1, 0.1));
     assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
-    let wide: Vec<u8> = "\u{feff}newmtl m\nKd 0.9 0.1 0.1\n"
-        .encode_utf16()
-        .flat_map(u16::to_le_bytes)
-        .collect();
+    let wide: Vec<u8> =
+        "\u{feff}newmtl m\nKd 0.9 0.1 0.1\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
     folder.write("a.mtl", wide);
     assert_eq!(diffuse(&one(&folder, "mtllib a.mtl\n", b"m").unwrap()), Rgb::new(0.9, 0.1, 0.1));
 }
@@ -48,7 +47,9 @@ fn an_obj_that_begins_with_a_byte_order_mark_keeps_its_library() {
 #[test]
 fn names_with_blanks_and_hashes_are_whole() {
     let folder = Folder::new();
-    let library = format!("newmtl Material #26\n{RED}newmtl plain # a comment\n{RED}newmtl Material\nKd 0 0 0\n");
+    let library = format!(
+        "newmtl Material #26\n{RED}newmtl plain # a comment\n{RED}newmtl Material\nKd 0 0 0\n"
+    );
     folder.write("my materials #2.mtl", library);
     for name in ["Material #26", "plain", "plain # another", "Material #26 # the red one"] {
         let loaded = one(&folder, "mtllib my materials #2.mtl\n", name.as_bytes()).unwrap();
@@ -91,13 +92,18 @@ fn a_reflectance_above_one_is_clamped_and_said() {
     assert!(loaded.warnings[0].contains("a.mtl:2: `Kd` is outside of [0, 1]: clamped"));
     folder.write("a.mtl", "newmtl m\nKd 1\nKs 0.5\n");
     let loaded = one(&folder, "mtllib a.mtl\n", b"m").unwrap();
-    assert!(loaded.warnings[0].contains("`Kd` and `Ks` sum to 1.5: scaled"), "{:?}", loaded.warnings);
+    assert!(
+        loaded.warnings[0].contains("`Kd` and `Ks` sum to 1.5: scaled"),
+        "{:?}",
+        loaded.warnings
+    );
 }
 
 #[test]
 fn light_by_a_picture_alone_shines() {
     let folder = Folder::new();
-    let picture = [b"PF\n1 1\n-1.0\n".as_slice(), &[3f32; 3].map(f32::to_le_bytes).concat()].concat();
+    let picture =
+        [b"PF\n1 1\n-1.0\n".as_slice(), &[3f32; 3].map(f32::to_le_bytes).concat()].concat();
     folder.write("a picture.pfm", picture);
     for (light, mean) in [("map_Ke a picture.pfm", 3.0), ("Ke 2\nmap_Ke a picture.pfm", 6.0)] {
         folder.write("a.mtl", format!("newmtl m\n{light}\n"));
@@ -108,7 +114,9 @@ fn light_by_a_picture_alone_shines() {
     }
     folder.write("a.mtl", "newmtl m\nKe 0 0 0\nmap_Ke a picture.pfm\n");
     let loaded = one(&folder, "mtllib a.mtl\n", b"m").unwrap();
-    assert!(loaded.parts.shapes[0].emission.is_some() && loaded.warnings[0].contains("`Ke` is black"));
+    assert!(
+        loaded.parts.shapes[0].emission.is_some() && loaded.warnings[0].contains("`Ke` is black")
+    );
     folder.write("a.mtl", "newmtl m\nmap_Kd -clamp on -s 2 3 -mm 0 1 a picture.pfm\n");
     let loaded = one(&folder, "mtllib a.mtl\n", b"m").unwrap();
     let Material::TwoSided { front, .. } = loaded.parts.materials[1] else { panic!() };

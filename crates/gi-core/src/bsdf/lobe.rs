@@ -13,15 +13,50 @@ use crate::warp;
 /// A lobe with its parameters read from the textures. Directions are local, z along the normal.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Lobe<'a> {
-    Diffuse { albedo: Rgb },
-    OrenNayar { albedo: Rgb, sigma_sq: f32 },
-    Conductor { eta: Rgb, k: Rgb, tint: Rgb },
-    RoughConductor { eta: Rgb, k: Rgb, tint: Rgb, facets: Microfacets },
-    Dielectric { eta: f32, reflect: Rgb, transmit: Rgb },
-    RoughDielectric { eta: f32, reflect: Rgb, transmit: Rgb, facets: Microfacets },
-    ThinDielectric { eta: f32, reflect: Rgb, transmit: Rgb },
-    Plastic { coat: &'a Coat, diffuse: Rgb, specular: Rgb },
-    Phong { diffuse: Rgb, specular: Rgb, exponent: f32 },
+    Diffuse {
+        albedo: Rgb,
+    },
+    OrenNayar {
+        albedo: Rgb,
+        sigma_sq: f32,
+    },
+    Conductor {
+        eta: Rgb,
+        k: Rgb,
+        tint: Rgb,
+    },
+    RoughConductor {
+        eta: Rgb,
+        k: Rgb,
+        tint: Rgb,
+        facets: Microfacets,
+    },
+    Dielectric {
+        eta: f32,
+        reflect: Rgb,
+        transmit: Rgb,
+    },
+    RoughDielectric {
+        eta: f32,
+        reflect: Rgb,
+        transmit: Rgb,
+        facets: Microfacets,
+    },
+    ThinDielectric {
+        eta: f32,
+        reflect: Rgb,
+        transmit: Rgb,
+    },
+    Plastic {
+        coat: &'a Coat,
+        diffuse: Rgb,
+        specular: Rgb,
+    },
+    Phong {
+        diffuse: Rgb,
+        specular: Rgb,
+        exponent: f32,
+    },
     Principled(Solid),
     /// Its frame is turned to the side of `wo`.
     PrincipledThin(Thin),

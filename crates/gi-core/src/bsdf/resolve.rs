@@ -267,11 +267,7 @@ impl<'a> Collected<'a> {
 /// The side of a two-sided material that `wo` sees, and the frame with its normal on that side.
 #[inline]
 fn side(front: usize, back: usize, frame: Frame, wo: Vec3) -> (usize, Frame) {
-    if wo.dot(frame.n) >= 0.0 {
-        (front, frame)
-    } else {
-        (back, opposite(frame))
-    }
+    if wo.dot(frame.n) >= 0.0 { (front, frame) } else { (back, opposite(frame)) }
 }
 
 /// The frame of the other side.

@@ -18,11 +18,7 @@ impl Slide {
     /// A picture whose u, v and axis point along `axes`.
     pub(super) fn new(texture: Texture, axes: [Vec3; 3], cutoff: f32) -> Self {
         let [x, y, z] = axes.map(|axis| axis.normalize_or(Vec3::Z));
-        Slide {
-            texture,
-            to_local: Mat3::from_cols(x, y, z).inverse(),
-            tan_cutoff: cutoff.tan(),
-        }
+        Slide { texture, to_local: Mat3::from_cols(x, y, z).inverse(), tan_cutoff: cutoff.tan() }
     }
 
     /// The factor along world direction `d`.

@@ -49,9 +49,9 @@ pub(super) struct Map {
 const WITHOUT_EFFECT: [&str; 6] = ["ka", "map_ka", "map_aat", "sharpness", "xalpha", "map_kaat"];
 /// Statements that would change the picture, most of them unless they are zero.
 const IGNORED: [&str; 25] = [
-    "map_ks", "map_ns", "map_ni", "map_tf", "map_tr", "map_refl", "refl", "bump", "map_bump", "norm",
-    "map_norm", "map_kn", "disp", "map_disp", "decal", "pr", "map_pr", "pm", "map_pm", "ps", "map_ps",
-    "pc", "pcr", "aniso", "anisor",
+    "map_ks", "map_ns", "map_ni", "map_tf", "map_tr", "map_refl", "refl", "bump", "map_bump",
+    "norm", "map_norm", "map_kn", "disp", "map_disp", "decal", "pr", "map_pr", "pm", "map_pm",
+    "ps", "map_ps", "pc", "pcr", "aniso", "anisor",
 ];
 
 /// Read a library's text, which is file number `file` of the report.
@@ -69,8 +69,7 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn statement(&mut self, statement: &Statement<'_>) {
-        let span =
-            Span { file: self.file, start: statement.range.start, end: statement.range.end };
+        let span = Span { file: self.file, start: statement.range.start, end: statement.range.end };
         let (keyword, rest) = statement.split();
         let lower = keyword.to_ascii_lowercase();
         if lower == "newmtl" {
@@ -279,7 +278,8 @@ mod tests {
 
     #[test]
     fn lines_that_exporters_write_are_understood() {
-        let (m, warnings) = entry("map_Kd\nmap_Ke \nillum 2.0\nd -halo 1.0\nKa 1 1 1\nPm 0.0\nkd 0.5");
+        let (m, warnings) =
+            entry("map_Kd\nmap_Ke \nillum 2.0\nd -halo 1.0\nKa 1 1 1\nPm 0.0\nkd 0.5");
         assert!(m.diffuse_map.is_none() && m.emission_map.is_none());
         assert_eq!((m.illumination, m.opacity), (Some(2), Some(1.0)));
         assert_eq!(m.diffuse, Some(Rgb::grey(0.5)), "keywords in any case");

@@ -55,11 +55,18 @@ struct Mapping<'a> {
 
 /// Take the options in front of a picture's name.
 fn mapping(text: &str) -> Mapping<'_> {
-    let mut out =
-        Mapping { name: text, scale: Vec2::ONE, offset: Vec2::ZERO, clamp: false, ignored: Vec::new() };
+    let mut out = Mapping {
+        name: text,
+        scale: Vec2::ONE,
+        offset: Vec2::ZERO,
+        clamp: false,
+        ignored: Vec::new(),
+    };
     loop {
         let (option, rest) = first_word(out.name);
-        let Some((_, most)) = OPTIONS.iter().find(|(known, _)| *known == option) else { return out };
+        let Some((_, most)) = OPTIONS.iter().find(|(known, _)| *known == option) else {
+            return out;
+        };
         let numeric = ["-o", "-s", "-t"].contains(&option);
         let (mut rest, mut words) = (rest, Vec::new());
         while words.len() < *most {
@@ -83,7 +90,8 @@ fn mapping(text: &str) -> Mapping<'_> {
 
 fn first_word(text: &str) -> (&str, &str) {
     let text = text.trim_start();
-    text.split_once(char::is_whitespace).map_or((text, ""), |(word, rest)| (word, rest.trim_start()))
+    text.split_once(char::is_whitespace)
+        .map_or((text, ""), |(word, rest)| (word, rest.trim_start()))
 }
 
 impl Mapping<'_> {
@@ -96,7 +104,12 @@ impl Mapping<'_> {
 
 impl Reader<'_> {
     /// A picture times a colour, or the colour alone.
-    pub(super) fn picture(&mut self, map: Option<&Map>, factor: Option<Rgb>, default: Rgb) -> Texture {
+    pub(super) fn picture(
+        &mut self,
+        map: Option<&Map>,
+        factor: Option<Rgb>,
+        default: Rgb,
+    ) -> Texture {
         let constant = Texture::Constant(factor.unwrap_or(default));
         let Some(map) = map else { return constant };
         // A name may look like options and have blanks in it: the whole text may be one.
@@ -105,7 +118,8 @@ impl Reader<'_> {
         let last = map.text.split_whitespace().last().unwrap_or_default();
         let tries = [
             Some(whole),
-            name_before_comment(with_options.name).map(|name| Mapping { name, ..mapping(&map.text) }),
+            name_before_comment(with_options.name)
+                .map(|name| Mapping { name, ..mapping(&map.text) }),
             Some(Mapping { name: last, ..mapping(&map.text) }),
         ];
         let [whole, before_comment, last] = tries;

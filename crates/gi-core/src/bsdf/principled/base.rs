@@ -59,7 +59,8 @@ impl Base {
         let (fo, fi) = (schlick_weight(cos_o), schlick_weight(cos_i));
         let retro = 2.0 * self.roughness * cos_d_sq;
         // [Burley12, 5.3; Burley15, eq. 4]
-        let diffuse = (1.0 - 0.5 * fo) * (1.0 - 0.5 * fi) + retro * (fo + fi + fo * fi * (retro - 1.0));
+        let diffuse =
+            (1.0 - 0.5 * fo) * (1.0 - 0.5 * fi) + retro * (fo + fi + fo * fi * (retro - 1.0));
         if self.flatness == 0.0 {
             return diffuse;
         }
@@ -113,10 +114,7 @@ impl Base {
         let half = safe_sqrt(0.5 * (1.0 + cos_between[0]));
         let sheen = self.sheen * schlick_weight(half);
         let color = self.color * INV_PI;
-        [
-            color * mix(f, 1.25 / cos_o) + sheen,
-            color * mix(f_cos, flat * cos) + sheen * cos,
-        ]
+        [color * mix(f, 1.25 / cos_o) + sheen, color * mix(f_cos, flat * cos) + sheen * cos]
     }
 }
 
@@ -128,8 +126,7 @@ mod tests {
     #[test]
     fn the_mean_albedo_of_a_smooth_base_from_above_has_a_closed_form() {
         // 2 int (1 - (1 - c)^5 / 2) c dc = 1 - 1/42
-        let base =
-            Base { color: Rgb::grey(0.8), sheen: Rgb::BLACK, roughness: 0.0, flatness: 0.0 };
+        let base = Base { color: Rgb::grey(0.8), sheen: Rgb::BLACK, roughness: 0.0, flatness: 0.0 };
         assert!((base.mean_albedo(Vec3::Z).r - 0.8 * (1.0 - 1.0 / 42.0)).abs() < 1e-6);
     }
 

@@ -95,6 +95,7 @@ impl Blended {
     fn bound(&self, cos: f32) -> Rgb {
         // The dielectric's share rises toward grazing angles. Schlick's runs from `f0` to its value at `cos`.
         let dielectric = (1.0 - self.schlick) * fresnel::dielectric(cos, self.eta).reflectance;
-        (self.reflectance(cos) - Rgb::grey(dielectric)).zip(self.f0, f32::max) + Rgb::grey(dielectric)
+        (self.reflectance(cos) - Rgb::grey(dielectric)).zip(self.f0, f32::max)
+            + Rgb::grey(dielectric)
     }
 }
