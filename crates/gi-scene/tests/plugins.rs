@@ -419,9 +419,9 @@ fn a_spectrum_may_be_a_bitmap() {
 
 #[test]
 fn a_spot_with_a_picture_is_a_projector() {
-    let light = |inner: &str| scene(&format!(
-        "<sensor type='perspective'/><emitter type='spot'>{inner}</emitter>"
-    ));
+    let light = |inner: &str| {
+        scene(&format!("<sensor type='perspective'/><emitter type='spot'>{inner}</emitter>"))
+    };
     let board = "<texture type='checkerboard' name='texture'><rgb name='color0' value='0.5'/>
         <rgb name='color1' value='4'/></texture><rgb name='intensity' value='3'/>";
     let LightSource::Projector { axes, intensity, picture, .. } =

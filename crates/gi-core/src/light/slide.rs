@@ -33,3 +33,39 @@ impl Slide {
         self.texture.mean()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::Affine2;
+
+    use super::*;
+    use crate::texture::{Bitmap, Lookup, Texels, Wrap};
+
+    /// Dark on the left, bright on the right; the lower row half as much.
+    fn picture() -> Texture {
+        let texels = [0.0, 1.0, 0.0, 0.5].map(Rgb::grey).to_vec();
+        let bitmap = Bitmap::new(2, 2, Texels::Float(texels), Wrap::Clamp, Lookup::Nearest);
+        Texture::Bitmap { bitmap: Arc::new(bitmap), to_uv: Affine2::IDENTITY, scale: Rgb::WHITE }
+    }
+
+    #[test]
+    fn the_picture_spans_the_cone_and_not_more() {
+        let cutoff = 0.5f32;
+        let slide = Slide::new(picture(), [Vec3::X, Vec3::Y, Vec3::Z], cutoff);
+        let along = |x: f32, y: f32| slide.along(Vec3::new(x, y, 1.0).normalize()).r;
+        // v grows along y, and the first row of a picture is at v = 0.
+        assert_eq!([along(-0.1, -0.1), along(0.1, -0.1), along(0.1, 0.1)], [0.0, 1.0, 0.5]);
+        let edge = cutoff.tan();
+        assert_eq!([along(0.99 * edge, -0.1), along(-0.99 * edge, -0.1)], [1.0, 0.0]);
+        assert_eq!(slide.mean(), Rgb::grey(0.375));
+    }
+
+    #[test]
+    fn a_mirrored_and_turned_spot_shows_a_mirrored_and_turned_picture() {
+        let slide = Slide::new(picture(), [-2.0 * Vec3::Z, Vec3::Y, Vec3::X], 0.5);
+        assert_eq!(slide.along(Vec3::new(1.0, -0.1, -0.1).normalize()).r, 1.0);
+        assert_eq!(slide.along(Vec3::new(1.0, -0.1, 0.1).normalize()).r, 0.0);
+    }
+}
