@@ -67,7 +67,7 @@ pub(crate) fn moved(
         match &mut moved.projection {
             Projection::Perspective { fov_x, .. } => *fov_x = fov.to_radians(),
             Projection::Orthographic => {
-                report.warn_nowhere("--fov has no effect on an orthographic sensor".to_owned());
+                report.warn_nowhere("--fov has no effect on an orthographic sensor");
             }
         }
     }

@@ -40,6 +40,11 @@ pub(crate) fn name_before_comment(name: &str) -> Option<&str> {
     after_blank.next().map(|at| name[..at].trim_end()).filter(|name| !name.is_empty())
 }
 
+/// A name without the quotes round it.
+pub(crate) fn unquoted(name: &str) -> &str {
+    name.strip_prefix('"').and_then(|n| n.strip_suffix('"')).unwrap_or(name)
+}
+
 /// All statements that are not blank.
 pub(crate) fn statements(bytes: &[u8]) -> impl Iterator<Item = Statement<'_>> {
     let mut lines = Lines { bytes, at: 0, number: 0 };

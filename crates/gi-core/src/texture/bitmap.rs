@@ -150,7 +150,7 @@ const FAR: f32 = 1e9;
 /// The whole number below `x` and what is left; 0 for numbers that are none or lie so far away that they name no texel.
 #[inline]
 fn floor(x: f32) -> (i32, f32) {
-    if !(x.abs() < FAR) {
+    if x.is_nan() || x.abs() >= FAR {
         return (0, 0.0);
     }
     let toward_zero = x as i32;

@@ -11,7 +11,7 @@ use glam::{Affine2, Mat2, Vec2};
 use super::Reader;
 use super::mtl::Map;
 use crate::files::{self, Found};
-use crate::statements::name_before_comment;
+use crate::statements::{name_before_comment, unquoted};
 use crate::textures::BitmapFile;
 use crate::value;
 
@@ -175,7 +175,7 @@ impl Reader<'_> {
 
 /// A file that a library or an OBJ names.
 pub(super) fn find(name: &str, folder: &Path) -> Option<PathBuf> {
-    match files::find(name, folder, &[]) {
+    match files::find(unquoted(name), folder, &[]) {
         Found::Exact(path) | Found::OtherCase(path) => Some(path),
         Found::No => None,
     }

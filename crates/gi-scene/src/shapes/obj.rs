@@ -23,11 +23,29 @@ pub(crate) struct Contents {
     pub(crate) portable: bool,
     /// Faces of fewer than three corners, which are left out: how many, and the line of the first.
     pub(crate) degenerate: (usize, usize),
+    /// Whether there are free-form curves or surfaces, or other files are called.
+    ignored: bool,
 }
 
+/// Statements that draw something and are not understood.
+const IGNORED: [&str; 4] = ["curv", "curv2", "surf", "call"];
+
 impl Contents {
-    /// What to say about faces that are left out, if there are any.
+    /// Note a face in a line that has too few corners.
+    fn count_corners(&mut self, corners: usize, line: usize) {
+        let (count, first) = self.degenerate;
+        if corners < 3 {
+            self.degenerate = (count + 1, if count == 0 { line } else { first });
+        }
+    }
+
+    /// What to say about what is left out, if there is anything.
     pub(crate) fn note(&self, path: &str) -> Option<String> {
+        if self.ignored {
+            return Some(format!(
+                "`{path}`: free-form surfaces, curves and calls of other files are left out"
+            ));
+        }
         let (count, first) = self.degenerate;
         let faces = if count == 1 { "a face" } else { "faces" };
         (count > 0).then(|| {
@@ -63,14 +81,12 @@ pub(crate) fn parse_by_material(
             "vt" => reader.uvs.push(texture_coordinate(rest).map_err(fail)?),
             // `fo` is how old files wrote it.
             "f" | "fo" => {
-                if reader.face(without_comment(rest)).map_err(fail)? < 3 {
-                    let (count, first) = contents.degenerate;
-                    let first = if count == 0 { statement.line } else { first };
-                    contents.degenerate = (count + 1, first);
-                }
+                let corners = reader.face(without_comment(rest)).map_err(fail)?;
+                contents.count_corners(corners, statement.line);
             }
             "usemtl" if by_material => reader.material(rest),
             "mtllib" => contents.libraries.push(rest.to_owned()),
+            _ if IGNORED.contains(&keyword) => contents.ignored = true,
             _ => {}
         }
     }
