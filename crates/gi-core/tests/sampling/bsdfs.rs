@@ -9,9 +9,10 @@ use gi_core::rng::Pcg;
 use gi_core::scene::{Scene, SceneParts};
 use gi_core::texture::Texture;
 use gi_core::warp;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use crate::grid::check;
+use crate::principled::{self, principled, sheet};
 
 fn rough(distribution: Distribution, u: f32, v: f32) -> Option<Roughness> {
     Some(Roughness { distribution, alpha_u: Texture::grey(u), alpha_v: Texture::grey(v) })
@@ -33,108 +34,6 @@ fn glass(roughness: Option<Roughness>) -> Material {
 fn plastic(nonlinear: bool, roughness: Option<Roughness>) -> Material {
     let diffuse = Texture::Constant(Rgb::new(0.7, 0.4, 0.1));
     Material::Plastic { eta: 1.49, diffuse, specular: white(), nonlinear, roughness }
-}
-
-/// A dull principled surface, changed.
-fn principled(change: impl FnOnce(&mut Principled)) -> Material {
-    let zero = || Texture::grey(0.0);
-    let mut p = Principled {
-        base_color: Texture::Constant(Rgb::new(0.6, 0.4, 0.2)),
-        roughness: Texture::grey(0.5),
-        anisotropic: zero(),
-        metallic: zero(),
-        spec_trans: zero(),
-        eta: 1.5,
-        spec_tint: zero(),
-        sheen: zero(),
-        sheen_tint: zero(),
-        flatness: zero(),
-        clearcoat: zero(),
-        clearcoat_gloss: zero(),
-    };
-    change(&mut p);
-    Material::Principled(Box::new(p))
-}
-
-/// A principled sheet, changed.
-fn sheet(change: impl FnOnce(&mut PrincipledThin)) -> Material {
-    let zero = || Texture::grey(0.0);
-    let mut p = PrincipledThin {
-        base_color: Texture::Constant(Rgb::new(0.6, 0.4, 0.2)),
-        roughness: Texture::grey(0.5),
-        anisotropic: zero(),
-        spec_trans: zero(),
-        diff_trans: zero(),
-        eta: Texture::grey(1.5),
-        spec_tint: zero(),
-        sheen: zero(),
-        sheen_tint: zero(),
-        flatness: zero(),
-    };
-    change(&mut p);
-    Material::PrincipledThin(Box::new(p))
-}
-
-/// The principled model with each of its lobes.
-fn principled_materials() -> Vec<(&'static str, Vec<Material>, bool)> {
-    let grey = Texture::grey;
-    vec![
-        ("principled", vec![principled(|_| {})], false),
-        ("principled, rough", vec![principled(|p| p.roughness = grey(1.0))], false),
-        (
-            "principled, flat with sheen",
-            vec![principled(|p| {
-                p.flatness = grey(0.7);
-                (p.sheen, p.sheen_tint) = (grey(0.5), grey(0.5));
-            })],
-            false,
-        ),
-        (
-            "principled metal, anisotropic",
-            vec![principled(|p| (p.metallic, p.anisotropic) = (grey(1.0), grey(0.8)))],
-            false,
-        ),
-        (
-            "principled, tinted with clearcoat",
-            vec![principled(|p| {
-                (p.clearcoat, p.clearcoat_gloss) = (grey(1.0), grey(0.3));
-                (p.spec_tint, p.metallic) = (grey(0.8), grey(0.3));
-            })],
-            false,
-        ),
-        (
-            "principled glass",
-            vec![principled(|p| (p.spec_trans, p.roughness) = (grey(1.0), grey(0.6)))],
-            false,
-        ),
-        (
-            "principled, some of all",
-            vec![principled(|p| {
-                (p.spec_trans, p.metallic, p.eta) = (grey(0.6), grey(0.2), 1.33);
-                (p.anisotropic, p.clearcoat, p.sheen) = (grey(0.5), grey(0.5), grey(0.3));
-                (p.spec_tint, p.flatness) = (grey(0.4), grey(0.3));
-            })],
-            false,
-        ),
-        (
-            "principled, thinner than outside",
-            vec![principled(|p| {
-                (p.spec_trans, p.eta, p.clearcoat) = (grey(0.7), 0.8, grey(0.5));
-                (p.spec_tint, p.metallic) = (grey(0.5), grey(0.2));
-            })],
-            false,
-        ),
-        ("principled sheet", vec![sheet(|p| p.diff_trans = grey(0.8))], false),
-        (
-            "principled sheet, some of all",
-            vec![sheet(|p| {
-                (p.spec_trans, p.diff_trans, p.eta) = (grey(0.6), grey(1.2), grey(1.33));
-                (p.anisotropic, p.spec_tint, p.sheen) = (grey(0.5), grey(0.5), grey(0.4));
-                (p.flatness, p.sheen_tint) = (grey(0.5), grey(0.5));
-            })],
-            false,
-        ),
-    ]
 }
 
 /// Name, table of materials whose last is the one to test, and whether its albedo must be one.
@@ -200,16 +99,17 @@ fn materials() -> Vec<(&'static str, Vec<Material>, bool)> {
             false,
         ),
     ];
-    all.extend(principled_materials());
+    all.extend(principled::materials());
     all
 }
 
 /// A floor with the last of the materials, seen from above.
-fn floor(materials: Vec<Material>) -> (Scene, Surface) {
+pub(crate) fn floor(materials: Vec<Material>) -> (Scene, Surface) {
     let mesh = Mesh {
         positions: [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
             .map(|[x, y]| Vec3::new(x, y, 0.0))
             .to_vec(),
+        uvs: [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(Vec2::from).to_vec(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         ..Mesh::default()
     };
