@@ -168,6 +168,8 @@ pub(crate) struct Document {
     pub(crate) version: u32,
     /// Tags in the scene itself that are of no known dialect, each once.
     pub(crate) unknown_tags: Vec<String>,
+    /// Whether any of them has a type, as things in a scene have.
+    pub(crate) unknown_things: bool,
     /// Hash of the text of all files and of the defines.
     pub(crate) hash: Hash,
 }

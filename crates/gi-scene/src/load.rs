@@ -85,16 +85,16 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     Ok(Loaded { warnings, ..loaded })
 }
 
-/// Refuse a scene of which nothing was understood but its frame: a black picture would mislead.
+/// Refuse a scene whose things are of another dialect: a black picture would mislead.
 fn refuse_other_dialects(path: &Path, doc: &Document, parts: &SceneParts, report: &Report) {
-    let SceneParts { shapes, groups, lights, .. } = parts;
-    let empty = shapes.is_empty() && groups.is_empty() && lights.is_empty();
-    if !empty || doc.unknown_tags.is_empty() || report.has_errors() {
+    let no_shapes = parts.shapes.is_empty() && parts.groups.is_empty();
+    let nothing = no_shapes && (parts.lights.is_empty() || doc.unknown_things);
+    if !nothing || doc.unknown_tags.is_empty() || report.has_errors() {
         return;
     }
     let tags: Vec<String> = doc.unknown_tags.iter().map(|tag| format!("<{tag}>")).collect();
     report.error_nowhere(format!(
-        "`{}` is a scene of another dialect: no shape and no light in it is understood, and Mitsuba knows no {}",
+        "`{}` is a scene of another dialect: no shape in it is understood, and Mitsuba knows no {}",
         path.display(),
         tags.join(", ")
     ));

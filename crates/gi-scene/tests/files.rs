@@ -262,6 +262,8 @@ fn a_scene_of_another_dialect_is_refused() {
         shown.contains("another dialect") && shown.ends_with("Mitsuba knows no <mesh>"),
         "{shown}"
     );
+    let lit = folder.problems("<emitter type='point'/><mesh type='obj'/>");
+    assert!(lit.contains("another dialect"), "{lit}");
     assert!(load(&folder.write("a.xml", "<world><mesh/></world>"), &Options::default()).is_err());
 }
 

@@ -84,6 +84,7 @@ impl<'r> Parser<'r> {
             presets,
             version: 3,
             unknown_tags: Vec::new(),
+            unknown_things: false,
             hash,
         };
         let mut all = Defines::default();
