@@ -5,7 +5,7 @@ mod common;
 use common::Folder;
 use gi_core::material::Material;
 use gi_core::math::Rgb;
-use gi_core::texture::{Texture, Wrap};
+use gi_core::texture::Texture;
 use gi_scene::{Loaded, Options, load};
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -127,7 +127,6 @@ fn light_by_a_picture_alone_shines() {
     };
     assert_eq!(to_uv.matrix2.x_axis.x, 2.0);
     assert!(loaded.warnings[0].contains("the option `-mm` is ignored"), "{:?}", loaded.warnings);
-    let _ = Wrap::Clamp;
 }
 
 #[test]

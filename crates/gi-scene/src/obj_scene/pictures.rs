@@ -67,15 +67,7 @@ fn mapping(text: &str) -> Mapping<'_> {
         let Some((_, most)) = OPTIONS.iter().find(|(known, _)| *known == option) else {
             return out;
         };
-        let numeric = ["-o", "-s", "-t"].contains(&option);
-        let (mut rest, mut words) = (rest, Vec::new());
-        while words.len() < *most {
-            let (word, after) = first_word(rest);
-            if word.is_empty() || (numeric && !words.is_empty() && value::number(word).is_err()) {
-                break;
-            }
-            (rest, words) = (after, [words, vec![word]].concat());
-        }
+        let (words, rest) = arguments(option, *most, rest);
         let number = |k: usize| words.get(k).and_then(|w| value::number(w).ok());
         match option {
             "-s" => out.scale = Vec2::new(number(0).unwrap_or(1.0), number(1).unwrap_or(1.0)),
@@ -86,6 +78,32 @@ fn mapping(text: &str) -> Mapping<'_> {
         }
         out.name = rest;
     }
+}
+
+/// The words that belong to an option, and what follows them.
+fn arguments<'a>(option: &str, most: usize, mut rest: &'a str) -> (Vec<&'a str>, &'a str) {
+    let takes_fewer = ["-o", "-s", "-t"].contains(&option);
+    let mut words = Vec::new();
+    while words.len() < most {
+        let (word, after) = first_word(rest);
+        let is_next = takes_fewer && !words.is_empty() && value::number(word).is_err();
+        if word.is_empty() || is_next {
+            break;
+        }
+        words.push(word);
+        rest = after;
+    }
+    (words, rest)
+}
+
+/// What a text may mean, the likeliest first: names may hold blanks, look like options, and be followed by comments.
+fn readings(text: &str) -> Vec<Mapping<'_>> {
+    let options = mapping(text);
+    let with_name = |name| Mapping { name, ..mapping(text) };
+    let before_comment = name_before_comment(options.name).map(with_name);
+    let last_word = text.split_whitespace().last().map(with_name);
+    let whole = Mapping { name: text, ..mapping("") };
+    [Some(whole), Some(options), before_comment, last_word].into_iter().flatten().collect()
 }
 
 fn first_word(text: &str) -> (&str, &str) {
@@ -112,19 +130,7 @@ impl Reader<'_> {
     ) -> Texture {
         let constant = Texture::Constant(factor.unwrap_or(default));
         let Some(map) = map else { return constant };
-        // A name may look like options and have blanks in it: the whole text may be one.
-        let whole = Mapping { name: &map.text, ..mapping("") };
-        let with_options = mapping(&map.text);
-        let last = map.text.split_whitespace().last().unwrap_or_default();
-        let tries = [
-            Some(whole),
-            name_before_comment(with_options.name)
-                .map(|name| Mapping { name, ..mapping(&map.text) }),
-            Some(Mapping { name: last, ..mapping(&map.text) }),
-        ];
-        let [whole, before_comment, last] = tries;
-        let mut tries = whole.into_iter().chain([with_options]).chain(before_comment).chain(last);
-        let found = tries.find_map(|m| Some((self.place_of(m.name)?, m)));
+        let found = readings(&map.text).into_iter().find_map(|m| Some((self.place_of(m.name)?, m)));
         let Some((path, mapping)) = found else {
             let message = format!("cannot find the picture `{}`", map.text);
             self.report.error(map.span, message, "");
