@@ -35,13 +35,15 @@ impl Base {
     /// f without the cosine.
     #[inline]
     pub(super) fn f(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        self.diffuse_f(wo, wi) + self.sheen_f(wo, wi)
+        let retro = self.directed_retro(wo.z, wi.z, cos_d_sq(wo, wi));
+        self.diffuse_f(wo, wi) + self.color * (INV_PI * retro) + self.sheen_f(wo, wi)
     }
 
-    /// f of the base without its sheen.
+    /// f of what irradiance answers for: all but the sheen and the retro-reflection, which are lobes that no mean over
+    /// directions stands for. What of the retro-reflection all directions have in common is in it.
     #[inline]
     pub(super) fn diffuse_f(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        self.color * (INV_PI * self.shape(wo.z, wi.z, 0.5 * (1.0 + wo.dot(wi))))
+        self.color * (INV_PI * self.smooth(wo.z, wi.z, cos_d_sq(wo, wi)))
     }
 
     /// f of the sheen [Burley12, 5.3].
@@ -50,17 +52,17 @@ impl Base {
         if self.sheen.is_black() {
             return Rgb::BLACK;
         }
-        self.sheen * schlick_weight(safe_sqrt(0.5 * (1.0 + wo.dot(wi))))
+        self.sheen * schlick_weight(safe_sqrt(cos_d_sq(wo, wi)))
     }
 
-    /// pi times f of the base over its colour; `cos_d_sq` is the squared cosine of half the angle between the directions.
+    /// pi times [`Base::diffuse_f`] over the colour; `cos_d_sq` is the squared cosine of half the angle between the
+    /// directions.
     #[inline]
-    fn shape(&self, cos_o: f32, cos_i: f32, cos_d_sq: f32) -> f32 {
+    fn smooth(&self, cos_o: f32, cos_i: f32, cos_d_sq: f32) -> f32 {
         let (fo, fi) = (schlick_weight(cos_o), schlick_weight(cos_i));
         let retro = 2.0 * self.roughness * cos_d_sq;
-        // [Burley12, 5.3; Burley15, eq. 4]
-        let diffuse =
-            (1.0 - 0.5 * fo) * (1.0 - 0.5 * fi) + retro * (fo + fi + fo * fi * (retro - 1.0));
+        // [Burley12, 5.3; Burley15, eq. 4], without `directed_retro`.
+        let diffuse = (1.0 - 0.5 * fo) * (1.0 - 0.5 * fi) + self.least_retro(cos_o) * fo;
         if self.flatness == 0.0 {
             return diffuse;
         }
@@ -71,7 +73,22 @@ impl Base {
         diffuse + (flat - diffuse) * self.flatness
     }
 
-    /// pi times the mean of the base's f, sheen apart, over the cosine-weighted hemisphere of `wi`.
+    /// Least factor of the retro-reflection over all `wi` above.
+    #[inline]
+    fn least_retro(&self, cos_o: f32) -> f32 {
+        self.roughness * (1.0 - safe_sqrt(1.0 - sqr(cos_o)))
+    }
+
+    /// What of the retro-reflection depends on `wi`, never negative.
+    #[inline]
+    fn directed_retro(&self, cos_o: f32, cos_i: f32, cos_d_sq: f32) -> f32 {
+        let (fo, fi) = (schlick_weight(cos_o), schlick_weight(cos_i));
+        let retro = 2.0 * self.roughness * cos_d_sq;
+        let common = (retro - self.least_retro(cos_o)).max(0.0) * fo;
+        (common + retro * fi * (1.0 + fo * (retro - 1.0))) * (1.0 - self.flatness)
+    }
+
+    /// pi times the mean of [`Base::diffuse_f`] over the cosine-weighted hemisphere of `wi`.
     pub(super) fn mean_albedo(&self, wo: Vec3) -> Rgb {
         let sin_o = safe_sqrt(1.0 - sqr(wo.z));
         let mut sum = 0.0;
@@ -80,7 +97,7 @@ impl Base {
             let across = sin_o * safe_sqrt(1.0 - sqr(cos_i)) * (0.25 * PI).cos();
             for across in [across, -across] {
                 let cos_d_sq = 0.5 * (1.0 + wo.z * cos_i + across);
-                sum += weight * cos_i * self.shape(wo.z, cos_i, cos_d_sq);
+                sum += weight * cos_i * self.smooth(wo.z, cos_i, cos_d_sq);
             }
         }
         self.color * sum
@@ -116,6 +133,12 @@ impl Base {
         let color = self.color * INV_PI;
         [color * mix(f, 1.25 / cos_o) + sheen, color * mix(f_cos, flat * cos) + sheen * cos]
     }
+}
+
+/// Squared cosine of half the angle between two directions.
+#[inline]
+fn cos_d_sq(wo: Vec3, wi: Vec3) -> f32 {
+    0.5 * (1.0 + wo.dot(wi))
 }
 
 #[cfg(test)]

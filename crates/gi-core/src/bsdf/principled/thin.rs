@@ -167,12 +167,12 @@ impl Thin {
         if self.specular > 0.0 { self.facets.width().min(self.passing.width()) } else { 1.0 }
     }
 
-    /// pi times the mean of the base's f over the hemisphere, `wo` above.
+    /// pi times the mean of [`Self::diffuse_f`] over the hemisphere, `wo` above.
     pub(crate) fn diffuse_albedo(&self, wo: Vec3) -> Rgb {
         self.base.mean_albedo(wo)
     }
 
-    /// f of the base, both directions above.
+    /// f of the part that irradiance answers for, both directions above.
     pub(crate) fn diffuse_f(&self, wo: Vec3, wi: Vec3) -> Rgb {
         self.base.diffuse_f(wo, wi)
     }
