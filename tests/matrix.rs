@@ -68,7 +68,13 @@ impl Program {
                 world.render::<ppm::Ppm>(&params, 8 * effort, seed, Show::All)
             }
             InstantRadiosity => {
-                render_default::<instant_radiosity::InstantRadiosity>(world, 24 * effort)
+                let params = instant_radiosity::Params::default();
+                world.render::<instant_radiosity::InstantRadiosity>(
+                    &params,
+                    2 * effort,
+                    seed,
+                    Show::All,
+                )
             }
             Lightcuts => {
                 let mut params = lightcuts::Params { vpls: 1024, ..Default::default() };

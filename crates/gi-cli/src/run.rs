@@ -58,9 +58,18 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<(), Failure> {
     let kept = common.stats.iter().chain(&common.checkpoint).cloned();
     let others: Vec<PathBuf> = kept.chain(args.outputs()).collect();
     output.check_apart(&others)?;
-    say_warnings(common, &loaded.warnings);
-
-    let Loaded { mut parts, mut camera, filter, mut warnings, hash, world, .. } = loaded;
+    let Loaded {
+        mut parts,
+        mut camera,
+        filter,
+        mut warnings,
+        hash,
+        world,
+        integrator_max_depth,
+        ..
+    } = loaded;
+    warnings.extend(depth_warning(common, arguments, integrator_max_depth));
+    say_warnings(common, &warnings);
     camera.to_world.translation += Vec3A::from(parts.recentre());
     check_film(camera.size)?;
     let clock = Instant::now();
@@ -145,6 +154,15 @@ fn say_warnings(common: &Common, warnings: &[String]) {
     if !common.quiet {
         warnings.iter().for_each(|w| eprintln!("warning: {w}"));
     }
+}
+
+/// That the scene's integrator wants shorter paths, unless the flag was typed.
+fn depth_warning(common: &Common, arguments: &[String], scene: Option<i32>) -> Option<String> {
+    let typed = arguments.iter().any(|a| a == "--max-depth" || a.starts_with("--max-depth="));
+    let depth = scene.filter(|depth| *depth != -1 && *depth != common.max_depth && !typed)?;
+    Some(format!(
+        "the integrator's `max_depth` {depth} is ignored: give `--max-depth {depth}` for it, `--max-depth -1` for all light"
+    ))
 }
 
 /// What the user should know about the scene's media.

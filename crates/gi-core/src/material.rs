@@ -38,6 +38,61 @@ impl Default for BentNormals {
     }
 }
 
+/// Parameters of the principled model \[Burley12, Burley15\], as Mitsuba 3 names them. All but `eta` lie in [0, 1].
+#[derive(Clone, Debug)]
+pub struct Principled {
+    /// Colour of the base, of metals and of what is refracted.
+    pub base_color: Texture,
+    /// Root of the facets' width.
+    pub roughness: Texture,
+    /// How much the facets' widths differ along the two tangents.
+    pub anisotropic: Texture,
+    /// Share of the metal.
+    pub metallic: Texture,
+    /// Share of the glass in what is not metal.
+    pub spec_trans: Texture,
+    /// Index inside over index outside.
+    pub eta: f32,
+    /// How much of the colour's hue the dielectric reflection takes on.
+    pub spec_tint: Texture,
+    /// Strength of the sheen.
+    pub sheen: Texture,
+    /// How much of the colour's hue the sheen takes on.
+    pub sheen_tint: Texture,
+    /// Share of the flattened form in the base.
+    pub flatness: Texture,
+    /// Strength of the clearcoat.
+    pub clearcoat: Texture,
+    /// How sharp the clearcoat's reflection is.
+    pub clearcoat_gloss: Texture,
+}
+
+/// Parameters of the principled model of a sheet \[Burley15\], as Mitsuba 3 names them. All but `eta` and `diff_trans` lie
+/// in [0, 1].
+#[derive(Clone, Debug)]
+pub struct PrincipledThin {
+    /// Colour of the base, and of what passes.
+    pub base_color: Texture,
+    /// Root of the facets' width.
+    pub roughness: Texture,
+    /// How much the facets' widths differ along the two tangents.
+    pub anisotropic: Texture,
+    /// Share of the facets that reflect and let light pass.
+    pub spec_trans: Texture,
+    /// Twice the share of the base that lets light pass diffusely, in [0, 2].
+    pub diff_trans: Texture,
+    /// Index of the sheet over index round it.
+    pub eta: Texture,
+    /// How much of the colour's hue the reflection takes on.
+    pub spec_tint: Texture,
+    /// Strength of the sheen.
+    pub sheen: Texture,
+    /// How much of the colour's hue the sheen takes on.
+    pub sheen_tint: Texture,
+    /// Share of the flattened form in the base.
+    pub flatness: Texture,
+}
+
 /// How a surface scatters light. Children are indices into the same table of materials
 /// and must stand before their parent.
 #[derive(Clone, Debug)]
@@ -107,6 +162,10 @@ pub enum Material {
         /// Exponent of the lobe.
         exponent: Texture,
     },
+    /// Burley's principled model of a body's surface.
+    Principled(Box<Principled>),
+    /// Burley's principled model of a sheet without thickness.
+    PrincipledThin(Box<PrincipledThin>),
     /// Nothing there: light passes straight through.
     Null,
     /// Partly there.

@@ -12,7 +12,7 @@ use crate::diagnostics::{Report, Span};
 use crate::document::{Class, Document, Node, ObjectId};
 use crate::files::{self, Found};
 use crate::hash::Hash;
-use crate::shapes::{MeshFile, Placement, smooth};
+use crate::shapes::{MeshFile, Placement, ReadMesh, smooth};
 use crate::textures::BitmapFile;
 
 /// What was read, by the object that asked for it.
@@ -53,7 +53,8 @@ impl Assets {
                 meshes.push(Wanted { object, span, key: MeshFile::of(node, path) });
             } else if node.class() == Class::Emitter {
                 let (wrap, lookup) = (Wrap::Repeat, Lookup::Bilinear);
-                let key = BitmapFile { path, raw: false, wrap, lookup };
+                let raw = node.float_opt("gamma") == Some(1.0);
+                let key = BitmapFile { path, raw, wrap, lookup };
                 bitmaps.push(Wanted { object, span, key });
             } else {
                 bitmaps.push(Wanted { object, span, key: BitmapFile::of(node, path) });
@@ -72,10 +73,10 @@ impl Assets {
             .par_iter()
             .map(|key| (files::read_bytes(&key.path).map(|b| hash_of(&b)), key.read()))
             .collect();
+        let first = first_of(&index, keys.len());
         for (i, (key, (hash, bitmap))) in keys.into_iter().zip(read).enumerate() {
             self.hash.word(hash.unwrap_or(0));
-            let first = index.iter().position(|&k| k == i).expect("each key was wanted");
-            let bitmap = note_failure(bitmap, &key.path, wanted[first].span, report);
+            let bitmap = note_failure(bitmap, &key.path, wanted[first[i]].span, report);
             self.bitmaps.push((key, bitmap.map(Arc::new)));
         }
         self.bitmap_of = wanted.iter().zip(index).map(|(w, i)| (w.object, i)).collect();
@@ -83,20 +84,23 @@ impl Assets {
 
     fn read_meshes(&mut self, wanted: Vec<Wanted<MeshFile>>, doc: &Document, report: &Report) {
         let (keys, index) = unique(&wanted);
-        let read: Vec<Result<(Mesh, bool, u64), String>> = keys
+        let read: Vec<Result<(ReadMesh, u64), String>> = keys
             .par_iter()
             .map(|key| {
                 let bytes = files::read_bytes(&key.path)?;
-                let (mesh, portable) = key.parse(&bytes)?;
-                Ok((mesh, portable, hash_of(&bytes)))
+                Ok((key.parse(&bytes)?, hash_of(&bytes)))
             })
             .collect();
+        let first = first_of(&index, keys.len());
         let mut raw = Vec::new();
         for (i, (key, result)) in keys.iter().zip(read).enumerate() {
-            let first = index.iter().position(|&k| k == i).expect("each key was wanted");
-            let read = note_failure(result, &key.path, wanted[first].span, report);
-            self.hash.word(read.as_ref().map_or(0, |r| r.2));
-            raw.push(read.map(|(mesh, portable, _)| (mesh, portable)));
+            let span = wanted[first[i]].span;
+            let read = note_failure(result, &key.path, span, report);
+            self.hash.word(read.as_ref().map_or(0, |r| r.1));
+            if let Some(note) = read.as_ref().and_then(|(mesh, _)| mesh.note.as_ref()) {
+                report.warn(span, note);
+            }
+            raw.push(read.map(|(read, _)| (read.mesh, read.portable)));
         }
         // Each shape gets its copy, moved to its place; the last that wants a file takes it.
         let mut last = vec![0; raw.len()];
@@ -161,6 +165,13 @@ fn unique<K: Clone + PartialEq + Keyed>(wanted: &[Wanted<K>]) -> (Vec<K>, Vec<us
     });
     let index = index.collect();
     (keys, index)
+}
+
+/// Of each of `count` keys, the first wish for it.
+fn first_of(index: &[usize], count: usize) -> Vec<usize> {
+    let mut first = vec![0; count];
+    index.iter().enumerate().rev().for_each(|(wish, &key)| first[key] = wish);
+    first
 }
 
 /// What names a file.

@@ -30,7 +30,8 @@ pub(crate) struct Origins {
     pub(crate) groups: Vec<Vec<ShapeOrigin>>,
     /// Of each light.
     pub(crate) lights: Vec<LightOrigin>,
-    bitmaps: Vec<(Arc<Bitmap>, BitmapFile)>,
+    /// By the address of the picture, which is kept alive beside it.
+    bitmaps: HashMap<usize, (Arc<Bitmap>, BitmapFile)>,
 }
 
 /// How a shape's geometry was given.
@@ -60,14 +61,13 @@ pub(crate) enum LightOrigin {
 impl Origins {
     /// Remember where a picture came from.
     pub(crate) fn note_bitmap(&mut self, bitmap: &Arc<Bitmap>, file: &BitmapFile) {
-        if self.bitmap_file(bitmap).is_none() {
-            self.bitmaps.push((bitmap.clone(), file.clone()));
-        }
+        let known = self.bitmaps.entry(Arc::as_ptr(bitmap).addr());
+        known.or_insert_with(|| (bitmap.clone(), file.clone()));
     }
 
     /// Where a picture came from.
     pub(crate) fn bitmap_file(&self, bitmap: &Arc<Bitmap>) -> Option<&BitmapFile> {
-        self.bitmaps.iter().find(|(b, _)| Arc::ptr_eq(b, bitmap)).map(|(_, file)| file)
+        self.bitmaps.get(&Arc::as_ptr(bitmap).addr()).map(|(_, file)| file)
     }
 }
 
@@ -88,6 +88,8 @@ pub(crate) struct Builder<'a> {
     pub(crate) medium_of: HashMap<ObjectId, usize>,
     pub(crate) group_of: HashMap<ObjectId, usize>,
     pub(crate) built_shapes: HashSet<ObjectId>,
+    /// Emitters that belong to shapes.
+    pub(crate) used_emitters: HashSet<ObjectId>,
 }
 
 impl<'a> Builder<'a> {
@@ -107,6 +109,7 @@ impl<'a> Builder<'a> {
             medium_of: HashMap::new(),
             group_of: HashMap::new(),
             built_shapes: HashSet::new(),
+            used_emitters: HashSet::new(),
         }
     }
 

@@ -1,6 +1,9 @@
 //! What is wrong with a scene: every problem with its place, what was expected and what may have been meant.
 
+mod alike;
+
 use std::cell::RefCell;
+use std::collections::HashSet;
 use std::fmt;
 use std::path::Path;
 
@@ -115,7 +118,16 @@ impl SourceFile {
 #[derive(Debug, Default)]
 pub(crate) struct Report {
     inner: RefCell<Diagnostics>,
-    warnings: RefCell<Vec<String>>,
+    warnings: RefCell<Vec<Warning>>,
+    said: RefCell<HashSet<String>>,
+}
+
+/// Something approximated or ignored.
+#[derive(Debug)]
+struct Warning {
+    /// `file:line: `, or nothing.
+    place: String,
+    message: String,
 }
 
 impl Report {
@@ -158,10 +170,13 @@ impl Report {
 
     /// Something approximated or ignored: `file:line: text`.
     pub(crate) fn warn(&self, span: Span, message: impl AsRef<str>) {
-        let text = format!("{}: {}", self.place(span), message.as_ref());
-        let mut warnings = self.warnings.borrow_mut();
-        if !warnings.contains(&text) {
-            warnings.push(text);
+        self.push_warning(format!("{}: ", self.place(span)), message.as_ref());
+    }
+
+    fn push_warning(&self, place: String, message: &str) {
+        if self.said.borrow_mut().insert(format!("{place}{message}")) {
+            let message = message.to_owned();
+            self.warnings.borrow_mut().push(Warning { place, message });
         }
     }
 
@@ -173,8 +188,8 @@ impl Report {
     }
 
     /// A warning of no one line.
-    pub(crate) fn warn_nowhere(&self, message: impl Into<String>) {
-        self.warnings.borrow_mut().push(message.into());
+    pub(crate) fn warn_nowhere(&self, message: impl AsRef<str>) {
+        self.push_warning(String::new(), message.as_ref());
     }
 
     /// Whether any problem was found.
@@ -182,12 +197,16 @@ impl Report {
         !self.inner.borrow().problems.is_empty()
     }
 
-    /// The warnings, or the problems if there are any.
+    /// The warnings, of many alike only the first, or the problems if there are any.
     pub(crate) fn finish(self) -> Result<Vec<String>, Diagnostics> {
         let mut inner = self.inner.into_inner();
         // In the order of the text, whatever the order of the reading.
         inner.problems.sort_by_key(|p| p.span.map_or((usize::MAX, 0), |s| (s.file, s.start)));
-        if inner.problems.is_empty() { Ok(self.warnings.into_inner()) } else { Err(inner) }
+        if inner.problems.is_empty() {
+            Ok(alike::grouped(self.warnings.into_inner()))
+        } else {
+            Err(inner)
+        }
     }
 }
 

@@ -166,6 +166,10 @@ pub(crate) struct Document {
     pub(crate) presets: BTreeMap<String, String>,
     /// Major version of the format as written; 0 covers 0.5 and 0.6.
     pub(crate) version: u32,
+    /// Tags in the scene itself that are of no known dialect, each once.
+    pub(crate) unknown_tags: Vec<String>,
+    /// Whether any of them has a type, as things in a scene have.
+    pub(crate) unknown_things: bool,
     /// Hash of the text of all files and of the defines.
     pub(crate) hash: Hash,
 }
@@ -218,8 +222,15 @@ impl Document {
                 report.warn(p.span, format!("{what} has no parameter `{}`: ignored{hint}", p.name));
             }
             for c in object.children.iter().filter(|c| !c.used.get()) {
-                let name = if c.name.is_empty() { "a child" } else { c.name.as_str() };
-                report.warn(c.span, format!("{what} does not use {name}: ignored"));
+                let tag = match &c.target {
+                    Target::Here(id) => self.objects[*id].tag.as_str(),
+                    Target::Ref(_) | Target::Missing => "ref",
+                };
+                let name = match c.name.as_str() {
+                    "" => String::new(),
+                    name => format!(" `{name}`"),
+                };
+                report.warn(c.span, format!("{what} does not use its {tag}{name}: ignored"));
             }
         }
     }

@@ -6,8 +6,8 @@ use gi_core::texture::Bitmap;
 use glam::{Affine3A, Vec3};
 
 use crate::build::{Builder, LightOrigin};
-use crate::document::Node;
-use crate::textures::warn_negative;
+use crate::document::{Class, Node};
+use crate::textures::{note_gamma, warn_negative};
 use crate::{sky, texels};
 
 /// The plugins that are understood at the top level.
@@ -20,13 +20,16 @@ impl Builder<'_> {
         node.ignore(&["sampling_weight"]);
         let light = match node.plugin() {
             "point" => Some(point(node)),
-            "spot" => spot(node),
+            "spot" => self.spot(node),
             "directional" => directional(node),
             "constant" => Some(LightSource::Constant { radiance: light_color(node, "radiance") }),
             "envmap" => return self.environment(node),
             "sun" | "sky" | "sunsky" => return sky::add(self, node),
             "area" => {
-                node.error("an area light that belongs to no shape", "expected inside of a shape");
+                // A shape may refer to one that stands here.
+                if !self.used_emitters.contains(&node.id) {
+                    node.warn("an area light that belongs to no shape: ignored");
+                }
                 None
             }
             _ => {
@@ -40,7 +43,8 @@ impl Builder<'_> {
     }
 
     fn environment(&mut self, node: Node<'_>) {
-        node.ignore(&["filename", "gamma", "cache", "mis_compensation"]);
+        node.ignore(&["filename", "cache", "mis_compensation"]);
+        note_gamma(node);
         let to_world = rotation(node);
         let scale = node.light_scale("scale", 1.0);
         let (Some(image), Some(file)) =
@@ -99,10 +103,32 @@ fn direction(node: Node<'_>, name: &'static str) -> Option<Vec3> {
     Some(unit)
 }
 
-fn spot(node: Node<'_>) -> Option<LightSource> {
-    if node.child("texture").is_some() {
-        node.warn("the spot's texture is ignored");
+impl Builder<'_> {
+    /// A spot, with a picture in front of it or without.
+    fn spot(&mut self, node: Node<'_>) -> Option<LightSource> {
+        let plain = plain_spot(node)?;
+        let LightSource::Spot { position, direction, mut intensity, cutoff, beam } = plain else {
+            return Some(plain);
+        };
+        let Some(texture) = node.child_if("texture", |n| n.class() == Class::Texture) else {
+            return Some(plain);
+        };
+        let picture = self.texture_object(texture, 0)?;
+        let [least, most] = texels::range(&picture, &self.origins);
+        if least < 0.0 {
+            texture.error(format!("the spot's picture is {least} somewhere"), "expected 0 or more");
+            return None;
+        }
+        // A picture of light beyond one is scaled, so that the intensity is the largest that there is.
+        let picture = picture.scaled(Rgb::grey(1.0 / most.max(1.0)));
+        intensity *= most.max(1.0);
+        let m = node.transform("to_world");
+        let axes = [m.matrix3.x_axis.into(), m.matrix3.y_axis.into(), direction];
+        Some(LightSource::Projector { position, axes, intensity, cutoff, beam, picture })
     }
+}
+
+fn plain_spot(node: Node<'_>) -> Option<LightSource> {
     let cutoff = node.float("cutoff_angle", 20.0);
     let beam = node.float("beam_width", 0.75 * cutoff);
     if !(0.0 < cutoff && cutoff <= 180.0 && 0.0 <= beam && beam <= cutoff) {

@@ -1,5 +1,6 @@
 //! Finding and reading the files that a scene names.
 
+use std::borrow::Cow;
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
@@ -70,10 +71,29 @@ fn find_other_case(name: &Path, folder: &Path) -> Option<PathBuf> {
     at.is_file().then_some(at)
 }
 
-/// A file's text.
+/// A file's text, without its byte order mark.
 pub(crate) fn read_text(path: &Path) -> Result<String, String> {
     let bytes = read_limited(path, MAX_TEXT)?;
-    String::from_utf8(bytes).map_err(|_| "it is not UTF-8 text".into())
+    let text = match without_mark(&bytes) {
+        Cow::Owned(bytes) => String::from_utf8(bytes),
+        Cow::Borrowed(rest) if rest.len() == bytes.len() => String::from_utf8(bytes),
+        Cow::Borrowed(rest) => String::from_utf8(rest.to_vec()),
+    };
+    text.map_err(|_| "it is not UTF-8 text".into())
+}
+
+/// Bytes of a text without its byte order mark; UTF-16, which has one, becomes UTF-8.
+pub(crate) fn without_mark(bytes: &[u8]) -> Cow<'_, [u8]> {
+    let units = |read: fn([u8; 2]) -> u16| {
+        let units: Vec<u16> = bytes[2..].chunks_exact(2).map(|b| read([b[0], b[1]])).collect();
+        Cow::Owned(String::from_utf16_lossy(&units).into_bytes())
+    };
+    match bytes {
+        [0xef, 0xbb, 0xbf, rest @ ..] => Cow::Borrowed(rest),
+        [0xff, 0xfe, ..] => units(u16::from_le_bytes),
+        [0xfe, 0xff, ..] => units(u16::from_be_bytes),
+        _ => Cow::Borrowed(bytes),
+    }
 }
 
 /// A file's bytes.
@@ -88,7 +108,28 @@ fn read_limited(path: &Path, limit: u64) -> Result<Vec<u8>, String> {
     if bytes.len() as u64 > limit {
         return Err(format!("it is longer than {limit} bytes"));
     }
+    refuse_pointer(&bytes)?;
     Ok(bytes)
+}
+
+/// How files begin that stand for others which Git LFS has not fetched.
+const POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
+
+/// Refuse what Git LFS leaves in the place of a file that it has not fetched.
+fn refuse_pointer(bytes: &[u8]) -> Result<(), String> {
+    if !bytes.starts_with(POINTER) {
+        return Ok(());
+    }
+    Err("it is only a pointer of Git LFS to the file; run `git lfs pull` in its repository".into())
+}
+
+/// The same for a file that somebody else reads. (That it cannot be read is for them to say.)
+pub(crate) fn refuse_pointer_file(path: &Path) -> Result<(), String> {
+    let mut head = Vec::new();
+    if let Ok(file) = File::open(path) {
+        let _ = file.take(POINTER.len() as u64).read_to_end(&mut head);
+    }
+    refuse_pointer(&head)
 }
 
 #[cfg(test)]

@@ -26,8 +26,7 @@ pub(crate) fn frame(
     if !check(camera, report) {
         return None;
     }
-    let boxes = parts.shapes.iter().map(|s| s.geometry.bounds());
-    let bounds = boxes.fold(Bounds::EMPTY, Bounds::union);
+    let bounds = bounds_of(parts);
     let center = if bounds.is_empty() { Vec3::ZERO } else { bounds.center() };
     let radius = (0.5 * bounds.extent().length()).max(1e-3);
     let fov = camera.fov.unwrap_or(DEFAULT_FOV).to_radians();
@@ -46,6 +45,12 @@ pub(crate) fn frame(
     Some(CameraSpec::look_at(origin, target, up, fov, size))
 }
 
+/// The box round all shapes, those of groups apart.
+pub(crate) fn bounds_of(parts: &SceneParts) -> Bounds {
+    let boxes = parts.shapes.iter().map(|s| s.geometry.bounds());
+    boxes.fold(Bounds::EMPTY, Bounds::union)
+}
+
 /// The scene's own camera, moved, turned and zoomed as the options say; what they do not say stays. `None` after a reported
 /// problem.
 pub(crate) fn moved(
@@ -62,7 +67,7 @@ pub(crate) fn moved(
         match &mut moved.projection {
             Projection::Perspective { fov_x, .. } => *fov_x = fov.to_radians(),
             Projection::Orthographic => {
-                report.warn_nowhere("--fov has no effect on an orthographic sensor".to_owned());
+                report.warn_nowhere("--fov has no effect on an orthographic sensor");
             }
         }
     }

@@ -11,8 +11,8 @@ use glam::Vec3;
 use crate::assets::Assets;
 use crate::build::{Builder, Origins};
 use crate::diagnostics::{Diagnostics, Report};
-use crate::document::{self, Class};
-use crate::{framing, obj_scene, sensor};
+use crate::document::{self, Document};
+use crate::{framing, integrator, obj_scene, sensor};
 
 /// What the command line says about a scene.
 #[derive(Clone, Debug, Default)]
@@ -89,6 +89,21 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     Ok(Loaded { warnings, ..loaded })
 }
 
+/// Refuse a scene whose things are of another dialect: a black picture would mislead.
+fn refuse_other_dialects(path: &Path, doc: &Document, parts: &SceneParts, report: &Report) {
+    let no_shapes = parts.shapes.is_empty() && parts.groups.is_empty();
+    let nothing = no_shapes && (parts.lights.is_empty() || doc.unknown_things);
+    if !nothing || doc.unknown_tags.is_empty() || report.has_errors() {
+        return;
+    }
+    let tags: Vec<String> = doc.unknown_tags.iter().map(|tag| format!("<{tag}>")).collect();
+    report.error_nowhere(format!(
+        "`{}` is a scene of another dialect: no shape in it is understood, and Mitsuba knows no {}",
+        path.display(),
+        tags.join(", ")
+    ));
+}
+
 fn load_xml(path: &Path, options: &Options, report: &Report) -> Option<Loaded> {
     let doc = document::parse(path, &options.defines, report)?;
     let assets = Assets::load(&doc, report);
@@ -98,11 +113,9 @@ fn load_xml(path: &Path, options: &Options, report: &Report) -> Option<Loaded> {
     world.word(assets.hash.value());
     let mut builder = Builder::new(report, assets);
     builder.scene(&doc);
-    let integrator_max_depth = doc
-        .nodes(report)
-        .find(|n| n.class() == Class::Ignored && n.object().tag == "integrator")
-        .and_then(|n| n.max_depth());
-    let seen = sensor::read(&doc, report, options.size);
+    refuse_other_dialects(path, &doc, &builder.parts, report);
+    let integrator_max_depth = integrator::read(&doc, report);
+    let seen = sensor::read(&doc, report, options.size, &builder.parts);
     let (camera, filter) = match seen {
         Some((camera, filter)) => (framing::moved(camera, &options.camera, report)?, filter),
         None => {

@@ -2,7 +2,8 @@
 
 use gi_core::camera::{CameraSpec, Projection};
 use gi_core::filter::Filter;
-use glam::{Affine3A, Mat3, Vec2};
+use gi_core::scene::SceneParts;
+use glam::{Affine3A, Mat3, Vec2, Vec3};
 
 use crate::diagnostics::Report;
 use crate::document::{Class, Document, Node};
@@ -28,6 +29,7 @@ pub(crate) fn read(
     doc: &Document,
     report: &Report,
     size: Option<[usize; 2]>,
+    parts: &SceneParts,
 ) -> Option<(CameraSpec, Filter)> {
     let scene = doc.nodes(report).next()?;
     let sensors = scene.children(Class::Sensor);
@@ -46,16 +48,23 @@ pub(crate) fn read(
     );
     sensor.children(Class::Ignored);
     sensor.children(Class::Medium);
-    sensor.ignore(&[
-        "far_clip",
-        "shutter_open",
-        "shutter_close",
-        "focus_distance",
-        "aperture_radius",
-    ]);
+    sensor.ignore(&["shutter_open", "shutter_close", "focus_distance", "aperture_radius"]);
     let (projection, to_world) = projection(sensor, size)?;
+    note_far_clip(sensor, to_world, parts);
     let near = sensor.within("near_clip", 0.0, 0.0..=MAX_NUMBER);
     Some((CameraSpec { to_world, projection, size, near, principal_point_offset }, filter))
+}
+
+/// Say that something may be seen which the sensor's far plane would hide.
+fn note_far_clip(sensor: Node<'_>, to_world: Affine3A, parts: &SceneParts) {
+    let Some(far) = sensor.float_opt("far_clip") else { return };
+    let camera = Vec3::from(to_world.translation);
+    let bounds = crate::framing::bounds_of(parts);
+    let farthest = (bounds.min - camera).abs().max((bounds.max - camera).abs()).length();
+    if farthest.is_finite() && farthest > far {
+        let message = format!("`far_clip` {far} is ignored: what is farther is seen too");
+        sensor.report.warn(sensor.span_of("far_clip"), message);
+    }
 }
 
 fn projection(sensor: Node<'_>, size: [usize; 2]) -> Option<(Projection, Affine3A)> {
@@ -180,6 +189,10 @@ fn film_size(film: Node<'_>) -> [usize; 2] {
         "digits",
     ]);
     film.children(Class::Filter);
+    if film.text("pixel_format").is_some_and(|f| f.to_lowercase().starts_with("luminance")) {
+        let message = "`pixel_format` is ignored: the picture is in colour";
+        film.report.warn(film.span_of("pixel_format"), message);
+    }
     if size.iter().any(|s| !(1..=MAX_SIZE).contains(s)) {
         film.error(format!("a film of {} x {}", size[0], size[1]), "expected 1 to 32768");
         return DEFAULT_SIZE;

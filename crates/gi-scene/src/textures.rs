@@ -9,13 +9,13 @@ use glam::{Affine2, Affine3A, Mat2, Vec2};
 
 use crate::build::Builder;
 use crate::document::{Class, Meaning, Node};
-use crate::texels;
+use crate::{files, texels};
 
 /// How deep textures may be nested. They are trees, and one that refers to the next twice doubles each time.
 const MAX_NESTING: usize = 6;
 
 /// A picture file and how it is read: pictures with equal keys are read once.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct BitmapFile {
     pub(crate) path: PathBuf,
     pub(crate) raw: bool,
@@ -26,6 +26,7 @@ pub(crate) struct BitmapFile {
 impl BitmapFile {
     /// Read the picture.
     pub(crate) fn read(&self) -> Result<Bitmap, String> {
+        files::refuse_pointer_file(&self.path)?;
         let encoding = if self.raw { Encoding::Raw } else { Encoding::Auto };
         let bitmap = read_bitmap(&self.path, encoding, self.wrap, self.lookup)?;
         texels::check(&bitmap, &self.path)?;
@@ -154,15 +155,25 @@ impl Builder<'_> {
     }
 
     fn bitmap(&mut self, node: Node<'_>) -> Option<Texture> {
-        node.ignore(&["filename", "max_anisotropy", "cache", "channel", "format", "accel"]);
+        node.ignore(&["filename", "max_anisotropy", "cache", "format", "accel"]);
         note_wrapping(node);
-        if let Some(gamma) = node.float_opt("gamma").filter(|g| *g != 1.0 && *g > 0.0) {
-            let message = format!("gamma {gamma} is read as the sRGB curve");
-            node.report.warn(node.span_of("gamma"), message);
+        note_gamma(node);
+        if let Some(channel) = node.text("channel") {
+            let message =
+                format!("`channel` is ignored: all of them are read, not only `{channel}`");
+            node.report.warn(node.span_of("channel"), message);
         }
         let bitmap = self.assets.bitmap(node.id)?;
         self.origins.note_bitmap(&bitmap, self.assets.bitmap_file(node.id)?);
         Some(Texture::Bitmap { bitmap, to_uv: to_uv(node), scale: Rgb::WHITE })
+    }
+}
+
+/// Say that a picture's own gamma is read otherwise. (1 is linear, and below zero the file's.)
+pub(crate) fn note_gamma(node: Node<'_>) {
+    if let Some(gamma) = node.float_opt("gamma").filter(|g| *g != 1.0 && *g > 0.0) {
+        let message = format!("gamma {gamma} is read as the sRGB curve");
+        node.report.warn(node.span_of("gamma"), message);
     }
 }
 

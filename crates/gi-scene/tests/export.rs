@@ -184,3 +184,25 @@ fn a_bare_obj_is_a_scene() {
     assert!(notes.iter().any(|n| n.contains("phong")));
     assert_eq!(load(&out, &Options::default()).unwrap().parts.shapes.len(), 5);
 }
+
+#[test]
+fn principled_materials_and_projectors_are_exported_and_read_back() {
+    let folder = Folder::new();
+    folder.write("a.pfm", [b"PF\n1 1\n-1.0\n".as_slice(), &[0; 12]].concat());
+    let body = "<sensor type='perspective'/>
+        <emitter type='spot'><texture type='checkerboard' name='texture'/><transform name='to_world'>
+        <scale x='-1'/><lookat origin='0,0,3' target='0,0,0' up='0,1,0'/></transform></emitter>
+        <shape type='cube'><bsdf type='principled'><float name='metallic' value='0.25'/><float name='specular' value='0.75'/>
+        <texture type='checkerboard' name='roughness'/></bsdf></shape>
+        <shape type='cube'><bsdf type='principledthin'><float name='diff_trans' value='1.5'/><float name='eta' value='1.25'/></bsdf></shape>";
+    folder.scene("3.0.0", body).unwrap();
+    let out = folder.path("out.xml");
+    export_mitsuba(&folder.path("scene.xml"), &Options::default(), &out).unwrap();
+    let describe = |path: &std::path::Path| {
+        let parts = load(path, &Options::default()).unwrap().parts;
+        format!("{:#?}\n{:#?}", parts.materials, parts.lights)
+    };
+    let (before, after) = (describe(&folder.path("scene.xml")), describe(&out));
+    assert!(before.contains("PrincipledThin") && before.contains("Projector"));
+    common::assert_same(&before, &after);
+}

@@ -232,3 +232,99 @@ fn a_vertex_that_is_no_number_is_named() {
         folder.problems("<shape type='obj'><string name='filename' value='bad.obj'/></shape>");
     assert!(shown.contains("bad.obj") && shown.contains("vertex 1 is not finite"), "{shown}");
 }
+
+#[test]
+fn comments_may_hold_two_dashes() {
+    let folder = Folder::new();
+    let body = "<!-- render with -o x.exr --spp 64 --->\n<!-- \u{e4} -- --><shape type='cuboid'/>";
+    let shown = folder.problems(body);
+    assert!(
+        shown.contains("unknown shape `cuboid`") && shown.contains("scene.xml:3:27"),
+        "{shown}"
+    );
+    assert!(shown.contains("<!-- \u{e4} -- -->"), "the line is shown as it is: {shown}");
+}
+
+#[test]
+fn a_scene_may_begin_with_a_byte_order_mark() {
+    let folder = Folder::new();
+    let text = "\u{feff}<?xml version='1.0' encoding='utf-8'?><scene version='3.0.0'><shape type='cube'/></scene>";
+    assert!(load(&folder.write("a.xml", text), &Options::default()).is_ok());
+    let wide: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
+    assert!(load(&folder.write("a.xml", wide), &Options::default()).is_ok());
+}
+
+#[test]
+fn a_scene_of_another_dialect_is_refused() {
+    let folder = Folder::new();
+    let shown = folder.problems("<sensor type='perspective'/><mesh type='obj'/><mesh type='obj'/>");
+    assert!(
+        shown.contains("another dialect") && shown.ends_with("Mitsuba knows no <mesh>"),
+        "{shown}"
+    );
+    let lit = folder.problems("<emitter type='point'/><mesh type='obj'/>");
+    assert!(lit.contains("another dialect"), "{lit}");
+    assert!(load(&folder.write("a.xml", "<world><mesh/></world>"), &Options::default()).is_err());
+}
+
+#[test]
+fn a_file_that_git_lfs_has_not_fetched_is_named_as_such() {
+    let folder = Folder::new();
+    let pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n";
+    let all_say = |shown: String| {
+        assert!(shown.contains("Git LFS") && shown.contains("`git lfs pull`"), "{shown}");
+    };
+    for name in ["a.obj", "a.xml"] {
+        all_say(load(&folder.write(name, pointer), &Options::default()).unwrap_err().to_string());
+    }
+    for (kind, name) in [("obj", "a.obj"), ("ply", "a.ply"), ("serialized", "a.serialized")] {
+        folder.write(name, pointer);
+        let body = format!("<shape type='{kind}'><string name='filename' value='{name}'/></shape>");
+        all_say(folder.problems(&body));
+    }
+    for name in ["a.exr", "a.png", "a.hdr", "a.pfm", "a.jpg"] {
+        folder.write(name, pointer);
+        let file = format!("<string name='filename' value='{name}'/>");
+        all_say(folder.problems(&format!("<emitter type='envmap'>{file}</emitter>")));
+    }
+    folder.write("a.mtl", pointer);
+    let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    all_say(load(&folder.write("b.obj", obj), &Options::default()).unwrap_err().to_string());
+}
+
+#[test]
+fn a_radiance_picture_may_begin_with_any_program_s_name() {
+    let folder = Folder::new();
+    let file = "<string name='filename' value='a.hdr'/>";
+    let body = format!("<emitter type='envmap'>{file}</emitter>");
+    for name in ["RADIANCE", "RGBE", "AUTOPANO"] {
+        let head = format!("#?{name}\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 2\n");
+        folder.write("a.hdr", [head.as_bytes(), &[128; 16]].concat());
+        let loaded = folder.scene("3.0.0", &body).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let gi_core::light::LightSource::Environment { image, .. } = &loaded.parts.lights[0] else {
+            panic!()
+        };
+        assert!((image.texel(1, 1).r - 0.5).abs() < 0.01, "{name}");
+    }
+    folder.write("a.hdr", "#?");
+    folder.problems(&body);
+}
+
+#[test]
+fn what_an_integrator_asks_for_and_does_not_get_is_named() {
+    let warnings = |integrator: &str| {
+        let sensor = "<sensor type='perspective'/>";
+        let loaded = scene(&format!("{integrator}{sensor}<shape type='cube'/>"));
+        loaded.warnings.join("\n")
+    };
+    let hidden =
+        "<integrator type='path'><boolean name='hide_emitters' value='true'/></integrator>";
+    assert!(warnings(hidden).contains("`hide_emitters` is ignored"), "{}", warnings(hidden));
+    assert_eq!(warnings(&hidden.replace("true", "false")), "");
+    assert!(warnings("<integrator type='direct'/>").contains("--max-depth 2"));
+    let nested =
+        "<integrator type='aov'><integrator type='path'><integer name='max_depth' value='5'/>
+        <boolean name='hideEmitters' value='true'/></integrator></integrator>";
+    assert!(warnings(nested).contains("`hide_emitters` is ignored"));
+    assert_eq!(scene(&format!("{nested}<shape type='cube'/>")).integrator_max_depth, Some(5));
+}

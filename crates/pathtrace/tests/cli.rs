@@ -215,3 +215,21 @@ fn volpath_walks_media_and_path_says_that_it_leaves_them_out() {
     assert!(with("path").contains("participating media are left out"));
     assert!(!with("volpath").contains("warning"), "{}", with("volpath"));
 }
+
+#[test]
+fn the_scenes_own_max_depth_is_named_unless_the_flag_was_typed() {
+    let folder = Folder::make();
+    let (path, out) = (folder.at("a.xml"), folder.at("a.exr"));
+    let xml = "<scene version='3.0.0'><integrator type='path'><integer name='max_depth' value='7'/></integrator>\
+               <sensor type='perspective'/><emitter type='constant'/></scene>";
+    std::fs::write(&path, xml).expect("written");
+    let with = |flags: &[&str]| {
+        let run = run(&[&[path.as_str(), "-o", &out, "--spp=1", "--size=8x8"], flags].concat());
+        assert_success(&run);
+        said(&run)
+    };
+    assert!(with(&[]).contains("`max_depth` 7 is ignored: give `--max-depth 7`"), "{}", with(&[]));
+    for typed in [["--max-depth", "7"], ["--max-depth", "-1"], ["--max-depth=3", "-q"]] {
+        assert!(!with(&typed).contains("max_depth"), "{typed:?}");
+    }
+}

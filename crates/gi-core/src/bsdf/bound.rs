@@ -12,6 +12,7 @@ use super::component::Part;
 use super::fresnel::{self, reflect_z};
 use super::lobe::{Lobe, oren_nayar_factors};
 use super::microfacet::Microfacets;
+use super::principled::mirrored;
 use super::{Bsdf, Component, Transport, Way};
 use crate::math::{Bounds, Frame, INV_PI, Rgb, safe_sqrt, sqr};
 
@@ -128,6 +129,22 @@ pub struct ScatterBound {
     pub f_cos: Rgb,
 }
 
+impl std::ops::Add for ScatterBound {
+    type Output = ScatterBound;
+
+    #[inline]
+    fn add(self, other: ScatterBound) -> ScatterBound {
+        ScatterBound { f: self.f + other.f, f_cos: self.f_cos + other.f_cos }
+    }
+}
+
+impl std::ops::AddAssign for ScatterBound {
+    #[inline]
+    fn add_assign(&mut self, other: ScatterBound) {
+        *self = *self + other;
+    }
+}
+
 impl Bsdf<'_> {
     /// Bound what is scattered between `wo` and any of these directions, delta lobes apart.
     #[inline]
@@ -143,7 +160,12 @@ impl Bsdf<'_> {
 
     /// Whether a lobe, delta lobes apart, lets light through.
     pub fn transmits(&self) -> bool {
-        self.components().iter().any(|c| matches!(c.lobe, Lobe::RoughDielectric { .. }))
+        self.components().iter().any(|c| match &c.lobe {
+            Lobe::RoughDielectric { .. } => true,
+            Lobe::Principled(solid) => !solid.is_opaque(),
+            Lobe::PrincipledThin(thin) => !thin.is_opaque(),
+            _ => false,
+        })
     }
 
     /// Whether the cosines of all lobes are taken with the geometric normal, or its opposite.
@@ -155,15 +177,15 @@ impl Bsdf<'_> {
 }
 
 /// What a lobe bounds its factors with. Directions are local.
-struct Cap {
-    wo: Vec3,
+pub(super) struct Cap {
+    pub(super) wo: Vec3,
     /// Largest cosine of `wi` above.
-    cos: f32,
+    pub(super) cos: f32,
     /// All `wi` lie in a ball: the cap of their cone.
-    center: Vec3,
-    radius: f32,
+    pub(super) center: Vec3,
+    pub(super) radius: f32,
     /// Smallest cosine between `wo` and `wi`.
-    min_cos_wo: f32,
+    pub(super) min_cos_wo: f32,
 }
 
 impl Component<'_> {
@@ -222,7 +244,12 @@ impl Component<'_> {
         };
         // Lobes that do not count need no bound.
         let rest = self.part.is_none_or(|p| !p.rest.is_black());
-        let two_sided = matches!(self.lobe, Lobe::RoughDielectric { .. });
+        let two_sided = match &self.lobe {
+            Lobe::RoughDielectric { .. } => true,
+            Lobe::Principled(solid) => !solid.is_opaque(),
+            Lobe::PrincipledThin(thin) => wo.z > 0.0 && !thin.is_opaque(),
+            _ => false,
+        };
         if !two_sided && (wo.z <= 0.0 || cos <= 0.0) {
             return ScatterBound::default();
         }
@@ -272,24 +299,51 @@ impl Component<'_> {
             Lobe::RoughDielectric { eta, reflect, transmit, facets } => {
                 cap().through(&facets, (eta, reflect, transmit), transport)
             }
+            Lobe::Principled(solid) => {
+                solid.bound(&cap(), toward.cone().max_cos(world_wo), transport)
+            }
+            Lobe::PrincipledThin(thin) => {
+                let mut bound = ScatterBound::default();
+                if cos > 0.0 {
+                    bound += thin.reflected_bound(&cap(), toward.cone().max_cos(world_wo));
+                }
+                if let Some(cap) = self.turned_cap(wo, toward) {
+                    bound += thin.passing_bound(&cap);
+                }
+                bound
+            }
             Lobe::Conductor { .. }
             | Lobe::Dielectric { .. }
             | Lobe::ThinDielectric { .. }
             | Lobe::Null => ScatterBound::default(),
         }
     }
+
+    /// The cap of the directions below, mirrored to above; `None` if there are none.
+    fn turned_cap(&self, wo: Vec3, toward: &Toward) -> Option<Cap> {
+        let cos = toward.max_cos(&Frame { n: -self.frame.n, ..self.frame });
+        let cone = toward.cone();
+        let world_turned = self.frame.to_world(mirrored(wo));
+        (cos > 0.0).then(|| Cap {
+            wo,
+            cos,
+            center: mirrored(self.frame.to_local(cone.axis)) * cone.cos,
+            radius: cone.sin + UNIT_ROUNDING,
+            min_cos_wo: -cone.max_cos(-world_turned),
+        })
+    }
 }
 
 impl Cap {
     /// The smallest cosine of `wo` with a half vector: of half the angle between `wo` and `wi`.
     #[inline]
-    fn min_cos_half(&self) -> f32 {
+    pub(super) fn min_cos_half(&self) -> f32 {
         (safe_sqrt(0.5 * (1.0 + self.min_cos_wo)) - UNIT_ROUNDING).clamp(0.0, 1.0)
     }
 
     /// F D G / (4 cos cos'), and times cos', for directions on one side.
     #[inline]
-    fn reflected(&self, facets: &Microfacets, fresnel: Rgb) -> ScatterBound {
+    pub(super) fn reflected(&self, facets: &Microfacets, fresnel: Rgb) -> ScatterBound {
         let d = facets.d_bound(self.wo + self.center, self.radius);
         let shared = d * facets.g1_seen(self.wo) / (4.0 * self.wo.z.abs());
         let [g1, g1_over_cos] = facets.g1_bounds(self.cos);
@@ -306,7 +360,17 @@ impl Cap {
         // From either side: no cosine is left out.
         let both = Cap { cos: 1.0, ..*self };
         let fresnel = fresnel::dielectric(self.min_cos_half().copysign(self.wo.z), eta).reflectance;
-        let mut bound = both.reflected(facets, reflect * fresnel);
+        both.reflected(facets, reflect * fresnel) + self.refracted(facets, eta, transmit, transport)
+    }
+
+    /// What is refracted by facets, to either side.
+    pub(super) fn refracted(
+        &self,
+        facets: &Microfacets,
+        eta: f32,
+        transmit: Rgb,
+        transport: Transport,
+    ) -> ScatterBound {
         let eta = if self.wo.z > 0.0 { eta } else { 1.0 / eta };
         let (h, radius) = (self.wo + self.center * eta, self.radius * eta);
         let shortest = (h.length() - radius).max((1.0 - eta).abs() - UNIT_ROUNDING).max(1e-9);
@@ -315,8 +379,6 @@ impl Cap {
         let shared =
             d * jacobian * facets.g1_seen(self.wo) / self.wo.z.abs() * transport.refraction(eta);
         let [g1, g1_over_cos] = facets.g1_bounds(1.0);
-        bound.f += transmit * (shared * g1_over_cos);
-        bound.f_cos += transmit * (shared * g1);
-        bound
+        ScatterBound { f: transmit * (shared * g1_over_cos), f_cos: transmit * (shared * g1) }
     }
 }

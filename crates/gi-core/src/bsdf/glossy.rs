@@ -44,7 +44,9 @@ impl Component<'_> {
         let (tint, glossy) = match self.lobe {
             Lobe::OrenNayar { albedo, .. } => (albedo, true),
             Lobe::RoughConductor { tint, .. } => (tint, true),
-            Lobe::RoughDielectric { .. } => (Rgb::WHITE, true),
+            Lobe::RoughDielectric { .. } | Lobe::Principled(_) | Lobe::PrincipledThin(_) => {
+                (Rgb::WHITE, true)
+            }
             Lobe::Plastic { coat, specular, .. } => (specular, !coat.is_smooth()),
             Lobe::Phong { specular, .. } => (specular, true),
             _ => (Rgb::BLACK, false),

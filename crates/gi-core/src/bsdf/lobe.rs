@@ -5,6 +5,7 @@ use glam::Vec3;
 use super::coat::Coat;
 use super::fresnel::{self, reflect, reflect_z, refract};
 use super::microfacet::Microfacets;
+use super::principled::{Drawn, Solid, Thin};
 use super::{Scatter, Transport};
 use crate::math::{INV_PI, Rgb, sqr};
 use crate::warp;
@@ -12,15 +13,53 @@ use crate::warp;
 /// A lobe with its parameters read from the textures. Directions are local, z along the normal.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Lobe<'a> {
-    Diffuse { albedo: Rgb },
-    OrenNayar { albedo: Rgb, sigma_sq: f32 },
-    Conductor { eta: Rgb, k: Rgb, tint: Rgb },
-    RoughConductor { eta: Rgb, k: Rgb, tint: Rgb, facets: Microfacets },
-    Dielectric { eta: f32, reflect: Rgb, transmit: Rgb },
-    RoughDielectric { eta: f32, reflect: Rgb, transmit: Rgb, facets: Microfacets },
-    ThinDielectric { eta: f32, reflect: Rgb, transmit: Rgb },
-    Plastic { coat: &'a Coat, diffuse: Rgb, specular: Rgb },
-    Phong { diffuse: Rgb, specular: Rgb, exponent: f32 },
+    Diffuse {
+        albedo: Rgb,
+    },
+    OrenNayar {
+        albedo: Rgb,
+        sigma_sq: f32,
+    },
+    Conductor {
+        eta: Rgb,
+        k: Rgb,
+        tint: Rgb,
+    },
+    RoughConductor {
+        eta: Rgb,
+        k: Rgb,
+        tint: Rgb,
+        facets: Microfacets,
+    },
+    Dielectric {
+        eta: f32,
+        reflect: Rgb,
+        transmit: Rgb,
+    },
+    RoughDielectric {
+        eta: f32,
+        reflect: Rgb,
+        transmit: Rgb,
+        facets: Microfacets,
+    },
+    ThinDielectric {
+        eta: f32,
+        reflect: Rgb,
+        transmit: Rgb,
+    },
+    Plastic {
+        coat: &'a Coat,
+        diffuse: Rgb,
+        specular: Rgb,
+    },
+    Phong {
+        diffuse: Rgb,
+        specular: Rgb,
+        exponent: f32,
+    },
+    Principled(Solid),
+    /// Its frame is turned to the side of `wo`.
+    PrincipledThin(Thin),
     Null,
 }
 
@@ -48,6 +87,8 @@ impl Lobe<'_> {
                     (exponent + 2.0) * 0.5 * INV_PI * reflect_z(wo).dot(wi).max(0.0).powf(exponent);
                 diffuse * INV_PI + specular * lobe
             }
+            Lobe::Principled(ref solid) => solid.f(wo, wi, transport),
+            Lobe::PrincipledThin(ref thin) => thin.f(wo, wi, transport),
             _ => Rgb::BLACK,
         }
     }
@@ -74,6 +115,8 @@ impl Lobe<'_> {
                     (exponent + 1.0) * 0.5 * INV_PI * reflect_z(wo).dot(wi).max(0.0).powf(exponent);
                 share * lobe + (1.0 - share) * warp::cosine_hemisphere_pdf(wi.z)
             }
+            Lobe::Principled(ref solid) => solid.pdf_w(wo, wi),
+            Lobe::PrincipledThin(ref thin) => thin.pdf_w(wo, wi),
             _ => 0.0,
         }
     }
@@ -142,6 +185,12 @@ impl Lobe<'_> {
                 };
                 self.weighted(wo, wi, transport)
             }
+            Lobe::Principled(ref solid) => {
+                self.weighted_drawn(wo, solid.sample(wo, u_choice, u)?, transport)
+            }
+            Lobe::PrincipledThin(ref thin) => {
+                self.weighted_drawn(wo, thin.sample(wo, u_choice, u)?, transport)
+            }
             Lobe::Null => Some(Scatter { null: true, ..Scatter::delta(-wo, Rgb::WHITE, 1.0) }),
         }
     }
@@ -169,6 +218,8 @@ impl Lobe<'_> {
             Lobe::Phong { specular, exponent, .. } if !specular.is_black() => {
                 (2.0 / (exponent + 2.0)).sqrt()
             }
+            Lobe::Principled(ref solid) => solid.roughness(),
+            Lobe::PrincipledThin(ref thin) => thin.roughness(),
             _ => 1.0,
         }
     }
@@ -181,6 +232,8 @@ impl Lobe<'_> {
             Lobe::OrenNayar { albedo, sigma_sq } => albedo * oren_nayar_constant(sigma_sq),
             Lobe::Plastic { coat, diffuse, .. } => coat.diffuse_albedo(wo, diffuse),
             Lobe::Phong { diffuse, .. } => diffuse,
+            Lobe::Principled(ref solid) => solid.diffuse_albedo(wo),
+            Lobe::PrincipledThin(ref thin) => thin.diffuse_albedo(wo),
             _ => Rgb::BLACK,
         }
     }
@@ -190,6 +243,8 @@ impl Lobe<'_> {
         match *self {
             _ if wo.z <= 0.0 || wi.z <= 0.0 => Rgb::BLACK,
             Lobe::Plastic { coat, diffuse, .. } => coat.base_f(wo, wi, diffuse),
+            Lobe::Principled(ref solid) => solid.diffuse_f(wo, wi),
+            Lobe::PrincipledThin(ref thin) => thin.diffuse_f(wo, wi),
             _ => self.diffuse_albedo(wo) * INV_PI,
         }
     }
@@ -206,6 +261,8 @@ impl Lobe<'_> {
             | Lobe::ThinDielectric { reflect, transmit, .. } => reflect.zip(transmit, f32::max),
             Lobe::Plastic { diffuse, specular, .. } => diffuse + specular * 0.04,
             Lobe::Phong { diffuse, specular, .. } => diffuse + specular,
+            Lobe::Principled(ref solid) => solid.albedo_hint(wo),
+            Lobe::PrincipledThin(ref thin) => thin.albedo_hint(wo),
             Lobe::Null => Rgb::BLACK,
         }
     }
@@ -246,6 +303,8 @@ impl Lobe<'_> {
             | Lobe::RoughConductor { .. }
             | Lobe::Plastic { .. }
             | Lobe::Phong { .. } => true,
+            Lobe::Principled(solid) => solid.is_opaque(),
+            Lobe::PrincipledThin(thin) => thin.is_opaque(),
             Lobe::Dielectric { .. }
             | Lobe::RoughDielectric { .. }
             | Lobe::ThinDielectric { .. }
@@ -259,6 +318,12 @@ impl Lobe<'_> {
         let pdf_w = self.pdf_w(wo, wi);
         (pdf_w > 0.0)
             .then(|| Scatter::rough(wi, self.f(wo, wi, transport) * (wi.z.abs() / pdf_w), pdf_w))
+    }
+
+    /// The same for one that may be refracted.
+    fn weighted_drawn(&self, wo: Vec3, drawn: Drawn, transport: Transport) -> Option<Scatter> {
+        let scatter = self.weighted(wo, drawn.wi, transport)?;
+        Some(Scatter { eta: drawn.eta, ..scatter })
     }
 }
 
@@ -322,7 +387,7 @@ fn phong_share(diffuse: Rgb, specular: Rgb) -> f32 {
 /// Facet normal that takes `wo` to `wi`, turned to the upper side, and the interface as `wo` sees it.
 /// `None` where no facet does.
 #[inline]
-fn generalized_half(wo: Vec3, wi: Vec3, eta: f32) -> Option<(Vec3, f32)> {
+pub(super) fn generalized_half(wo: Vec3, wi: Vec3, eta: f32) -> Option<(Vec3, f32)> {
     if wo.z == 0.0 || wi.z == 0.0 {
         return None;
     }
@@ -333,7 +398,7 @@ fn generalized_half(wo: Vec3, wi: Vec3, eta: f32) -> Option<(Vec3, f32)> {
 }
 
 /// [Walter07, eqs. 20 and 21]
-fn rough_dielectric_f(
+pub(super) fn rough_dielectric_f(
     wo: Vec3,
     wi: Vec3,
     eta: f32,

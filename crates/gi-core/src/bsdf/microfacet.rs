@@ -74,18 +74,7 @@ impl Microfacets {
     #[inline]
     pub(crate) fn d_bound(&self, center: Vec3, radius: f32) -> f32 {
         let (low, high) = (self.alpha.min_element(), self.alpha.max_element());
-        // Least squared tangent of the ball's normals: of the angle of its middle less that of the cone round it.
-        let length = center.length();
-        let mut stretched = 0.0f32;
-        if radius < length {
-            let (sin_cone, sin, cos) =
-                (radius / length, center.truncate().length() / length, center.z.abs() / length);
-            let cos_cone = safe_sqrt(1.0 - sqr(sin_cone));
-            let sin_least = sin * cos_cone - cos * sin_cone;
-            if sin_least > 0.0 {
-                stretched = sqr(sin_least / (cos * cos_cone + sin * sin_cone) / high);
-            }
-        }
+        let mut stretched = sqr(least_tangent(center, radius) / high);
         if low < high {
             // The same axis by axis, which knows that the axes differ.
             let across = ((center.truncate().abs() - radius).max(Vec2::ZERO)) / self.alpha;
@@ -161,6 +150,21 @@ impl Microfacets {
             }
         }
     }
+}
+
+/// Least tangent of the angle between the z axis, of either sign, and a vector in a ball: of the angle of its middle less
+/// that of the cone round it.
+#[inline]
+pub(super) fn least_tangent(center: Vec3, radius: f32) -> f32 {
+    let length = center.length();
+    if radius >= length {
+        return 0.0;
+    }
+    let (sin_cone, sin, cos) =
+        (radius / length, center.truncate().length() / length, center.z.abs() / length);
+    let cos_cone = safe_sqrt(1.0 - sqr(sin_cone));
+    let sin_least = sin * cos_cone - cos * sin_cone;
+    if sin_least > 0.0 { sin_least / (cos * cos_cone + sin * sin_cone) } else { 0.0 }
 }
 
 /// The visible part of the unit hemisphere of normals: the half disk that `v` sees, by warping a disk \[Heitz18\].

@@ -13,6 +13,7 @@ mod fresnel;
 mod glossy;
 mod lobe;
 mod microfacet;
+mod principled;
 mod resolve;
 
 use glam::Vec3;

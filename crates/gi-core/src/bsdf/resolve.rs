@@ -5,6 +5,7 @@ use glam::{Vec2, Vec3};
 use super::bend::Bend;
 use super::{Bsdf, Coat, Component, Lobe, MAX_COMPONENTS, Parts, Transport, Way};
 use crate::bsdf::microfacet::Microfacets;
+use crate::bsdf::principled::{Solid, Thin};
 use crate::geometry::{Surface, Tangents};
 use crate::material::{BentNormals, Material, Roughness};
 use crate::math::{Frame, Rgb, sqr};
@@ -43,14 +44,18 @@ impl PreparedMaterial {
             Material::Null | Material::Mask { .. } | Material::ThinDielectric { .. }
         );
         let has_null = has_null || children.iter().any(|c| c.has_null);
-        let refracts = matches!(material, Material::Dielectric { .. });
+        let refracts = match &material {
+            Material::Dielectric { .. } => true,
+            Material::Principled(p) => !p.spec_trans.is_black(),
+            _ => false,
+        };
         let bends = matches!(material, Material::Bump { .. } | Material::NormalMap { .. });
         PreparedMaterial {
             coat,
             has_null,
             refracts: !has_null && (refracts || children.iter().any(|c| c.refracts)),
             has_delta: has_delta(&material) || children.iter().any(|c| c.has_delta),
-            needs_tangents: bends || roughness(&material).is_some_and(is_anisotropic),
+            needs_tangents: bends || is_anisotropic(&material),
             material,
         }
     }
@@ -125,19 +130,19 @@ pub(crate) fn component_count(materials: &[Material], id: usize) -> usize {
     }
 }
 
-fn roughness(material: &Material) -> Option<&Roughness> {
-    match material {
-        Material::Conductor { roughness, .. } | Material::Dielectric { roughness, .. } => {
-            roughness.as_ref()
-        }
-        _ => None,
-    }
-}
-
-fn is_anisotropic(roughness: &Roughness) -> bool {
-    match (&roughness.alpha_u, &roughness.alpha_v) {
+/// Whether the facets are not the same all round.
+fn is_anisotropic(material: &Material) -> bool {
+    let differ = |r: &Roughness| match (&r.alpha_u, &r.alpha_v) {
         (Texture::Constant(u), Texture::Constant(v)) => u != v,
         _ => true,
+    };
+    match material {
+        Material::Conductor { roughness, .. } | Material::Dielectric { roughness, .. } => {
+            roughness.as_ref().is_some_and(differ)
+        }
+        Material::Principled(p) => !p.anisotropic.is_black(),
+        Material::PrincipledThin(p) => !p.anisotropic.is_black(),
+        _ => false,
     }
 }
 
@@ -272,9 +277,15 @@ impl<'a> Context<'a, '_> {
         Place { frame, bend: Some(bend), ..at }
     }
 
-    /// Turn the frame along the texture coordinates where the lobe is not the same all round.
+    /// Turn the frame along the texture coordinates where the lobe is not the same all round, and that of a sheet to the
+    /// side of `wo`.
     #[inline]
     fn oriented(&self, prepared: &PreparedMaterial, frame: Frame) -> Frame {
+        let frame = match prepared.material {
+            // A sheet has no back.
+            Material::PrincipledThin(_) if self.wo.dot(frame.n) < 0.0 => opposite(frame),
+            _ => frame,
+        };
         if prepared.needs_tangents {
             Frame::from_normal_tangent(frame.n, (self.tangents)().dpdu)
         } else {
@@ -316,11 +327,13 @@ impl<'a> Collected<'a> {
 /// The side of a two-sided material that `wo` sees, and the frame with its normal on that side.
 #[inline]
 fn side(front: usize, back: usize, frame: Frame, wo: Vec3) -> (usize, Frame) {
-    if wo.dot(frame.n) >= 0.0 {
-        (front, frame)
-    } else {
-        (back, Frame { s: frame.s, t: -frame.t, n: -frame.n })
-    }
+    if wo.dot(frame.n) >= 0.0 { (front, frame) } else { (back, opposite(frame)) }
+}
+
+/// The frame of the other side.
+#[inline]
+fn opposite(frame: Frame) -> Frame {
+    Frame { s: frame.s, t: -frame.t, n: -frame.n }
 }
 
 /// The lobe of a material without children.
@@ -363,6 +376,8 @@ fn lobe(prepared: &PreparedMaterial, uv: Vec2) -> Option<Lobe<'_>> {
             specular: specular.eval(uv),
             exponent: exponent.scalar(uv).max(0.0),
         },
+        Material::Principled(p) => Lobe::Principled(Solid::at(p, uv)),
+        Material::PrincipledThin(p) => Lobe::PrincipledThin(Thin::at(p, uv)),
         Material::Null => Lobe::Null,
         Material::Mask { .. }
         | Material::TwoSided { .. }

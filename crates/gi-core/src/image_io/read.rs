@@ -1,4 +1,4 @@
-use std::io::{BufRead, Read};
+use std::io::{BufRead, Read, Seek};
 use std::path::Path;
 
 use exr::prelude::{ReadChannels, ReadLayers};
@@ -128,11 +128,39 @@ fn read_pfm(path: &Path) -> Result<(usize, usize, Texels), String> {
     Ok((width, height, Texels::Float(texels)))
 }
 
+/// How a Radiance picture begins, and how those begin that other programs than Radiance have written.
+const RADIANCE: [&[u8]; 2] = [b"#?RADIANCE", b"#?"];
+
+/// A file, with the first line of a Radiance picture as the decoder wants it.
+fn open_picture(path: &Path) -> std::io::Result<Box<dyn ReadSeek>> {
+    let mut file = std::fs::File::open(path)?;
+    let mut head = Vec::new();
+    file.by_ref().take(RADIANCE[0].len() as u64).read_to_end(&mut head)?;
+    file.rewind()?;
+    if !head.starts_with(RADIANCE[1]) || head == RADIANCE[0] {
+        return Ok(Box::new(std::io::BufReader::new(file)));
+    }
+    let mut bytes = Vec::new();
+    file.take(MAX_RADIANCE).read_to_end(&mut bytes)?;
+    let line = bytes.iter().position(|&b| b == b'\n').unwrap_or(bytes.len());
+    bytes.splice(..line, RADIANCE[0].iter().copied());
+    Ok(Box::new(std::io::Cursor::new(bytes)))
+}
+
+/// No Radiance picture of the largest size is longer.
+const MAX_RADIANCE: u64 = 5 * MAX_PIXELS;
+
+trait ReadSeek: BufRead + Seek {}
+
+impl<T: BufRead + Seek> ReadSeek for T {}
+
 fn read_with_image(path: &Path, encoding: Encoding) -> Result<(usize, usize, Texels), String> {
     let open = || {
-        ImageReader::open(path)
-            .and_then(ImageReader::with_guessed_format)
-            .map_err(|e| e.to_string())
+        let mut reader = ImageReader::new(open_picture(path).map_err(|e| e.to_string())?);
+        if let Ok(format) = image::ImageFormat::from_path(path) {
+            reader.set_format(format);
+        }
+        reader.with_guessed_format().map_err(|e| e.to_string())
     };
     let (width, height) = open()?.into_dimensions().map_err(|e| e.to_string())?;
     check_size(u64::from(width), u64::from(height))?;

@@ -35,18 +35,24 @@ pub enum PointSource {
     Oriented(Rgb),
     /// A point that shines alike in all directions, with this intensity.
     Omni(Rgb),
-    /// A spot: the intensity on its axis; see [`Light::spot_fade`].
+    /// A spot: the intensity on its axis, without its picture; see [`Light::spot_fade`].
     Spot(Rgb),
     /// Parallel light along [`Emission::d`]: irradiance across it.
     Directional(Rgb),
 }
 
 impl Light {
-    /// Share of a spot's full intensity along unit `d`; 1 for other lights.
-    pub fn spot_fade(&self, d: Vec3) -> f32 {
+    /// Share of a spot's full intensity along unit `d`, coloured by its picture; 1 for other lights.
+    pub fn spot_fade(&self, d: Vec3) -> Rgb {
         match self {
-            Light::Spot { frame, cutoff, beam, .. } => spot_fade(d.dot(frame.n), *cutoff, *beam),
-            _ => 1.0,
+            Light::Spot { frame, cutoff, beam, slide, .. } => {
+                let fade = spot_fade(d.dot(frame.n), *cutoff, *beam);
+                match slide {
+                    Some(slide) if fade > 0.0 => slide.along(d) * fade,
+                    _ => Rgb::grey(fade),
+                }
+            }
+            _ => Rgb::WHITE,
         }
     }
 }
@@ -87,12 +93,11 @@ impl Lights {
                 let d = warp::sphere(u_d);
                 start(*position, d, d, *intensity * (4.0 * PI), PointSource::Omni, *intensity)
             }
-            Light::Spot { position, frame, intensity, cutoff, beam } => {
+            Light::Spot { position, frame, intensity, cutoff, .. } => {
                 let one_minus_cos = 1.0 - cutoff.cos();
-                let local = warp::cone(u_d, one_minus_cos);
-                let d = frame.to_world(local);
-                let fade = spot_fade(local.z, *cutoff, *beam);
-                let power = *intensity * (fade / warp::cone_pdf(one_minus_cos));
+                let d = frame.to_world(warp::cone(u_d, one_minus_cos));
+                let fade = self.all()[light].spot_fade(d);
+                let power = *intensity * fade * (1.0 / warp::cone_pdf(one_minus_cos));
                 start(*position, d, d, power, PointSource::Spot, *intensity)
             }
             Light::Directional { frame, irradiance } => {

@@ -1,7 +1,7 @@
 use glam::{Affine3A, Vec3};
 
 use crate::math::Rgb;
-use crate::texture::Bitmap;
+use crate::texture::{Bitmap, Texture};
 
 /// A light that is no surface, as a scene gives it. (Surfaces shine by [`crate::geometry::Shape::emission`].)
 #[derive(Clone, Debug)]
@@ -25,6 +25,21 @@ pub enum LightSource {
         cutoff: f32,
         /// Half angle within which the intensity is full, radians.
         beam: f32,
+    },
+    /// A spot behind a picture, as of a projector.
+    Projector {
+        /// World position.
+        position: Vec3,
+        /// Axes of the picture's u and v, and the axis of the cone. Only their directions count.
+        axes: [Vec3; 3],
+        /// Power per steradian inside of the beam where the picture is one.
+        intensity: Rgb,
+        /// Half angle of the cone, radians.
+        cutoff: f32,
+        /// Half angle within which the intensity is full, radians.
+        beam: f32,
+        /// The picture, at most one. Its unit square spans the cone.
+        picture: Texture,
     },
     /// Parallel light from far away.
     Directional {

@@ -2,7 +2,7 @@ use std::f32::consts::PI;
 
 use glam::{Mat3, Vec3};
 
-use super::{Discrete, Emitter, EmitterPoint, Environment, LightSource};
+use super::{Discrete, Emitter, EmitterPoint, Environment, LightSource, Slide};
 use crate::geometry::{Geometry, Shape};
 use crate::math::{Frame, Rgb, sqr};
 use crate::warp;
@@ -38,6 +38,8 @@ pub enum Light {
         cutoff: f32,
         /// Half angle of full intensity, radians.
         beam: f32,
+        /// The picture in front of it.
+        slide: Option<Box<Slide>>,
     },
     /// Parallel light.
     Directional {
@@ -196,10 +198,9 @@ impl Lights {
                 Some(LightSample { wi, p: Some(point.p), radiance, pdf_w, delta: false, primitive })
             }
             Light::Point { position, intensity } => delta(*position, *intensity),
-            Light::Spot { position, frame, intensity, cutoff, beam } => {
-                let fade =
-                    spot_fade(frame.n.dot((p - *position).normalize_or_zero()), *cutoff, *beam);
-                delta(*position, *intensity * fade)
+            Light::Spot { position, intensity, .. } => {
+                let d = (p - *position).normalize_or_zero();
+                delta(*position, *intensity * self.lights[light].spot_fade(d))
             }
             Light::Directional { frame, irradiance } => Some(LightSample {
                 wi: -frame.n,
@@ -234,7 +235,18 @@ impl Light {
                 intensity,
                 cutoff,
                 beam,
+                slide: None,
             },
+            LightSource::Projector { position, axes, intensity, cutoff, beam, picture } => {
+                Light::Spot {
+                    position,
+                    frame: Frame::from_normal(axes[2].normalize_or(Vec3::Z)),
+                    intensity,
+                    cutoff,
+                    beam,
+                    slide: Some(Box::new(Slide::new(picture, axes, cutoff))),
+                }
+            }
             LightSource::Directional { direction, irradiance } => {
                 Light::Directional { frame: Frame::from_normal(direction), irradiance }
             }
@@ -292,8 +304,10 @@ impl Light {
                 PI * emitter.area() * radiance.luminance().max(0.0)
             }
             Light::Point { intensity, .. } => 4.0 * PI * intensity.luminance(),
-            Light::Spot { intensity, cutoff, beam, .. } => {
-                2.0 * PI * intensity.luminance() * (1.0 - 0.5 * (cutoff.cos() + beam.cos()))
+            Light::Spot { intensity, cutoff, beam, slide, .. } => {
+                let mean = slide.as_ref().map_or(Rgb::WHITE, |slide| slide.mean());
+                let solid_angle = 2.0 * PI * (1.0 - 0.5 * (cutoff.cos() + beam.cos()));
+                solid_angle * (*intensity * mean).luminance()
             }
             Light::Directional { irradiance, .. } => disc * irradiance.luminance(),
             Light::Constant { radiance } => disc * 4.0 * PI * radiance.luminance(),

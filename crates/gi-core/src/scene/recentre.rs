@@ -26,7 +26,9 @@ impl SceneParts {
         self.shapes.iter_mut().for_each(|s| s.geometry.shift(-center));
         self.instances.iter_mut().for_each(|i| i.to_world.translation -= Vec3A::from(center));
         for light in &mut self.lights {
-            if let LightSource::Point { position, .. } | LightSource::Spot { position, .. } = light
+            if let LightSource::Point { position, .. }
+            | LightSource::Spot { position, .. }
+            | LightSource::Projector { position, .. } = light
             {
                 *position -= center;
             }

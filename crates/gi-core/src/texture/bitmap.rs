@@ -16,7 +16,7 @@ pub enum Texels {
 }
 
 /// What lies outside of the unit square.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wrap {
     /// The picture again.
     #[default]
@@ -28,7 +28,7 @@ pub enum Wrap {
 }
 
 /// How a value is read between texels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Lookup {
     /// Interpolate the four nearest.
     #[default]
@@ -144,10 +144,16 @@ impl Bitmap {
     }
 }
 
-/// The whole number below `x` and what is left. Numbers too large for an `i32`, and those that are none, become some number.
+/// Far from the unit square, coordinates have no digits left to tell texels apart.
+const FAR: f32 = 1e9;
+
+/// The whole number below `x` and what is left; 0 for numbers that are none or lie so far away that they name no texel.
 #[inline]
 fn floor(x: f32) -> (i32, f32) {
-    let toward_zero = x as i32; // saturates, and reads NaN as 0
+    if x.is_nan() || x.abs() >= FAR {
+        return (0, 0.0);
+    }
+    let toward_zero = x as i32;
     let below = if (toward_zero as f32) > x { toward_zero.wrapping_sub(1) } else { toward_zero };
     (below, x - below as f32)
 }
@@ -185,9 +191,13 @@ mod tests {
         assert_eq!([-0.1, 1.1, 5.3].map(|u| read(Wrap::Repeat, u)), [3.0, 0.0, 1.0]);
         assert_eq!([-0.1, 1.1, 5.3].map(|u| read(Wrap::Mirror, u)), [0.0, 3.0, 2.0]);
         assert_eq!([-0.1, 1.1, 5.3].map(|u| read(Wrap::Clamp, u)), [0.0, 3.0, 3.0]);
-        for u in [f32::NAN, f32::INFINITY, -1e30] {
-            read(Wrap::Repeat, u);
-            read(Wrap::Mirror, u);
+        for u in [f32::NAN, f32::INFINITY, -1e30, 3e38] {
+            for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
+                for lookup in [Lookup::Nearest, Lookup::Bilinear] {
+                    let value = ramp(wrap, lookup).eval(Vec2::new(u, u)).r;
+                    assert!((0.0..=3.0).contains(&value), "{u} {wrap:?} {lookup:?}: {value}");
+                }
+            }
         }
     }
 }

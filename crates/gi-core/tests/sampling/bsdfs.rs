@@ -2,16 +2,19 @@
 
 use gi_core::bsdf::{Bsdf, Toward, Transport};
 use gi_core::geometry::{Geometry, Mesh, Shape, Surface};
-use gi_core::material::{BentNormals, Distribution, Material, Roughness};
+use gi_core::material::{
+    BentNormals, Distribution, Material, Principled, PrincipledThin, Roughness,
+};
 use gi_core::math::{Bounds, Rgb};
 use gi_core::ray::Ray;
 use gi_core::rng::Pcg;
 use gi_core::scene::{Scene, SceneParts};
 use gi_core::texture::Texture;
 use gi_core::warp;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use crate::grid::check;
+use crate::principled::{self, principled, sheet};
 
 fn rough(distribution: Distribution, u: f32, v: f32) -> Option<Roughness> {
     Some(Roughness { distribution, alpha_u: Texture::grey(u), alpha_v: Texture::grey(v) })
@@ -58,7 +61,7 @@ fn materials() -> Vec<(&'static str, Vec<Material>, bool)> {
     };
     let blend = Material::Blend { weight: Texture::grey(0.4), first: 0, second: 1 };
     let metal_2 = metal(rough(Ggx, 0.2, 0.2));
-    vec![
+    let mut all = vec![
         ("diffuse", vec![diffuse.clone()], false),
         (
             "diffuse, two-sided",
@@ -121,15 +124,18 @@ fn materials() -> Vec<(&'static str, Vec<Material>, bool)> {
             vec![diffuse, metal_2, blend, mask(2), Material::TwoSided { front: 3, back: 3 }],
             false,
         ),
-    ]
+    ];
+    all.extend(principled::materials());
+    all
 }
 
 /// A floor with the last of the materials, seen from above.
-fn floor(materials: Vec<Material>) -> (Scene, Surface) {
+pub(crate) fn floor(materials: Vec<Material>) -> (Scene, Surface) {
     let mesh = Mesh {
         positions: [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
             .map(|[x, y]| Vec3::new(x, y, 0.0))
             .to_vec(),
+        uvs: [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(Vec2::from).to_vec(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         ..Mesh::default()
     };
@@ -292,18 +298,39 @@ fn light_paths_over_a_mirror_with_bent_normals_carry_what_eye_paths_carry() {
 #[test]
 fn refraction_is_reciprocal_up_to_the_squared_index() {
     for distribution in [Distribution::Ggx, Distribution::Beckmann] {
-        let (scene, surface) = floor(vec![glass(rough(distribution, 0.3, 0.3))]);
-        let mut rng = Pcg::new(7, 7);
-        for _ in 0..500 {
-            let (above, below) =
-                (warp::hemisphere(rng.next_2d()), -warp::hemisphere(rng.next_2d()));
-            let power = |a, b| scene.bsdf(&surface, a, Transport::Power).f(a, b).r;
-            let radiance = |a, b| scene.bsdf(&surface, a, Transport::Radiance).f(a, b).r;
-            // f(wo, wi) / eta_i^2 = f(wi, wo) / eta_o^2 [Veach97, 5.2], and power is radiance turned round.
-            let (down, up) = (radiance(above, below), radiance(below, above));
-            assert!((down * 1.5 * 1.5 - up).abs() <= 1e-3 * up + 1e-5, "{down} {up}");
-            assert!((power(above, below) - up).abs() <= 1e-3 * up + 1e-5);
-        }
+        refraction_is_reciprocal(glass(rough(distribution, 0.3, 0.3)), 1.5);
+    }
+    let clear = |p: &mut Principled| (p.spec_trans, p.eta) = (Texture::grey(0.8), 1.5);
+    refraction_is_reciprocal(principled(clear), 1.5);
+}
+
+fn refraction_is_reciprocal(material: Material, eta: f32) {
+    let (scene, surface) = floor(vec![material]);
+    let mut rng = Pcg::new(7, 7);
+    for _ in 0..500 {
+        let (above, below) = (warp::hemisphere(rng.next_2d()), -warp::hemisphere(rng.next_2d()));
+        let power = |a, b| scene.bsdf(&surface, a, Transport::Power).f(a, b).r;
+        let radiance = |a, b| scene.bsdf(&surface, a, Transport::Radiance).f(a, b).r;
+        // f(wo, wi) / eta_i^2 = f(wi, wo) / eta_o^2 [Veach97, 5.2], and power is radiance turned round.
+        let (down, up) = (radiance(above, below), radiance(below, above));
+        assert!((down * eta * eta - up).abs() <= 1e-3 * up + 1e-5, "{down} {up}");
+        assert!((power(above, below) - up).abs() <= 1e-3 * up + 1e-5);
+    }
+}
+
+#[test]
+fn light_through_a_sheet_is_the_same_from_either_end() {
+    let all = |p: &mut PrincipledThin| {
+        (p.spec_trans, p.diff_trans) = (Texture::grey(0.6), Texture::grey(1.2));
+        (p.roughness, p.anisotropic) = (Texture::grey(0.9), Texture::grey(0.5));
+    };
+    let (scene, surface) = floor(vec![sheet(all)]);
+    let mut rng = Pcg::new(9, 7);
+    for _ in 0..2000 {
+        let (a, b) = (warp::sphere(rng.next_2d()), warp::sphere(rng.next_2d()));
+        let radiance = scene.bsdf(&surface, a, Transport::Radiance).f(a, b).r;
+        let power = scene.bsdf(&surface, b, Transport::Power).f(b, a).r;
+        assert!((radiance - power).abs() <= 1e-3 * power + 1e-5, "{a} {b}: {radiance} {power}");
     }
 }
 

@@ -3,4 +3,5 @@
 mod bsdfs;
 mod grid;
 mod lights;
+mod principled;
 mod warps;

@@ -275,13 +275,10 @@ impl<'a> Node<'a> {
         })
     }
 
-    /// The `max_depth` of an integrator; its other parameters are not our business.
-    pub(crate) fn max_depth(self) -> Option<i32> {
-        let mut properties = self.object().properties.iter();
-        match properties.find(|p| p.name == "max_depth")?.value {
-            Value::Integer(depth) => i32::try_from(depth).ok(),
-            _ => None,
-        }
+    /// A property of an object whose others are not our business: it does not count as looked at.
+    pub(crate) fn peek(self, name: &str) -> Option<(&'a Value, Span)> {
+        let found = self.object().properties.iter().rev().find(|p| p.name == name)?;
+        Some((&found.value, found.span))
     }
 
     /// Children of a class in written order, whatever their names.

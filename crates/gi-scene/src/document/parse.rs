@@ -7,8 +7,11 @@ use crate::diagnostics::{Report, Span, suggestion};
 use crate::files;
 use crate::hash::Hash;
 use crate::value;
-use substitute::{Define, Element};
+use defines::{Define, Defines};
+use substitute::Element;
 
+mod comments;
+mod defines;
 mod properties;
 mod substitute;
 
@@ -21,6 +24,12 @@ const MAX_INCLUDES: usize = 1000;
 const MAX_NESTING: usize = 64;
 /// How many elements one file may hold: a bound on memory far above any scene found.
 const MAX_NODES: u32 = 1 << 24;
+
+/// So many references to nothing get a proposal, each of which is compared with all names.
+const MAX_PROPOSALS: usize = 20;
+
+/// Textures that may stand in a `<spectrum>`.
+const TEXTURES: [&str; 3] = ["bitmap", "checkerboard", "scale"];
 
 /// Read a scene file and all that it includes.
 pub(crate) fn parse(
@@ -41,7 +50,7 @@ pub(crate) fn parse(
 
 struct Parser<'r> {
     report: &'r Report,
-    defines: Vec<Define>,
+    defines: Defines,
     /// Files being read, outermost first.
     stack: Vec<PathBuf>,
     includes: usize,
@@ -74,10 +83,13 @@ impl<'r> Parser<'r> {
             search: vec![files::folder_of(path)],
             presets,
             version: 3,
+            unknown_tags: Vec::new(),
+            unknown_things: false,
             hash,
         };
-        let defines = defines.iter().rev().map(define).collect(); // the last -D of a name wins
-        Parser { report, defines, stack: Vec::new(), includes: 0, aliases: Vec::new(), doc }
+        let mut all = Defines::default();
+        defines.iter().rev().map(define).for_each(|d| all.add(d)); // the last -D of a name wins
+        Parser { report, defines: all, stack: Vec::new(), includes: 0, aliases: Vec::new(), doc }
     }
 
     /// Read one file; its elements become children of `parent`, or the whole scene without one.
@@ -96,7 +108,8 @@ impl<'r> Parser<'r> {
         self.doc.hash.bytes(text.as_bytes());
         let file = self.report.add_file(path, &text);
         let options = roxmltree::ParsingOptions { nodes_limit: MAX_NODES, ..Default::default() };
-        let xml = match roxmltree::Document::parse_with_options(&text, options) {
+        let readable = comments::without_dashes(&text);
+        let xml = match roxmltree::Document::parse_with_options(&readable, options) {
             Ok(xml) => xml,
             Err(why) => return self.xml_error(&why, &text, file),
         };
@@ -156,7 +169,10 @@ impl<'r> Parser<'r> {
             "ref" => self.reference(&element, parent),
             "transform" => self.transform(node, &element, file, parent),
             "spectrum" if element.get("type").is_some() => {
-                self.object(node, &element, Class::Spectrum, (file, parent, depth));
+                // Mitsuba 2 wrote textures so.
+                let is_texture = TEXTURES.contains(&element.text("type").unwrap_or_default());
+                let class = if is_texture { Class::Texture } else { Class::Spectrum };
+                self.object(node, &element, class, (file, parent, depth));
             }
             "mode" => {}
             tag => match Class::of(tag) {
@@ -271,7 +287,7 @@ impl<'r> Parser<'r> {
         for (id, new, span) in std::mem::take(&mut self.aliases) {
             match self.doc.ids.get(&id).copied() {
                 Some(object) => drop(self.doc.ids.insert(new, object)),
-                None => self.unknown_id(&id, span),
+                None => self.unknown_id(&id, span, 0),
             }
         }
         let mut missing = Vec::new();
@@ -280,8 +296,8 @@ impl<'r> Parser<'r> {
                 if let Target::Ref(id) = &child.target
                     && !self.doc.ids.contains_key(id)
                 {
-                    self.unknown_id(id, child.span);
                     missing.push((o, c));
+                    self.unknown_id(id, child.span, missing.len());
                 }
             }
         }
@@ -290,10 +306,14 @@ impl<'r> Parser<'r> {
         }
     }
 
-    fn unknown_id(&self, id: &str, span: Span) {
-        let mut known: Vec<&str> = self.doc.ids.keys().map(String::as_str).collect();
-        known.sort_unstable();
+    /// Report a reference to nothing, after `before` others.
+    fn unknown_id(&self, id: &str, span: Span, before: usize) {
         let message = format!("nothing has the id `{id}`");
-        self.report.error_help(span, message, "referred to here", suggestion(id, known));
+        let help = (before < MAX_PROPOSALS).then(|| {
+            let mut known: Vec<&str> = self.doc.ids.keys().map(String::as_str).collect();
+            known.sort_unstable();
+            suggestion(id, known)
+        });
+        self.report.error_help(span, message, "referred to here", help.flatten());
     }
 }

@@ -1,6 +1,6 @@
 use gi_core::light::LightSource;
 use gi_core::math::{Frame, Rgb};
-use glam::{Affine3A, Mat3};
+use glam::{Affine3A, Mat3, Vec3};
 
 use super::{Exporter, degrees, numbers};
 use crate::build::LightOrigin;
@@ -40,6 +40,16 @@ impl Exporter<'_> {
                 xml.color("intensity", *intensity);
                 xml.value("float", "cutoff_angle", &degrees(*cutoff));
                 xml.value("float", "beam_width", &degrees(*beam));
+            }
+            LightSource::Projector { position, axes, intensity, cutoff, beam, picture } => {
+                xml.open("emitter", &[("type", "spot")]);
+                let [x, y, z] = axes.map(Vec3::normalize_or_zero);
+                let linear = Mat3::from_cols(x, y, z);
+                xml.transform("to_world", &Affine3A::from_mat3_translation(linear, *position));
+                xml.color("intensity", *intensity);
+                xml.value("float", "cutoff_angle", &degrees(*cutoff));
+                xml.value("float", "beam_width", &degrees(*beam));
+                self.texture("texture", picture)?;
             }
             LightSource::Directional { direction, irradiance } => {
                 xml.open("emitter", &[("type", "directional")]);

@@ -1,7 +1,9 @@
 use std::collections::HashSet;
 
 use gi_core::image_io::{ImageFile, Layers, write_file};
-use gi_core::material::{BentNormals, Distribution, Material, Roughness};
+use gi_core::material::{
+    BentNormals, Distribution, Material, Principled, PrincipledThin, Roughness,
+};
 use gi_core::math::Rgb;
 use gi_core::texture::{Bitmap, Lookup, Texture, Wrap};
 use glam::{Affine2, Affine3A, Mat3, Vec2, Vec3};
@@ -95,6 +97,14 @@ impl Exporter<'_> {
             Material::Phong { diffuse, specular, exponent } => {
                 self.phong(&open, diffuse, specular, exponent)?;
             }
+            Material::Principled(p) => {
+                open(self, "principled");
+                self.principled(p)?;
+            }
+            Material::PrincipledThin(p) => {
+                open(self, "principledthin");
+                self.principled_thin(p)?;
+            }
             Material::Null => open(self, "null"),
             Material::Mask { opacity, inner } => {
                 open(self, "mask");
@@ -165,6 +175,44 @@ impl Exporter<'_> {
         self.xml.value("float", "alpha", &alpha.to_string());
         self.xml.close();
         Ok(())
+    }
+
+    fn principled(&mut self, p: &Principled) -> Result<(), String> {
+        self.texture("base_color", &p.base_color)?;
+        self.scalar("roughness", &p.roughness)?;
+        self.xml.value("float", "eta", &p.eta.to_string());
+        self.parts(&[
+            ("anisotropic", &p.anisotropic),
+            ("metallic", &p.metallic),
+            ("spec_trans", &p.spec_trans),
+            ("spec_tint", &p.spec_tint),
+            ("sheen", &p.sheen),
+            ("sheen_tint", &p.sheen_tint),
+            ("flatness", &p.flatness),
+            ("clearcoat", &p.clearcoat),
+            ("clearcoat_gloss", &p.clearcoat_gloss),
+        ])
+    }
+
+    fn principled_thin(&mut self, p: &PrincipledThin) -> Result<(), String> {
+        self.texture("base_color", &p.base_color)?;
+        self.scalar("roughness", &p.roughness)?;
+        self.scalar("eta", &p.eta)?;
+        self.parts(&[
+            ("anisotropic", &p.anisotropic),
+            ("spec_trans", &p.spec_trans),
+            ("diff_trans", &p.diff_trans),
+            ("spec_tint", &p.spec_tint),
+            ("sheen", &p.sheen),
+            ("sheen_tint", &p.sheen_tint),
+            ("flatness", &p.flatness),
+        ])
+    }
+
+    /// Parameters that are zero unless said. (Mitsuba skips a lobe whose parameter is not given.)
+    fn parts(&mut self, parts: &[(&str, &Texture)]) -> Result<(), String> {
+        let given = parts.iter().filter(|(_, texture)| !texture.is_black());
+        given.into_iter().try_for_each(|(name, texture)| self.scalar(name, texture))
     }
 
     fn ior(&mut self, eta: f32) {

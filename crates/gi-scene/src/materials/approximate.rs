@@ -1,11 +1,10 @@
 //! BSDFs that no material matches: what they are replaced by, each with a warning.
 
-use gi_core::material::{Distribution, Material, Roughness};
-use gi_core::math::Rgb;
+use gi_core::material::Material;
 use gi_core::texture::Texture;
 
 use crate::build::Builder;
-use crate::document::{Class, Meaning, Node};
+use crate::document::{Class, Node};
 use crate::value;
 
 impl Builder<'_> {
@@ -22,72 +21,6 @@ impl Builder<'_> {
             specular: self.share(node, "specular_reflectance", 0.2),
             exponent: Texture::grey(exponent),
         }
-    }
-
-    /// The principled model as a blend of plastic, metal and glass; its other lobes are dropped.
-    pub(super) fn principled(&mut self, node: Node<'_>) -> Option<Material> {
-        const DROPPED: [&str; 14] = [
-            "anisotropic",
-            "clearcoat",
-            "clearcoat_gloss",
-            "sheen",
-            "sheen_tint",
-            "spec_tint",
-            "flatness",
-            "diff_trans",
-            "diffuse_reflectance_sampling_rate",
-            "specular_sampling_rate",
-            "clearcoat_sampling_rate",
-            "main_specular_sampling_rate",
-            "spec_trans_sampling_rate",
-            "subsurface",
-        ];
-        node.ignore(&DROPPED);
-        node.warn("`principled` is approximated by plastic, metal and glass");
-        let base = self.share(node, "base_color", 0.5);
-        let rough = self.texture(node, "roughness", Texture::grey(0.5), Meaning::Factor);
-        let alpha = Texture::grey(rough.mean().mean().powi(2).max(1e-3));
-        let facets =
-            Roughness { distribution: Distribution::Ggx, alpha_u: alpha.clone(), alpha_v: alpha };
-        // Mitsuba: specular = 5 (eta - 1)^2 / (eta + 1)^2 / 0.4 ... the artist's 0.5 is eta 1.5.
-        let f0 = (0.08 * node.float("specular", 0.5)).clamp(0.0, 0.9).sqrt();
-        let eta = node.within("eta", (1.0 + f0) / (1.0 - f0), 0.1..=10.0).max(1.0001);
-        let plastic = self.push_material(
-            Material::Plastic {
-                eta,
-                diffuse: base.clone(),
-                specular: Texture::grey(1.0),
-                nonlinear: false,
-                roughness: Some(facets.clone()),
-            },
-            None,
-        );
-        let trans = self.share(node, "spec_trans", 0.0);
-        let body = if trans.is_black() {
-            plastic
-        } else {
-            let (white, roughness) = (Texture::grey(1.0), Some(facets.clone()));
-            let glass = Material::Dielectric {
-                eta,
-                reflectance: white,
-                transmittance: base.clone(),
-                roughness,
-            };
-            let glass = self.push_material(glass, None);
-            self.push_material(
-                Material::Blend { weight: trans, first: plastic, second: glass },
-                None,
-            )
-        };
-        let metallic = self.share(node, "metallic", 0.0);
-        let metal = Material::Conductor {
-            eta: Rgb::BLACK,
-            k: Rgb::WHITE,
-            reflectance: base,
-            roughness: Some(facets),
-        };
-        let metal = self.push_material(metal, None);
-        Some(Material::Blend { weight: metallic, first: body, second: metal })
     }
 
     /// A weighted sum as nested blends. What the weights lack to one is absorbed.

@@ -3,6 +3,7 @@
 mod approximate;
 pub(crate) mod ior;
 mod parameters;
+mod principled;
 
 use gi_core::material::{BentNormals, Distribution, Material, Roughness};
 use gi_core::math::Rgb;
@@ -72,7 +73,8 @@ impl Builder<'_> {
         let of = |index: &usize| self.transmits[*index];
         let transmits = match &material {
             Material::Dielectric { .. } | Material::ThinDielectric { .. } | Material::Null => true,
-            Material::Mask { .. } => true,
+            Material::Mask { .. } | Material::PrincipledThin(_) => true,
+            Material::Principled(p) => !p.spec_trans.is_black(),
             Material::TwoSided { front, back } => of(front) || of(back),
             Material::Blend { first, second, .. } => of(first) || of(second),
             Material::Bump { inner, .. } | Material::NormalMap { inner, .. } => of(inner),
@@ -99,7 +101,9 @@ impl Builder<'_> {
                 Material::Diffuse { reflectance: self.share(node, "reflectance", 0.5) }
             }
             "roughdiffuse" => {
-                node.ignore(&["use_fast_approx"]);
+                if !node.bool("use_fast_approx", false) {
+                    node.warn("`roughdiffuse` is computed by Oren and Nayar's qualitative model");
+                }
                 let alpha = self.texture(node, "alpha", Texture::grey(0.2), Meaning::Factor);
                 Material::RoughDiffuse { reflectance: self.share(node, "reflectance", 0.5), alpha }
             }
@@ -117,7 +121,8 @@ impl Builder<'_> {
                 exponent: self.exponent(node),
             },
             "ward" => self.ward(node),
-            "principled" | "principledthin" => return self.principled(node),
+            "principled" => self.principled(node),
+            "principledthin" => self.principled_thin(node),
             "null" => Material::Null,
             "mask" | "opacity" => {
                 let opacity = self.share(node, "opacity", 0.5);

@@ -49,6 +49,16 @@ pub(crate) enum MeshKind {
     Serialized { index: usize },
 }
 
+/// What a mesh file holds.
+#[derive(Clone, Debug)]
+pub(crate) struct ReadMesh {
+    pub(crate) mesh: Mesh,
+    /// Whether Mitsuba 3 reads the same from this file.
+    pub(crate) portable: bool,
+    /// What of the file was left out.
+    pub(crate) note: Option<String>,
+}
+
 impl MeshFile {
     /// The plugins that read files.
     pub(crate) const KINDS: [&'static str; 3] = ["obj", "ply", "serialized"];
@@ -66,16 +76,21 @@ impl MeshFile {
         MeshFile { path, kind }
     }
 
-    /// Read the mesh, and say whether Mitsuba 3 reads the same from this file.
-    /// Its vertices are finite and its indices in range.
-    pub(crate) fn parse(&self, bytes: &[u8]) -> Result<(Mesh, bool), String> {
-        let (mesh, portable) = match self.kind {
-            MeshKind::Obj { flip } => obj::parse(bytes, flip)?,
-            MeshKind::Ply { flip } => (ply::parse(bytes, flip)?, true),
-            MeshKind::Serialized { index } => (serialized::parse(bytes, index)?, false),
+    /// Read the mesh. Its vertices are finite and its indices in range.
+    pub(crate) fn parse(&self, bytes: &[u8]) -> Result<ReadMesh, String> {
+        let plain = |mesh, portable| ReadMesh { mesh, portable, note: None };
+        let read = match self.kind {
+            MeshKind::Obj { flip } => {
+                let mut contents = obj::parse(bytes, flip)?;
+                let note = contents.note(&self.path.display().to_string());
+                let (_, mesh) = contents.meshes.pop().ok_or("it holds no faces")?;
+                ReadMesh { mesh, portable: contents.portable, note }
+            }
+            MeshKind::Ply { flip } => plain(ply::parse(bytes, flip)?, true),
+            MeshKind::Serialized { index } => plain(serialized::parse(bytes, index)?, false),
         };
-        check(&mesh)?;
-        Ok((mesh, portable))
+        check(&read.mesh)?;
+        Ok(read)
     }
 }
 
@@ -267,6 +282,7 @@ impl Builder<'_> {
             second.error("a second emitter of one shape", "expected one");
         }
         let emitter = emitters.first()?;
+        self.used_emitters.insert(emitter.id);
         if emitter.plugin() != "area" {
             emitter.unknown_plugin(&["area"]);
             return None;

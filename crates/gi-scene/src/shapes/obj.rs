@@ -5,26 +5,62 @@ use std::collections::HashMap;
 use gi_core::geometry::Mesh;
 use glam::{Vec2, Vec3};
 
+use crate::files;
+use crate::statements::{statements, without_comment};
+
 /// What is absent from a corner.
 const ABSENT: u32 = u32::MAX;
 
 /// The contents of a file with its materials.
 #[derive(Debug, Default)]
 pub(crate) struct Contents {
-    /// Names after `mtllib`, in order.
+    /// What stands after each `mtllib`, in order: one name, or several.
     pub(crate) libraries: Vec<String>,
     /// One mesh a material (the first `usemtl` that names it opens it; `""` before any), without normals
     /// where not every corner has one.
     pub(crate) meshes: Vec<(String, Mesh)>,
     /// Whether Mitsuba 3 reads the file as we do: it refuses indices that count from the end.
     pub(crate) portable: bool,
+    /// Faces of fewer than three corners, which are left out: how many, and the line of the first.
+    pub(crate) degenerate: (usize, usize),
+    /// Whether there are free-form curves or surfaces, or other files are called.
+    ignored: bool,
 }
 
-/// Read all faces as one mesh, and say whether Mitsuba 3 reads the same.
-pub(crate) fn parse(bytes: &[u8], flip: bool) -> Result<(Mesh, bool), String> {
-    let mut contents = parse_by_material(bytes, flip, false)?;
-    let (_, mesh) = contents.meshes.pop().ok_or("it holds no faces")?;
-    Ok((mesh, contents.portable))
+/// Statements that draw something and are not understood.
+const IGNORED: [&str; 4] = ["curv", "curv2", "surf", "call"];
+
+impl Contents {
+    /// Note a face in a line that has too few corners.
+    fn count_corners(&mut self, corners: usize, line: usize) {
+        let (count, first) = self.degenerate;
+        if corners < 3 {
+            self.degenerate = (count + 1, if count == 0 { line } else { first });
+        }
+    }
+
+    /// What to say about what is left out, if there is anything.
+    pub(crate) fn note(&self, path: &str) -> Option<String> {
+        if self.ignored {
+            return Some(format!(
+                "`{path}`: free-form surfaces, curves and calls of other files are left out"
+            ));
+        }
+        let (count, first) = self.degenerate;
+        let faces = if count == 1 { "a face" } else { "faces" };
+        (count > 0).then(|| {
+            format!("`{path}`: {count} {faces} of one or two corners left out, the first in line {first}")
+        })
+    }
+}
+
+/// Read all faces as one mesh.
+pub(crate) fn parse(bytes: &[u8], flip: bool) -> Result<Contents, String> {
+    let contents = parse_by_material(bytes, flip, false)?;
+    if contents.meshes.is_empty() {
+        return Err("it holds no faces".into());
+    }
+    Ok(contents)
 }
 
 /// Read the faces of each material as a mesh of its own, or all as one.
@@ -35,27 +71,22 @@ pub(crate) fn parse_by_material(
 ) -> Result<Contents, String> {
     let mut reader = Reader { flip, ..Reader::default() };
     let mut contents = Contents::default();
-    for (number, line) in bytes.split(|&b| b == b'\n').enumerate() {
-        let fail = |why: String| format!("line {}: {why}", number + 1);
-        // Names may be in any encoding; numbers are ASCII.
-        let line = String::from_utf8_lossy(line);
-        let line = line.split('#').next().unwrap_or_default().trim();
-        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+    let text = files::without_mark(bytes);
+    for statement in statements(&text) {
+        let fail = |why: String| format!("line {}: {why}", statement.line);
+        let (keyword, rest) = statement.split();
         match keyword {
-            "v" => {
-                let p = floats::<3>(rest).map_err(fail)?;
-                if !p.iter().all(|x| x.is_finite()) {
-                    let n = reader.positions.len();
-                    return Err(fail(format!("vertex {n} is not finite: {rest}")));
-                }
-                super::check_size(Vec3::from(p)).map_err(fail)?;
-                reader.positions.push(Vec3::from(p));
-            }
+            "v" => reader.positions.push(position(rest, reader.positions.len()).map_err(fail)?),
             "vn" => reader.normals.push(Vec3::from(floats::<3>(rest).map_err(fail)?)),
             "vt" => reader.uvs.push(texture_coordinate(rest).map_err(fail)?),
-            "f" => reader.face(rest).map_err(fail)?,
-            "usemtl" if by_material => reader.material(rest.trim()),
-            "mtllib" => contents.libraries.push(rest.trim().to_owned()),
+            // `fo` is how old files wrote it.
+            "f" | "fo" => {
+                let corners = reader.face(without_comment(rest)).map_err(fail)?;
+                contents.count_corners(corners, statement.line);
+            }
+            "usemtl" if by_material => reader.material(rest),
+            "mtllib" => contents.libraries.push(rest.to_owned()),
+            _ if IGNORED.contains(&keyword) => contents.ignored = true,
             _ => {}
         }
     }
@@ -86,6 +117,8 @@ struct Reader {
     normals: Vec<Vec3>,
     uvs: Vec<Vec2>,
     parts: Vec<Part>,
+    /// Which part each material has.
+    part_of: HashMap<String, usize>,
     current: usize,
     flip: bool,
     /// Whether any index counts from the end.
@@ -94,13 +127,18 @@ struct Reader {
 
 impl Reader {
     fn material(&mut self, name: &str) {
-        self.current = self.parts.iter().position(|p| p.name == name).unwrap_or_else(|| {
-            self.parts.push(Part { name: name.to_owned(), ..Part::default() });
-            self.parts.len() - 1
-        });
+        self.current = match self.part_of.get(name) {
+            Some(known) => *known,
+            None => {
+                self.part_of.insert(name.to_owned(), self.parts.len());
+                self.parts.push(Part { name: name.to_owned(), ..Part::default() });
+                self.parts.len() - 1
+            }
+        };
     }
 
-    fn face(&mut self, text: &str) -> Result<(), String> {
+    /// Add a face as a fan; returns how many corners it has.
+    fn face(&mut self, text: &str) -> Result<usize, String> {
         if self.parts.is_empty() {
             self.material("");
         }
@@ -123,10 +161,7 @@ impl Reader {
                 fan = Some((start, index));
             }
         }
-        if count < 3 {
-            return Err(format!("a face of {count} corners"));
-        }
-        Ok(())
+        Ok(count)
     }
 
     fn corner(&mut self, word: &str) -> Result<Corner, String> {
@@ -169,7 +204,18 @@ impl Reader {
     }
 }
 
+/// Vertex number `index`.
+fn position(text: &str, index: usize) -> Result<Vec3, String> {
+    let p = floats::<3>(text)?;
+    if !p.iter().all(|x| x.is_finite()) {
+        return Err(format!("vertex {index} is not finite: {}", without_comment(text)));
+    }
+    super::check_size(Vec3::from(p))?;
+    Ok(Vec3::from(p))
+}
+
 fn floats<const N: usize>(text: &str) -> Result<[f32; N], String> {
+    let text = without_comment(text);
     let mut out = [0.0; N];
     let mut words = text.split_whitespace();
     for x in &mut out {
@@ -181,6 +227,7 @@ fn floats<const N: usize>(text: &str) -> Result<[f32; N], String> {
 
 /// One, two or three numbers.
 fn texture_coordinate(text: &str) -> Result<Vec2, String> {
+    let text = without_comment(text);
     let mut words = text.split_whitespace();
     let mut next = |default: f32| match words.next() {
         Some(w) => w.parse::<f32>().map_err(|_| format!("`{w}` is not a number")),
@@ -203,8 +250,9 @@ mod tests {
 
     #[test]
     fn polygons_groups_and_negative_indices_are_understood() {
-        let (mesh, portable) = parse(TEXT.as_bytes(), true).unwrap();
-        assert!(!portable, "Mitsuba 3 refuses indices from the end");
+        let mut contents = parse(TEXT.as_bytes(), true).unwrap();
+        let (_, mesh) = contents.meshes.pop().unwrap();
+        assert!(!contents.portable, "Mitsuba 3 refuses indices from the end");
         assert_eq!(mesh.triangles.len(), 3);
         assert_eq!(mesh.positions.len(), 7, "corners with other indices are other vertices");
         assert_eq!(mesh.triangles[1], [0, 2, 3]);
@@ -221,12 +269,32 @@ mod tests {
     fn mistakes_are_named_with_their_line() {
         let fails = |text: &str| parse(text.as_bytes(), true).unwrap_err();
         assert_eq!(fails("v 0 0 0\nf 1 2 3\n"), "line 2: vertex 2 of 1");
-        assert_eq!(fails("v 0 0 0\nf 1 1\n"), "line 2: a face of 2 corners");
         assert_eq!(fails("v 0 0\n"), "line 1: `0 0` where 3 numbers belong");
         assert_eq!(fails("v 0 0 inf\n"), "line 1: vertex 0 is not finite: 0 0 inf");
         assert_eq!(fails("v 0 0 0\nf 0 0 0\n"), "line 2: vertex 0 of 1");
         assert_eq!(fails("v 0 0 0\nf -9223372036854775808 1 1\n").split(':').count(), 2);
         assert_eq!(fails(""), "it holds no faces");
+    }
+
+    #[test]
+    fn faces_of_one_and_two_corners_are_left_out() {
+        let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\nf 1\nf\nf 1 2 3 # whole\n";
+        let contents = parse(text.as_bytes(), true).unwrap();
+        assert_eq!((contents.meshes[0].1.triangles.len(), contents.degenerate), (1, (3, 4)));
+        assert!(contents.note("a.obj").unwrap().contains("the first in line 4"));
+        assert_eq!(parse(b"v 0 0 0\nf 1\n", true).unwrap_err(), "it holds no faces");
+    }
+
+    #[test]
+    fn byte_order_marks_are_no_part_of_the_first_word() {
+        let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        let wide = |order: fn(u16) -> [u8; 2]| -> Vec<u8> {
+            std::iter::once(0xfeff).chain(text.encode_utf16()).flat_map(order).collect()
+        };
+        let narrow = [b"\xef\xbb\xbf", text.as_bytes()].concat();
+        for bytes in [narrow, wide(u16::to_le_bytes), wide(u16::to_be_bytes)] {
+            assert_eq!(parse(&bytes, true).unwrap().meshes[0].1.triangles, [[0, 1, 2]]);
+        }
     }
 
     #[test]

@@ -60,6 +60,7 @@ impl Parser<'_> {
     /// A plain value; other tags are noted and dropped.
     pub(super) fn property(&mut self, element: &Element, parent: ObjectId) {
         if !TAGS.contains(&element.tag.as_str()) {
+            self.note_unknown(element, parent);
             let hint = suggestion(&element.tag, TAGS).map(|s| format!(", {s}")).unwrap_or_default();
             self.report.warn(element.span, format!("unknown tag `{}`: ignored{hint}", element.tag));
             return;
@@ -70,6 +71,19 @@ impl Parser<'_> {
                 let expected = format!("expected {}", expectation(&element.tag));
                 self.report.error(element.span_of("value"), why, &expected);
             }
+        }
+    }
+
+    /// Remember a tag of the scene itself that is of no known dialect.
+    fn note_unknown(&mut self, element: &Element, parent: ObjectId) {
+        const MAX_NAMED: usize = 8;
+        if parent != 0 {
+            return;
+        }
+        self.doc.unknown_things |= element.get("type").is_some();
+        let unknown = &mut self.doc.unknown_tags;
+        if unknown.len() < MAX_NAMED && !unknown.contains(&element.tag) {
+            unknown.push(element.tag.clone());
         }
     }
 

@@ -1,19 +1,12 @@
 use std::cell::Cell;
 
+use super::defines::Define;
 use super::{Parser, XmlNode};
 use crate::diagnostics::{Span, suggestion};
 use crate::value;
 
 /// How long an attribute may grow by substitution: `$a` = `$b$b`, `$b` = `$c$c`, ... doubles each time.
 const MAX_ATTRIBUTE: usize = 1 << 16;
-
-pub(super) struct Define {
-    pub(super) name: String,
-    pub(super) value: String,
-    /// Given with `-D`: wins over `<default>`, and is missed if nobody asks for it.
-    pub(super) forced: bool,
-    pub(super) used: Cell<bool>,
-}
 
 pub(super) struct Attribute {
     pub(super) name: String,
@@ -47,14 +40,14 @@ impl Parser<'_> {
         let (Some(name), Some(value)) = (element.text("name"), element.text("value")) else {
             return self.report.error(element.span, "`default` needs `name` and `value`", "");
         };
-        if let Some(known) = self.defines.iter().find(|d| d.name == name) {
+        if let Some(known) = self.defines.get(name) {
             known.used.set(true);
         } else {
             let (name, value) = (name.to_owned(), value.to_owned());
             if name.starts_with("gi.") {
                 self.doc.presets.insert(name.clone(), value.clone());
             }
-            self.defines.push(Define { name, value, forced: false, used: Cell::new(true) });
+            self.defines.add(Define { name, value, forced: false, used: Cell::new(true) });
         }
     }
 
@@ -78,8 +71,7 @@ impl Parser<'_> {
         let mut out = text[..first].to_owned();
         let mut rest = &text[first..];
         while let Some(after) = rest.strip_prefix('$') {
-            let known = self.defines.iter().filter(|d| after.starts_with(&d.name));
-            if let Some(define) = known.max_by_key(|d| d.name.len()) {
+            if let Some(define) = self.defines.at_start_of(after) {
                 define.used.set(true);
                 out.push_str(&define.value);
                 rest = &after[define.name.len()..];

@@ -1,0 +1,49 @@
+//! The integrator: our programs have their own, so what of it would change the picture is named in a warning.
+
+use crate::diagnostics::Report;
+use crate::document::{Class, Document, Node, Value};
+
+/// Integrators that show something else than all light, and what shows it here.
+const PARTIAL: [(&str, &str); 6] = [
+    ("direct", "`--max-depth 2` shows direct light only"),
+    ("ao", "ambient occlusion is not made"),
+    ("aov", "the layers of the EXR hold what programs know of a pixel"),
+    ("field", "the layers of the EXR hold what programs know of a pixel"),
+    ("depth", "the layer `Z` of the EXR holds distances"),
+    ("stokes", "polarisation is not made"),
+];
+/// Switches that change the picture.
+const SWITCHES: [(&str, &str); 2] =
+    [("hide_emitters", "lamps are seen"), ("strict_normals", "shading normals do not stop light")];
+
+/// Longest path that the scene's integrator asks for; -1 is without end.
+pub(crate) fn read(doc: &Document, report: &Report) -> Option<i32> {
+    let integrators =
+        doc.nodes(report).filter(|n| n.class() == Class::Ignored && n.object().tag == "integrator");
+    let mut depth = None;
+    for (k, node) in integrators.enumerate() {
+        depth = depth.or(max_depth(node));
+        if k == 0 {
+            note_partial(node);
+        }
+        for (name, instead) in SWITCHES {
+            if let Some((Value::Bool(true), span)) = node.peek(name) {
+                report.warn(span, format!("the integrator's `{name}` is ignored: {instead}"));
+            }
+        }
+    }
+    depth
+}
+
+fn max_depth(node: Node<'_>) -> Option<i32> {
+    match node.peek("max_depth")?.0 {
+        Value::Integer(depth) => i32::try_from(*depth).ok(),
+        _ => None,
+    }
+}
+
+fn note_partial(node: Node<'_>) {
+    if let Some((name, here)) = PARTIAL.iter().find(|(name, _)| *name == node.plugin()) {
+        node.warn(format!("the integrator `{name}` is ignored, all light is shown: {here}"));
+    }
+}

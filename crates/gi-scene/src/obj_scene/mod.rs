@@ -1,0 +1,193 @@
+//! A bare OBJ file with its materials, as a whole scene.
+
+mod mtl;
+mod pictures;
+mod surfaces;
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::path::{Path, PathBuf};
+
+use gi_core::filter::Filter;
+use gi_core::geometry::{Geometry, Shape};
+use gi_core::scene::SceneParts;
+
+use crate::build::{Origins, ShapeOrigin};
+use crate::diagnostics::Report;
+use crate::files;
+use crate::framing;
+use crate::hash::Hash;
+use crate::load::{Loaded, Options};
+use crate::shapes::{obj, smooth};
+use crate::statements::{latin_1, name_before_comment};
+use mtl::Entry;
+use pictures::Pictures;
+
+/// Read a bare OBJ file.
+pub(crate) fn load(path: &Path, options: &Options, report: &Report) -> Option<Loaded> {
+    let mut reader = Reader {
+        report,
+        folder: files::folder_of(path),
+        hash: Hash::default(),
+        parts: SceneParts::default(),
+        origins: Origins::default(),
+        pictures: Pictures::default(),
+    };
+    for (name, _) in options.defines.iter().filter(|(name, _)| !name.starts_with("gi.")) {
+        report.warn_nowhere(format!("-D {name}: an OBJ file has no such name"));
+    }
+    let bytes = files::read_bytes(path);
+    let contents = bytes.and_then(|bytes| {
+        reader.hash.bytes(&bytes);
+        obj::parse_by_material(&bytes, true, true)
+    });
+    let contents = match contents {
+        Ok(contents) => contents,
+        Err(why) => {
+            report.error_nowhere(format!("cannot read `{}`: {why}", path.display()));
+            return None;
+        }
+    };
+    if let Some(note) = contents.note(&path.display().to_string()) {
+        report.warn_nowhere(note);
+    }
+    reader.shapes(contents);
+    let size = options.size.unwrap_or([768, 576]);
+    let camera = framing::frame(&reader.parts, &options.camera, size, report)?;
+    let presets: BTreeMap<String, String> =
+        options.defines.iter().filter(|(n, _)| n.starts_with("gi.")).cloned().collect();
+    let world = reader.hash.value();
+    for (name, value) in &options.defines {
+        reader.hash.bytes(name.as_bytes());
+        reader.hash.bytes(value.as_bytes());
+    }
+    Some(Loaded {
+        parts: reader.parts,
+        camera,
+        filter: Filter::Gaussian { stddev: 0.5 },
+        presets,
+        integrator_max_depth: None,
+        warnings: Vec::new(),
+        hash: reader.hash.value(),
+        world,
+        origins: reader.origins,
+    })
+}
+
+struct Reader<'a> {
+    report: &'a Report,
+    folder: PathBuf,
+    hash: Hash,
+    parts: SceneParts,
+    origins: Origins,
+    pictures: Pictures,
+}
+
+/// The materials of all libraries, by name.
+#[derive(Default)]
+struct Library {
+    entries: Vec<Entry>,
+    by_name: HashMap<String, usize>,
+}
+
+impl Library {
+    /// Add entries; of two with the same name the first counts.
+    fn extend(&mut self, entries: Vec<Entry>) {
+        let first = self.entries.len();
+        self.entries.extend(entries);
+        for k in first..self.entries.len() {
+            self.by_name.entry(self.entries[k].name.clone()).or_insert(k);
+        }
+    }
+
+    /// Names may end in a comment, which only counts as part of them if there is no other way.
+    fn index_comments(&mut self) {
+        for (k, entry) in self.entries.iter().enumerate() {
+            if let Some(short) = name_before_comment(&entry.name) {
+                self.by_name.entry(short.to_owned()).or_insert(k);
+            }
+        }
+    }
+
+    fn get(&self, name: &str) -> Option<&Entry> {
+        let known = |name: &str| self.by_name.get(name).map(|k| &self.entries[*k]);
+        known(name).or_else(|| known(name_before_comment(name)?))
+    }
+}
+
+impl Reader<'_> {
+    fn shapes(&mut self, contents: obj::Contents) {
+        let library = self.libraries(&contents.libraries);
+        let unknown = Entry::default();
+        for (name, mut mesh) in contents.meshes {
+            let known = library.get(&name);
+            if known.is_none() && !name.is_empty() {
+                self.report
+                    .warn_nowhere(format!("no library has the material `{name}`: it is grey"));
+            }
+            let entry = known.unwrap_or(&unknown);
+            let (material, emission) = (self.material(entry), self.emission(entry));
+            let replaced = smooth::replace_bad_normals(&mut mesh);
+            if replaced > 0 {
+                let name = if name.is_empty() { "the mesh" } else { &name };
+                self.report.warn_nowhere(smooth::bad_normals(replaced, name));
+            }
+            // Material boundaries part the mesh, so smooth normals would show the seams: flat without `vn`.
+            let mut shape = Shape::new(name, Geometry::Mesh(mesh), material);
+            shape.emission = emission;
+            self.parts.shapes.push(shape);
+            self.origins.shapes.push(ShapeOrigin::Itself);
+        }
+        if self.parts.shapes.is_empty() {
+            self.report.error_nowhere("the file holds no faces");
+        }
+    }
+
+    /// Read all libraries that `mtllib` statements name.
+    fn libraries(&mut self, statements: &[String]) -> Library {
+        let (mut library, mut done) = (Library::default(), HashSet::new());
+        for statement in statements {
+            for name in self.library_names(statement) {
+                let Some(path) = pictures::find(&name, &self.folder) else {
+                    let message = format!("cannot find the material library `{name}`");
+                    self.report.warn_nowhere(message);
+                    continue;
+                };
+                if done.insert(path.clone()) {
+                    library.extend(self.library(&path));
+                }
+            }
+        }
+        library.index_comments();
+        library
+    }
+
+    /// The names in a statement: one with blanks in it if there is such a file, else one a word.
+    fn library_names(&self, statement: &str) -> Vec<String> {
+        let exists = |name: &&str| pictures::find(name, &self.folder).is_some();
+        let short = name_before_comment(statement);
+        if let Some(name) = [Some(statement), short].into_iter().flatten().find(exists) {
+            return vec![name.to_owned()];
+        }
+        // Where none of the words names a file either, the whole is what is missed.
+        let words = || short.unwrap_or(statement).split_whitespace();
+        match words().any(|word| exists(&word)) {
+            true => words().map(str::to_owned).collect(),
+            false => vec![statement.to_owned()],
+        }
+    }
+
+    fn library(&mut self, path: &Path) -> Vec<Entry> {
+        let bytes = match files::read_bytes(path) {
+            Ok(bytes) => bytes,
+            Err(why) => {
+                self.report.error_nowhere(format!("cannot read `{}`: {why}", path.display()));
+                return Vec::new();
+            }
+        };
+        self.hash.bytes(&bytes);
+        let bytes = files::without_mark(&bytes);
+        let text = String::from_utf8(bytes.to_vec()).unwrap_or_else(|_| latin_1(&bytes));
+        let file = self.report.add_file(path, &text);
+        mtl::parse(&text, file, self.report)
+    }
+}
