@@ -49,8 +49,9 @@ impl Component<'_> {
         match self.part {
             None => f,
             Some(Part { diffuse, rest }) => {
-                let base = self.lobe.diffuse_f(wo, wi);
-                base * diffuse + (f - base).map(|f| f.max(0.0)) * rest
+                // Lobes that scatter less than their mean toward some directions have no rest there.
+                let base = self.lobe.diffuse_f(wo, wi).zip(f, f32::min);
+                base * diffuse + (f - base) * rest
             }
         }
     }
