@@ -8,6 +8,8 @@ mod analytic;
 mod determinism;
 /// What the dipole of translucent solids is held to.
 mod dipole;
+/// Values at the end of a range.
+mod ends_of_ranges;
 /// What instant radiosity is held to.
 mod instant_radiosity_facts;
 /// What irradiance caching is held to.

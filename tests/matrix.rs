@@ -6,6 +6,7 @@
 //! error of a cut.
 
 use gi_core::film::{Film, Show};
+use gi_core::walk::focused;
 use gi_stats::{Running, welch_t_test};
 use gi_tests::{World, mean_and_variance};
 
@@ -18,10 +19,19 @@ const ROUNDING: f64 = 1e-5;
 struct Row {
     name: &'static str,
     body: String,
-    /// What every pixel's mean must be, where that is known.
-    exact: Option<f64>,
+    /// What it is compared with.
+    truth: Truth,
     /// Programs that are compared, with the bias that they may have, relative.
     programs: Vec<(Program, f64)>,
+}
+
+/// What a scene's mean is compared with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Truth {
+    /// A value that is known.
+    Exact(f64),
+    /// An unbiased program that reaches all of its light.
+    Of(Program),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -147,7 +157,7 @@ fn stacks() -> Vec<Row> {
     let row = |name, rest: String, programs: &[(Program, f64)]| Row {
         name,
         body: room(&rest),
-        exact: None,
+        truth: Truth::Of(Path),
         programs: programs.to_vec(),
     };
     let stack = |n: u32, bsdf: &str| -> String {
@@ -173,7 +183,7 @@ fn maps() -> Vec<Row> {
     let row = |name, map: &str, inner: &str| Row {
         name,
         body: room(&bent(map, inner)),
-        exact: None,
+        truth: Truth::Of(Path),
         programs: ALL.to_vec(),
     };
     vec![
@@ -188,7 +198,7 @@ fn places() -> Vec<Row> {
     let row = |name, place: &str| Row {
         name,
         body: room_at(place, ""),
-        exact: None,
+        truth: Truth::Of(Path),
         programs: ALL.to_vec(),
     };
     vec![
@@ -211,7 +221,7 @@ fn media() -> Vec<Row> {
     let row = |name, shape: &str| Row {
         name,
         body: ball(shape),
-        exact: Some(1.0),
+        truth: Truth::Exact(1.0),
         programs: vec![(VolPath, 0.0), (Light, 0.0)],
     };
     let cube = r#"<shape type="cube">"#;
@@ -233,13 +243,94 @@ fn means(program: Program, world: &World, effort: u32) -> Vec<f64> {
     (0..SEEDS).map(|k| mean_and_variance(&program.render(world, effort, 70 + k)).0).collect()
 }
 
+/// Two halves of a hall, parted by a wall without thickness of this height out of 2; the lamp is in the other half.
+fn hall(wall: f32) -> String {
+    let white = r#"<bsdf type="twosided"><bsdf type="diffuse"><rgb name="reflectance" value="0.7"/></bsdf></bsdf>"#;
+    let side = |x: f32, y: f32, turn: &str, place: &str| {
+        format!(
+            r#"<shape type="rectangle"><transform name="to_world"><scale x="{x}" y="{y}"/>{turn}<translate {place}/></transform>{white}</shape>"#
+        )
+    };
+    let turn = |axis: &str, angle: i32| format!(r#"<rotate {axis}="1" angle="{angle}"/>"#);
+    let half = 0.5 * wall;
+    [
+        r#"<sensor type="perspective"><float name="fov" value="70"/><transform name="to_world"><lookat origin="3.5,1.2,0" target="0,0.4,0" up="0,1,0"/></transform>
+        <film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="16"/><rfilter type="box"/></film></sensor>"#.into(),
+        side(4.0, 1.5, &turn("x", -90), r#"y="0""#),
+        side(4.0, 1.5, &turn("x", 90), r#"y="2""#),
+        side(4.0, 1.0, "", r#"y="1" z="-1.5""#),
+        side(4.0, 1.0, &turn("y", 180), r#"y="1" z="1.5""#),
+        side(1.5, 1.0, &turn("y", 90), r#"x="-4" y="1""#),
+        side(1.5, 1.0, &turn("y", -90), r#"x="4" y="1""#),
+        side(1.5, half, &turn("y", 90), &format!(r#"x="0" y="{half}""#)),
+        r#"<shape type="rectangle"><transform name="to_world"><scale value="0.5"/><rotate x="1" angle="90"/><translate x="-2" y="1.95"/></transform>
+        <bsdf type="diffuse"><rgb name="reflectance" value="0"/></bsdf><emitter type="area"><rgb name="radiance" value="30"/></emitter></shape>"#.into(),
+    ]
+    .concat()
+}
+
+/// Little light comes round the wall, from photons and records that are near and see another place.
+fn slits() -> Vec<Row> {
+    let programs = vec![
+        (Light, 0.0),
+        (Irrcache, 0.06),
+        (Radcache, 0.06),
+        (Photonmap, 0.1),
+        (Ppm, 0.1),
+        (InstantRadiosity, 0.0),
+        (Lightcuts, 0.02),
+    ];
+    vec![Row { name: "slit above a wall", body: hall(1.9), truth: Truth::Of(Path), programs }]
+}
+
+/// A house in the sun, and a small ring on wide ground: edges, and light that goes astray.
+fn outdoors() -> Vec<Row> {
+    let sky = r#"<emitter type="constant"><rgb name="radiance" value="0.3"/></emitter>
+        <emitter type="directional"><vector name="direction" x="0.4" y="-1" z="-0.3"/><rgb name="irradiance" value="2"/></emitter>"#;
+    let scene = |ground: f32, things: &str| {
+        format!(
+            r#"<sensor type="perspective"><float name="fov" value="50"/><transform name="to_world"><lookat origin="2.5,1.5,3" target="0,0.4,0" up="0,1,0"/></transform>
+            <film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="16"/><rfilter type="box"/></film></sensor>{sky}{}{things}"#,
+            sheet(
+                ground,
+                0.0,
+                true,
+                "",
+                r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.6"/></bsdf>"#
+            )
+        )
+    };
+    let thing = |kind: &str, scale: f32, y: f32| {
+        format!(
+            r#"<shape type="{kind}"><transform name="to_world"><scale value="{scale}"/><translate y="{y}"/></transform><bsdf type="diffuse"><rgb name="reflectance" value="0.6"/></bsdf></shape>"#
+        )
+    };
+    let row = |name, body| Row { name, body, truth: Truth::Of(Path), programs: ALL.to_vec() };
+    vec![
+        row("a house in the sun", scene(8.0, &thing("cube", 0.7, 0.7))),
+        row("a small ball on wide ground", scene(40.0, &thing("sphere", 0.4, 0.4))),
+    ]
+}
+
+/// A lamp in a glass bulb behind the eye: paths from the eye find it rarely, and the programs that stand on them say so.
+fn bulbs() -> Vec<Row> {
+    let bulb = r#"<shape type="sphere"><float name="radius" value="0.3"/><point name="center" x="0" y="1.2" z="1.5"/><bsdf type="dielectric"/></shape>
+        <shape type="sphere"><float name="radius" value="0.02"/><point name="center" x="0" y="1.2" z="1.5"/><bsdf type="diffuse"/><emitter type="area"><rgb name="radiance" value="2000"/></emitter></shape>"#;
+    let body = format!(
+        r#"{}<shape type="cube"><boolean name="flip_normals" value="true"/><transform name="to_world"><scale value="2"/></transform>{GREY}</shape>{bulb}"#,
+        camera("")
+    );
+    let programs = vec![(Photonmap, 0.04), (Ppm, 0.04)];
+    vec![Row { name: "lamp in a bulb", body, truth: Truth::Of(Light), programs }]
+}
+
 fn check(rows: Vec<Row>, effort: u32) {
     let mut wrong = Vec::new();
     for row in rows {
         let world = World::of_xml(&row.body);
-        let reference: Running = match row.exact {
-            Some(value) => std::iter::repeat_n(value, SEEDS as usize).collect(),
-            None => means(Path, &world, 2 * effort).into_iter().collect(),
+        let reference: Running = match row.truth {
+            Truth::Exact(value) => std::iter::repeat_n(value, SEEDS as usize).collect(),
+            Truth::Of(program) => means(program, &world, 2 * effort).into_iter().collect(),
         };
         println!(
             "{}: {:.5} +- {:.1e}",
@@ -289,8 +380,35 @@ fn a_medium_is_inside_however_its_boundary_is_wound() {
 }
 
 #[test]
+fn all_programs_agree_beside_a_wall_with_a_slit() {
+    check(slits(), 1);
+}
+
+#[test]
+fn no_light_leaks_through_a_wall_without_thickness() {
+    let world = World::of_xml(&hall(2.0));
+    for program in [Path, Light, Irrcache, Radcache, Photonmap, Ppm, InstantRadiosity, Lightcuts] {
+        let mean = mean_and_variance(&program.render(&world, 1, 5)).0;
+        // The lit half has 0.7.
+        assert!(mean < 5e-4, "{program:?}: {mean}");
+    }
+}
+
+#[test]
+fn all_programs_agree_outdoors() {
+    check(outdoors(), 1);
+}
+
+#[test]
+fn photons_find_a_lamp_in_a_bulb_and_others_are_warned() {
+    check(bulbs(), 1);
+    let found = focused(&World::of_xml(&bulbs()[0].body).scene, 1);
+    assert!(found.rare > 0.9 && found.unreachable == 0.0, "{found:?}");
+}
+
+#[test]
 #[ignore = "minutes: the whole matrix with sixteen times the work"]
 fn the_whole_matrix_agrees() {
-    let rows = [stacks(), maps(), places(), media()];
+    let rows = [stacks(), maps(), places(), media(), slits(), outdoors(), bulbs()];
     check(rows.into_iter().flatten().collect(), 16);
 }
