@@ -24,3 +24,5 @@ mod photonmap;
 mod ppm_facts;
 /// What radiance caching is held to.
 mod radcache_facts;
+/// Walls without thickness.
+mod thin_walls;

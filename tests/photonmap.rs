@@ -17,6 +17,11 @@ fn photons(world: &World, params: &Params, passes: u32, show: Show) -> Film {
     world.render::<PhotonMapping>(params, passes, 3, show)
 }
 
+/// The defaults, with enough gather rays that few passes do.
+fn sixteen_rays() -> Params {
+    Params { gather_rays: 16, ..Params::default() }
+}
+
 /// Check that the means of two pictures differ by less than `bound` of the second's, and that their noise could not
 /// hide it.
 fn assert_ratio(name: &str, ours: &Film, truth: &Film, bound: f64) {
@@ -33,7 +38,7 @@ fn final_gather_agrees_with_the_path_tracer_within_one_percent() {
     {
         let world = World::load(scene, [48, 48], &[]);
         let truth = reference(&world, passes, None, show);
-        let ours = photons(&world, &Params::default(), 32, show);
+        let ours = photons(&world, &sixteen_rays(), 32, show);
         assert_ratio(&format!("{scene}, {show:?}"), &ours, &truth, 0.01);
     }
 }
@@ -43,7 +48,7 @@ fn the_caustic_map_agrees_with_paths_from_the_lights_within_one_percent() {
     let world = World::load("cornell-spheres.xml", [48, 48], &[]);
     let params = pathtrace::Params { mode: Mode::Light, ..Default::default() };
     let truth = world.render::<PathTracer>(&params, 1536, 12, Show::Caustic);
-    let ours = photons(&world, &Params::default(), 16, Show::Caustic);
+    let ours = photons(&world, &sixteen_rays(), 16, Show::Caustic);
     // Paths from the lights find nothing behind mirror and glass: leave out what is as white as these.
     let (a, b) = (ours.layers(), truth.layers());
     let albedo = a.channel("Albedo.G").expect("a layer");
@@ -65,7 +70,7 @@ fn paths_of_bounded_length_agree_too() {
     for depth in [3, 4] {
         let max_depth = Some(depth);
         let truth = reference(&world, 512, max_depth, Show::Indirect);
-        let params = Params { max_depth, ..Params::default() };
+        let params = Params { max_depth, ..sixteen_rays() };
         let ours = photons(&world, &params, 32, Show::Indirect);
         assert_ratio(&format!("{depth} segments"), &ours, &truth, 0.015);
     }
@@ -74,8 +79,7 @@ fn paths_of_bounded_length_agree_too() {
 #[test]
 fn guided_gather_rays_change_the_noise_only() {
     let world = World::load("cornell-box.xml", [24, 24], &[]);
-    let render =
-        |guided| photons(&world, &Params { guided, ..Params::default() }, 32, Show::Indirect);
+    let render = |guided| photons(&world, &Params { guided, ..sixteen_rays() }, 32, Show::Indirect);
     let ((a, va), (b, vb)) = (mean_and_variance(&render(0.0)), mean_and_variance(&render(0.8)));
     let p = gi_stats::z_test(a, va, b, vb);
     assert!(p > 1e-3 && (va + vb).sqrt() < 0.006 * a, "{a} is not {b}: p = {p:.1e}");
@@ -101,7 +105,7 @@ fn more_photons_and_more_of_them_an_estimate_lower_the_error() {
     let errors: Vec<f64> = [(1_000, 10), (10_000, 30), (100_000, 90), (1_000_000, 270)]
         .into_iter()
         .map(|(n, lookup)| {
-            let params = Params { photons: n, lookup, gather: Gather::Direct, ..Params::default() };
+            let params = Params { photons: n, lookup, gather: Gather::Direct, ..sixteen_rays() };
             rel_mse(&photons(&world, &params, 16, Show::Indirect), &truth)
         })
         .collect();
@@ -115,7 +119,7 @@ fn more_photons_and_more_of_them_an_estimate_lower_the_error() {
 fn a_furnace_reads_one_over_one_minus_a_through_the_map() {
     let (parts, camera) = furnace(0.6);
     let world = World::new(parts, &camera);
-    let (mean, variance) = mean_and_variance(&photons(&world, &Params::default(), 16, Show::All));
+    let (mean, variance) = mean_and_variance(&photons(&world, &sixteen_rays(), 16, Show::All));
     // 100,000 photons of one power: their number on the walls is off by a share of 1 / sqrt(100000) = 0.3 %.
     let bound = 2.5 * (4.0 * variance.sqrt() + 3.0 * 0.0032 * 0.6);
     assert!((mean - 2.5).abs() < bound, "{mean} is not 2.5 +- {bound}");
@@ -124,7 +128,7 @@ fn a_furnace_reads_one_over_one_minus_a_through_the_map() {
 #[test]
 fn a_scene_ten_times_as_large_gives_the_same_picture() {
     let read = |scale: f32| World::load_scaled("cornell-spheres.xml", [24, 24], scale);
-    let params = Params { photons: 20_000, caustic_photons: 20_000, ..Params::default() };
+    let params = Params { photons: 20_000, caustic_photons: 20_000, ..sixteen_rays() };
     let render = |scale| photons(&read(scale), &params, 8, Show::All);
     let (one, other) = (render(1.0), render(10.0));
     // The same photons and paths: what differs is rounding, of powers to eight bits above all.
@@ -134,7 +138,7 @@ fn a_scene_ten_times_as_large_gives_the_same_picture() {
 
 #[test]
 fn every_layer_has_the_same_bits_at_1_2_and_4_threads() {
-    let params = Params { photons: 20_000, caustic_photons: 20_000, ..Params::default() };
+    let params = Params { photons: 20_000, caustic_photons: 20_000, ..sixteen_rays() };
     let params = Params { volume_photons: 20_000, ..params };
     let bits =
         |scene: &str, threads: usize, params: &Params, seed: u32| -> Vec<(String, Vec<u32>)> {

@@ -25,6 +25,8 @@ pub struct Stored {
 pub enum Wanted<'a> {
     /// Every hit of a surface that is not delta lobes only [slide 26, left].
     Global,
+    /// The same, with light from infinity aimed at points that matter; no path is left out.
+    Aimed(&'a Targets),
     /// L S+ D: paths aimed at what has delta lobes, stored where they first meet anything else [slide 26, right].
     Caustic(&'a Targets),
     /// Scattering in media, see [`crate::volume`].
@@ -204,6 +206,9 @@ impl Source<'_> {
         let walk = match wanted {
             Wanted::Global => LightWalk::begin(self.scene, sampler(0x676c_6f62)),
             Wanted::Volume => LightWalk::begin(self.scene, sampler(0x766f_6c75)),
+            Wanted::Aimed(targets) => {
+                LightWalk::begin_toward(self.scene, sampler(0x676c_6f62), targets)
+            }
             Wanted::Caustic(targets) => {
                 LightWalk::begin_toward(self.scene, sampler(0x6361_7573), targets)
             }
@@ -218,7 +223,10 @@ impl Source<'_> {
             // Roulette from the first scattering on keeps powers nearly equal [Jensen01, 5.1].
             let roulette = Roulette::ByAlbedo { from: 1 };
             let goes_on = match &event {
-                LightEvent::Surface(vertex) => walk.scatter(vertex, roulette),
+                LightEvent::Surface(vertex) => match wanted {
+                    Wanted::Aimed(targets) => walk.scatter_toward(vertex, roulette, targets),
+                    _ => walk.scatter(vertex, roulette),
+                },
                 LightEvent::Medium(vertex) => walk.scatter_within(vertex, roulette),
             };
             visit(Step { start, event: &event, after: goes_on.then_some(&walk) });
