@@ -7,11 +7,13 @@ use gi_core::math::{Frame, INV_PI, Rgb};
 use gi_core::rng::hash_words;
 use gi_core::sampler::Sampler;
 use gi_core::warp;
+use glam::Vec3;
 
 use crate::estimate::facing;
 use crate::guide::Guide;
 use crate::media::InMedia;
 use crate::photon::Kind;
+use crate::shoot::is_near_specular;
 use crate::{Gather, PhotonMapping};
 
 impl<'a> PhotonMapping<'a> {
@@ -52,14 +54,17 @@ impl<'a> PhotonMapping<'a> {
         if matches!(show, Show::All | Show::Indirect) {
             indirect = self.gather(v, &part, sampler, rays);
         }
-        let wanted = v.rough > 0 || matches!(show, Show::All | Show::Caustic);
+        // Light over nearly specular surfaces is indirect light, and read from the caustic map.
+        let wanted = v.rough > 0 || matches!(show, Show::All | Show::Caustic | Show::Indirect);
         let caustic = match &self.caustic {
             Some(map) if wanted => {
                 let depth = self.photon_depth(v.segments)?;
                 let place = (v.surface.p, facing(v.surface, v.wo), depth);
                 let probes = rays.probes(v.segments);
                 let e = map.irradiance_seen(self.setting.scene, place, probes);
-                Some(e.caustic * part.albedo * INV_PI)
+                let f = part.albedo * INV_PI;
+                indirect += e.indirect * f;
+                Some(e.caustic * f)
             }
             Some(_) => Some(Rgb::BLACK),
             None => None,
@@ -138,7 +143,13 @@ impl<'a> PhotonMapping<'a> {
     /// The same by a path, to the first diffuse surface far enough away to be read from the map.
     fn path_on(&self, v: &EyeVertex<'_, 'a>, ray: gi_core::ray::Ray, sampler: &mut Sampler) -> Rgb {
         let start = v.length;
+        let mut focused = 0;
         let mut supply = |w: &EyeVertex<'_, 'a>, sampler: &mut Sampler| {
+            // Lights seen over nearly specular surfaces alone are in the caustic map.
+            if self.caustic.is_some() && w.rough == 1 + focused && is_near_specular(w.bsdf, w.wo) {
+                focused += 1;
+                return Some(NO_LIGHTS);
+            }
             self.precomputed(w, w.length - start, sampler)
         };
         let limits = PathLimits { max_depth: self.params.max_depth, ..PathLimits::default() };
@@ -190,6 +201,14 @@ impl<'a> PhotonMapping<'a> {
         (left > 0).then_some(left.min(255) as u8)
     }
 }
+
+/// Lights are answered for elsewhere, straight ones and those over delta lobes; other surfaces are not.
+const NO_LIGHTS: Supplied = Supplied {
+    answered: Answered::Diffuse(DiffusePart { albedo: Rgb::BLACK, normal: Vec3::Z }),
+    direct: Some(Rgb::BLACK),
+    indirect: Rgb::BLACK,
+    caustic: Some(Rgb::BLACK),
+};
 
 /// Numbers for the gather rays of a pixel's first diffuse surface: the rays of all passes are one sequence, so that they
 /// are stratified together.

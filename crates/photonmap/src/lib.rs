@@ -133,10 +133,14 @@ impl Default for Params {
     }
 }
 
+/// Bound on the radius of an estimate of caustics, in radii that half of their photons need: they are seen as they are,
+/// and have edges.
+const CAUSTIC_RADIUS: f32 = 0.5;
+
 impl Params {
     /// How a map is read by `k` photons an estimate, in a scene of some radius.
-    fn estimator(&self, map: PhotonMap, k: usize, scene_radius: f32) -> Estimator {
-        Estimator::new(map, self.kernel, k, self.max_radius * scene_radius, self.radius_factor())
+    fn estimator(&self, map: PhotonMap, k: usize, factor: f32, scene_radius: f32) -> Estimator {
+        Estimator::new(map, self.kernel, k, self.max_radius * scene_radius, factor)
     }
 
     /// Bound on the radius of an estimate, in radii that half of the places need. Where it is dark, a disc that grows until
@@ -171,18 +175,19 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
             None => shoot(&setting, params),
         };
         let gave_up = [global.gave_up, caustic.as_ref().is_some_and(|c| c.gave_up)];
-        let estimator = |shot: Shot, k| {
+        let estimator = |shot: Shot, k, factor| {
             let bounded = params.max_depth.is_some();
             let map = PhotonMap::build(shot.photons, shot.emitted, params.layout, order, bounded);
-            params.estimator(map, k, setting.scene.radius())
+            params.estimator(map, k, factor, setting.scene.radius())
         };
         // Gather rays average: for them half as many photons are read, and blurred less.
         let halves = if params.gather == Gather::Final { 2 } else { 1 };
-        let mut global = estimator(global, params.lookup.div_ceil(halves));
-        let caustic = caustic.map(|shot| estimator(shot, params.lookup));
+        let (k, factor) = (params.lookup.div_ceil(halves), params.radius_factor());
+        let mut global = estimator(global, k, factor);
+        let caustic = caustic.map(|shot| estimator(shot, params.lookup, CAUSTIC_RADIUS));
         let places = seen::places(&setting, params.gather, irradiance::count(global.map.len()));
         if params.max_radius == 0.0 {
-            global.bound_radius(&places, params.radius_factor());
+            global.bound_radius(&places, factor);
         }
         let irradiance = match params.gather {
             Gather::Final => irradiance_maps(&setting, params, &global, &places),

@@ -4,7 +4,7 @@ use gi_core::scene::Scene;
 use gi_core::technique::Setting;
 
 use crate::map::Order;
-use crate::shoot::{Shot, Source, Wanted};
+use crate::shoot::{NEAR_SPECULAR, Shot, Source, Wanted};
 use crate::volume::VolumeMaps;
 use crate::{Gather, Params, file, seen};
 
@@ -37,7 +37,7 @@ pub(crate) fn shoot(setting: &Setting, params: &Params) -> Maps {
     let wanted = targets.as_ref().map_or(Wanted::Global, Wanted::Aimed);
     let global = source.shoot(wanted, params.photons);
     let caustic = (params.gather == Gather::Final && params.caustic_photons > 0).then(|| {
-        let targets = setting.scene.focusing();
+        let targets = setting.scene.focusing_below(NEAR_SPECULAR);
         let count = if targets.is_empty() { 0 } else { params.caustic_photons };
         source.shoot(Wanted::Caustic(&targets), count)
     });
