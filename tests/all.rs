@@ -30,3 +30,5 @@ mod ppm_facts;
 mod radcache_facts;
 /// Scenes put together at random.
 mod random_scenes;
+/// Walls without thickness.
+mod thin_walls;

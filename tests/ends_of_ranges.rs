@@ -54,10 +54,10 @@ fn a_rough_mirror_without_roughness_is_not_black_in_virtual_lights() {
         let world = ball(&format!(
             r#"<bsdf type="roughconductor"><string name="material" value="none"/><string name="distribution" value="ggx"/><float name="alpha" value="{alpha}"/></bsdf>"#
         ));
-        // What the facets' shadowing loses at this width is below a thousandth.
+        // The few samples of the narrow lobe leave 0.3 % of noise; 4 % and more were missing.
         for (name, film) in ["virtual lights", "cuts"].into_iter().zip(virtual_lights(&world)) {
             let (mean, _) = mean_and_variance(&film);
-            assert!((mean - 1.0).abs() < 2e-3, "alpha {alpha}, {name}: {mean}");
+            assert!((mean - 1.0).abs() < 0.01, "alpha {alpha}, {name}: {mean}");
         }
     }
 }

@@ -1,9 +1,18 @@
 //! Photon mapping against the path tracer, and by its own knobs.
 
+use gi_core::camera::CameraSpec;
 use gi_core::eye::PathLimits;
 use gi_core::film::{Film, Show};
+use gi_core::geometry::Shape;
 use gi_core::image_io::Layers;
-use gi_tests::{World, furnace, mean_and_variance};
+use gi_core::light::LightSource;
+use gi_core::material::{Distribution, Material, Roughness};
+use gi_core::math::Rgb;
+use gi_core::scene::SceneParts;
+use gi_core::texture::Texture;
+use gi_stats::Running;
+use gi_tests::{World, both_sides, furnace, grey, mean_and_variance, polygon, sphere};
+use glam::Vec3;
 use pathtrace::{Mode, PathTracer};
 use photonmap::{Gather, Params, PhotonMapping, Subsurface};
 
@@ -15,6 +24,11 @@ fn reference(world: &World, passes: u32, max_depth: Option<u32>, show: Show) -> 
 
 fn photons(world: &World, params: &Params, passes: u32, show: Show) -> Film {
     world.render::<PhotonMapping>(params, passes, 3, show)
+}
+
+/// The defaults, with enough gather rays that few passes do.
+fn sixteen_rays() -> Params {
+    Params { gather_rays: 16, ..Params::default() }
 }
 
 /// Check that the means of two pictures differ by less than `bound` of the second's, and that their noise could not
@@ -33,7 +47,7 @@ fn final_gather_agrees_with_the_path_tracer_within_one_percent() {
     {
         let world = World::load(scene, [48, 48], &[]);
         let truth = reference(&world, passes, None, show);
-        let ours = photons(&world, &Params::default(), 32, show);
+        let ours = photons(&world, &sixteen_rays(), 32, show);
         assert_ratio(&format!("{scene}, {show:?}"), &ours, &truth, 0.01);
     }
 }
@@ -43,7 +57,7 @@ fn the_caustic_map_agrees_with_paths_from_the_lights_within_one_percent() {
     let world = World::load("cornell-spheres.xml", [48, 48], &[]);
     let params = pathtrace::Params { mode: Mode::Light, ..Default::default() };
     let truth = world.render::<PathTracer>(&params, 1536, 12, Show::Caustic);
-    let ours = photons(&world, &Params::default(), 16, Show::Caustic);
+    let ours = photons(&world, &sixteen_rays(), 16, Show::Caustic);
     // Paths from the lights find nothing behind mirror and glass: leave out what is as white as these.
     let (a, b) = (ours.layers(), truth.layers());
     let albedo = a.channel("Albedo.G").expect("a layer");
@@ -65,7 +79,7 @@ fn paths_of_bounded_length_agree_too() {
     for depth in [3, 4] {
         let max_depth = Some(depth);
         let truth = reference(&world, 512, max_depth, Show::Indirect);
-        let params = Params { max_depth, ..Params::default() };
+        let params = Params { max_depth, ..sixteen_rays() };
         let ours = photons(&world, &params, 32, Show::Indirect);
         assert_ratio(&format!("{depth} segments"), &ours, &truth, 0.015);
     }
@@ -74,8 +88,7 @@ fn paths_of_bounded_length_agree_too() {
 #[test]
 fn guided_gather_rays_change_the_noise_only() {
     let world = World::load("cornell-box.xml", [24, 24], &[]);
-    let render =
-        |guided| photons(&world, &Params { guided, ..Params::default() }, 32, Show::Indirect);
+    let render = |guided| photons(&world, &Params { guided, ..sixteen_rays() }, 48, Show::Indirect);
     let ((a, va), (b, vb)) = (mean_and_variance(&render(0.0)), mean_and_variance(&render(0.8)));
     let p = gi_stats::z_test(a, va, b, vb);
     assert!(p > 1e-3 && (va + vb).sqrt() < 0.006 * a, "{a} is not {b}: p = {p:.1e}");
@@ -101,7 +114,7 @@ fn more_photons_and_more_of_them_an_estimate_lower_the_error() {
     let errors: Vec<f64> = [(1_000, 10), (10_000, 30), (100_000, 90), (1_000_000, 270)]
         .into_iter()
         .map(|(n, lookup)| {
-            let params = Params { photons: n, lookup, gather: Gather::Direct, ..Params::default() };
+            let params = Params { photons: n, lookup, gather: Gather::Direct, ..sixteen_rays() };
             rel_mse(&photons(&world, &params, 16, Show::Indirect), &truth)
         })
         .collect();
@@ -115,7 +128,7 @@ fn more_photons_and_more_of_them_an_estimate_lower_the_error() {
 fn a_furnace_reads_one_over_one_minus_a_through_the_map() {
     let (parts, camera) = furnace(0.6);
     let world = World::new(parts, &camera);
-    let (mean, variance) = mean_and_variance(&photons(&world, &Params::default(), 16, Show::All));
+    let (mean, variance) = mean_and_variance(&photons(&world, &sixteen_rays(), 16, Show::All));
     // 100,000 photons of one power: their number on the walls is off by a share of 1 / sqrt(100000) = 0.3 %.
     let bound = 2.5 * (4.0 * variance.sqrt() + 3.0 * 0.0032 * 0.6);
     assert!((mean - 2.5).abs() < bound, "{mean} is not 2.5 +- {bound}");
@@ -124,7 +137,7 @@ fn a_furnace_reads_one_over_one_minus_a_through_the_map() {
 #[test]
 fn a_scene_ten_times_as_large_gives_the_same_picture() {
     let read = |scale: f32| World::load_scaled("cornell-spheres.xml", [24, 24], scale);
-    let params = Params { photons: 20_000, caustic_photons: 20_000, ..Params::default() };
+    let params = Params { photons: 20_000, caustic_photons: 20_000, ..sixteen_rays() };
     let render = |scale| photons(&read(scale), &params, 8, Show::All);
     let (one, other) = (render(1.0), render(10.0));
     // The same photons and paths: what differs is rounding, of powers to eight bits above all.
@@ -134,7 +147,7 @@ fn a_scene_ten_times_as_large_gives_the_same_picture() {
 
 #[test]
 fn every_layer_has_the_same_bits_at_1_2_and_4_threads() {
-    let params = Params { photons: 20_000, caustic_photons: 20_000, ..Params::default() };
+    let params = Params { photons: 20_000, caustic_photons: 20_000, ..sixteen_rays() };
     let params = Params { volume_photons: 20_000, ..params };
     let bits =
         |scene: &str, threads: usize, params: &Params, seed: u32| -> Vec<(String, Vec<u32>)> {
@@ -162,4 +175,81 @@ fn every_layer_has_the_same_bits_at_1_2_and_4_threads() {
         assert!(same, "{name}");
         assert!(bits(scene, 2, &params, 8) != one, "{name}: the seed does nothing");
     }
+}
+
+#[test]
+fn where_photons_are_few_final_gather_is_not_too_bright() {
+    // A point light of intensity pi in a unit sphere of albedo 1/2: all light is 1, everywhere.
+    let shape = Shape { flip_normals: true, ..Shape::new("sphere", sphere(Vec3::ZERO, 1.0), 0) };
+    let intensity = Rgb::grey(std::f32::consts::PI);
+    let parts = SceneParts {
+        shapes: vec![shape],
+        materials: vec![grey(0.5)],
+        lights: vec![LightSource::Point { position: Vec3::ZERO, intensity }],
+        ..SceneParts::default()
+    };
+    let camera = CameraSpec::look_at(Vec3::new(0.3, 0.2, -0.5), Vec3::X, Vec3::Y, 1.2, [12, 12]);
+    let world = World::new(parts, &camera);
+    // A disc of the largest radius holds five photons in the mean.
+    let params = Params { photons: 4000, max_radius: 0.04, ..Params::default() };
+    let of =
+        |seed| mean_and_variance(&world.render::<PhotonMapping>(&params, 8, seed, Show::All)).0;
+    let means: Running = (0..16).map(of).collect();
+    let error = means.variance_of_mean().sqrt();
+    assert!(error < 0.005, "+- {error}");
+    assert!((means.mean() - 1.0).abs() < 4.0 * error, "{} +- {error}", means.mean());
+}
+
+#[test]
+fn a_small_roof_on_wide_ground_gets_its_photons() {
+    // A roof of 4 m over 400 m of ground, seen from below: hardly a blind photon comes near it.
+    let square = |half: f32, y: f32| {
+        let at = |x, z| Vec3::new(x * half, y, z * half);
+        polygon(&[at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)])
+    };
+    let shapes =
+        vec![Shape::new("ground", square(200.0, 0.0), 1), Shape::new("roof", square(2.0, 2.0), 1)];
+    let parts = SceneParts {
+        shapes,
+        materials: vec![grey(0.5), both_sides()],
+        lights: vec![LightSource::Constant { radiance: Rgb::WHITE }],
+        ..SceneParts::default()
+    };
+    let eye = Vec3::new(0.3, 0.2, 0.2);
+    let camera = CameraSpec::look_at(eye, Vec3::new(0.0, 2.0, 0.0), Vec3::Z, 1.0, [16, 16]);
+    let world = World::new(parts, &camera);
+    let (truth, variance) = mean_and_variance(&reference(&world, 256, None, Show::Indirect));
+    for gather in [Gather::None, Gather::Direct, Gather::Final] {
+        let params = Params { gather, ..Params::default() };
+        let of = |seed| {
+            let film = world.render::<PhotonMapping>(&params, 8, seed, Show::Indirect);
+            mean_and_variance(&film).0
+        };
+        let means: Running = (0..12).map(of).collect();
+        let error = (means.variance_of_mean() + variance).sqrt() / truth;
+        let ratio = means.mean() / truth;
+        assert!(error < 0.03, "{gather:?}: +- {error}");
+        assert!((ratio - 1.0).abs() < 0.02 + 3.0 * error, "{gather:?}: {ratio} +- {error}");
+    }
+}
+
+#[test]
+fn caustics_of_slightly_rough_glass_are_not_left_to_luck() {
+    let world = World::load_with("cornell-spheres.xml", [24, 24], &[], |parts, _| {
+        for material in &mut parts.materials {
+            if let Material::Dielectric { roughness, .. } = material {
+                let alpha = Texture::grey(0.005);
+                let (distribution, alpha_u, alpha_v) = (Distribution::Ggx, alpha.clone(), alpha);
+                *roughness = Some(Roughness { distribution, alpha_u, alpha_v });
+            }
+        }
+    });
+    let render = |caustic_photons| {
+        let params = Params { caustic_photons, ..Params::default() };
+        mean_and_variance(&photons(&world, &params, 128, Show::Indirect))
+    };
+    let ((a, va), (b, vb)) = (render(100_000), render(0));
+    assert!(va < 0.3 * vb, "the variance is {va} with the caustic map, {vb} without");
+    let noise = (va + vb).sqrt() / a;
+    assert!((a / b - 1.0).abs() < 0.01 + 3.0 * noise, "{a} is not {b} (noise {noise:.1e})");
 }

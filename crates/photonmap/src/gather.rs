@@ -4,13 +4,16 @@ use gi_core::bsdf::{DiffusePart, Transport};
 use gi_core::eye::{Answered, EyePath, EyeVertex, PathLimits, Supplied};
 use gi_core::film::Show;
 use gi_core::math::{Frame, INV_PI, Rgb};
+use gi_core::rng::hash_words;
 use gi_core::sampler::Sampler;
 use gi_core::warp;
+use glam::Vec3;
 
 use crate::estimate::facing;
 use crate::guide::Guide;
 use crate::media::InMedia;
 use crate::photon::Kind;
+use crate::shoot::is_near_specular;
 use crate::{Gather, PhotonMapping};
 
 impl<'a> PhotonMapping<'a> {
@@ -22,16 +25,17 @@ impl<'a> PhotonMapping<'a> {
         rays: &Rays,
     ) -> Option<Supplied> {
         match self.params.gather {
-            Gather::None => self.read_map(v, true),
-            Gather::Direct => self.read_map(v, false),
+            Gather::None => self.read_map(v, true, rays),
+            Gather::Direct => self.read_map(v, false, rays),
             Gather::Final => self.final_gather(v, sampler, rays),
         }
     }
 
     /// The global map read at the vertex itself [slides 29, 30].
-    fn read_map(&self, v: &EyeVertex<'_, 'a>, whole: bool) -> Option<Supplied> {
+    fn read_map(&self, v: &EyeVertex<'_, 'a>, whole: bool, rays: &Rays) -> Option<Supplied> {
         let depth = self.photon_depth(v.segments)?;
-        let e = self.global.radiance(v.surface, v.wo, v.bsdf, depth);
+        let place = (v.surface, v.wo, v.bsdf);
+        let e = self.global.radiance(self.setting.scene, place, depth, rays.probes(v.segments));
         let (answered, direct) = (Answered::Rough, whole.then_some(e.direct));
         Some(Supplied { answered, direct, indirect: e.indirect, caustic: Some(e.caustic) })
     }
@@ -50,12 +54,17 @@ impl<'a> PhotonMapping<'a> {
         if matches!(show, Show::All | Show::Indirect) {
             indirect = self.gather(v, &part, sampler, rays);
         }
-        let wanted = v.rough > 0 || matches!(show, Show::All | Show::Caustic);
+        // Light over nearly specular surfaces is indirect light, and read from the caustic map.
+        let wanted = v.rough > 0 || matches!(show, Show::All | Show::Caustic | Show::Indirect);
         let caustic = match &self.caustic {
             Some(map) if wanted => {
                 let depth = self.photon_depth(v.segments)?;
-                let n = facing(v.surface, v.wo);
-                Some(map.irradiance(v.surface.p, n, depth).caustic * part.albedo * INV_PI)
+                let place = (v.surface.p, facing(v.surface, v.wo), depth);
+                let probes = rays.probes(v.segments);
+                let e = map.irradiance_seen(self.setting.scene, place, probes);
+                let f = part.albedo * INV_PI;
+                indirect += e.indirect * f;
+                Some(e.caustic * f)
             }
             Some(_) => Some(Rgb::BLACK),
             None => None,
@@ -121,7 +130,7 @@ impl<'a> PhotonMapping<'a> {
                 return Rgb::BLACK;
             }
             let Some(depth) = self.photon_depth(v.segments + 1) else { return Rgb::BLACK };
-            match self.irradiance(depth).lookup(surface.p, facing(&surface, wo)) {
+            match self.irradiance(depth).lookup(scene, surface.p, facing(&surface, wo)) {
                 // Where the estimate is wider than the ray is long, corners would leak [Jensen01, 9.3.2].
                 Some((e, radius)) if hit.t > radius => return e * albedo * INV_PI,
                 Some(_) => {}
@@ -134,21 +143,14 @@ impl<'a> PhotonMapping<'a> {
     /// The same by a path, to the first diffuse surface far enough away to be read from the map.
     fn path_on(&self, v: &EyeVertex<'_, 'a>, ray: gi_core::ray::Ray, sampler: &mut Sampler) -> Rgb {
         let start = v.length;
-        let mut supply = |w: &EyeVertex<'_, 'a>, _: &mut Sampler| {
-            let part = w.bsdf.diffuse_part(w.wo)?;
-            let depth = self.photon_depth(w.segments)?;
-            let e = self.global.irradiance(w.surface.p, facing(w.surface, w.wo), depth);
-            let far = w.length - start;
-            if far * far <= e.found.radius_sq || e.found.count < MIN_PHOTONS {
-                return None;
+        let mut focused = 0;
+        let mut supply = |w: &EyeVertex<'_, 'a>, sampler: &mut Sampler| {
+            // Lights seen over nearly specular surfaces alone are in the caustic map.
+            if self.caustic.is_some() && w.rough == 1 + focused && is_near_specular(w.bsdf, w.wo) {
+                focused += 1;
+                return Some(NO_LIGHTS);
             }
-            let f = part.albedo * INV_PI;
-            Some(Supplied {
-                answered: Answered::Diffuse(part),
-                direct: None,
-                indirect: e.indirect * f,
-                caustic: Some(e.caustic * f),
-            })
+            self.precomputed(w, w.length - start, sampler)
         };
         let limits = PathLimits { max_depth: self.params.max_depth, ..PathLimits::default() };
         let path = EyePath { scene: self.setting.scene, limits, show: Show::Indirect };
@@ -164,6 +166,34 @@ impl<'a> PhotonMapping<'a> {
         found.radiance.indirect
     }
 
+    /// What the irradiance ahead answers at a vertex `far` along a path from a gather point.
+    fn precomputed(
+        &self,
+        w: &EyeVertex<'_, 'a>,
+        far: f32,
+        sampler: &mut Sampler,
+    ) -> Option<Supplied> {
+        let scene = self.setting.scene;
+        let part = w.bsdf.diffuse_part(w.wo)?;
+        let depth = self.photon_depth(w.segments)?;
+        let (p, n) = (w.surface.p, facing(w.surface, w.wo));
+        let (answered, f) = (Answered::Diffuse(part), part.albedo * INV_PI);
+        if w.bsdf.is_diffuse() {
+            let (e, radius) = self.irradiance(depth).lookup(scene, p, n)?;
+            let (direct, caustic) = (Some(Rgb::BLACK), Some(Rgb::BLACK));
+            let all = Supplied { answered, direct, indirect: e * f, caustic };
+            return (far > radius).then_some(all);
+        }
+        // Other lobes need light straight from lights by itself.
+        let e = self.global.irradiance_seen(scene, (p, n, depth), || sampler.next_2d());
+        (far * far > e.found.radius_sq).then(|| Supplied {
+            answered,
+            direct: None,
+            indirect: e.indirect * f,
+            caustic: Some(e.caustic * f),
+        })
+    }
+
     /// Most segments of a photon's path that a path of `segments` from the eye may be joined to; `None` if there are none.
     pub(crate) fn photon_depth(&self, segments: u32) -> Option<u8> {
         let Some(most) = self.params.max_depth else { return Some(u8::MAX) };
@@ -172,8 +202,13 @@ impl<'a> PhotonMapping<'a> {
     }
 }
 
-/// Photons below which an estimate is left to the path.
-const MIN_PHOTONS: usize = 8;
+/// Lights are answered for elsewhere, straight ones and those over delta lobes; other surfaces are not.
+const NO_LIGHTS: Supplied = Supplied {
+    answered: Answered::Diffuse(DiffusePart { albedo: Rgb::BLACK, normal: Vec3::Z }),
+    direct: Some(Rgb::BLACK),
+    indirect: Rgb::BLACK,
+    caustic: Some(Rgb::BLACK),
+};
 
 /// Numbers for the gather rays of a pixel's first diffuse surface: the rays of all passes are one sequence, so that they
 /// are stratified together.
@@ -189,5 +224,12 @@ impl Rays {
     pub(crate) fn direction(&self, k: u32, n: u32) -> [f32; 2] {
         let index = self.pass.wrapping_mul(n).wrapping_add(k);
         Sampler::new(self.seed ^ 0x6761_7468, self.stream, index).next_2d()
+    }
+
+    /// Numbers by which the disc of an estimate is probed where the path has so many segments.
+    pub(crate) fn probes(&self, segments: u32) -> impl FnMut() -> [f32; 2] {
+        let seed = hash_words(&[self.seed, 0x6469_7363, segments]);
+        let mut sampler = Sampler::new(seed, self.stream, self.pass);
+        move || sampler.next_2d()
     }
 }

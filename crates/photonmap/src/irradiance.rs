@@ -1,70 +1,70 @@
-//! Irradiance computed ahead at photons \[Christensen99\]: a gather ray then looks up one number instead of k photons.
+//! Irradiance computed ahead \[Christensen99\]: a gather ray then looks up one number instead of k photons.
 
-use gi_core::math::Frame;
+use gi_core::disc::Disc;
 use gi_core::math::Rgb;
-use gi_core::ray::Ray;
 use gi_core::rng::{bits_to_unit, hash_words};
+use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
 use gi_core::technique::Setting;
-use gi_core::warp;
 use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::Params;
-use crate::estimate::Estimator;
-use crate::kernel::Kernel;
+use crate::estimate::{Estimator, SAME_SIDE};
 use crate::map::{Layout, Order, PhotonMap};
-use crate::photon::{Payload, Photon, Rgbe};
+use crate::photon::{Kind, Payload, Photon, Rgbe};
+use crate::seen::Place;
 use crate::shoot::Stored;
 
-/// One photon in so many gets the irradiance.
+/// Photons for each place that irradiance is computed at.
 const EVERY: usize = 4;
-/// Nearness of normals up to which a neighbour's irradiance is taken.
-const SAME_SIDE: f32 = 0.8;
-/// Rays that probe how much of an estimate's disc there is.
+/// Distance to the place that is looked up, at most, in largest radii of an estimate.
+const REACH: f32 = 2.0;
+/// Rays that probe how much of an estimate's disc there is, and how many more where it is not whole.
 const PROBES: u32 = 16;
-/// How far a surface may lie off the disc, in radii, to belong to it.
-const FLATNESS: f32 = 0.25;
+const MORE_PROBES: u32 = 64;
+/// Least share of the disc: below it, the estimate is too dark.
+const LEAST_SHARE: f32 = 0.05;
 
-/// Irradiance at photons.
+/// How many places irradiance is computed at, for so many photons.
+pub(crate) fn count(photons: usize) -> usize {
+    photons.div_ceil(EVERY)
+}
+
+/// Irradiance where gather rays end.
 pub(crate) struct IrradianceMap {
+    /// Places, with the irradiance for the power, the radius of its estimate for the direction, and [`Kind::Direct`] where
+    /// all of the estimate's disc is seen.
     map: PhotonMap,
     radius_sq: f32,
 }
 
 impl IrradianceMap {
-    /// Estimate the irradiance at every fourth photon, of light that took at most `depth` segments.
-    pub(crate) fn new(scene: &Scene, from: &Estimator, depth: u8, seed: u32) -> Self {
-        // At a photon, one photon lies in the very middle; to make up for it, the photon that a point looks up has fewer
-        // neighbours on the point's side, one on average. The two cancel where all places of the disc count the same:
-        // a kernel that is high in the middle would be too bright by about 1 / 2k.
-        let kernel = if from.kernel == Kernel::Lecture { Kernel::Lecture } else { Kernel::Box };
-        let n = from.map.len().div_ceil(EVERY);
-        let points: Vec<Stored> = (0..n)
-            .into_par_iter()
-            .map(|k| {
-                let photon = from.map.stored(k * EVERY).photon;
-                let (p, normal) = (photon.p(), photon.payload.normal());
-                let e = from.irradiance_by(kernel, p, normal, depth);
-                let share = share_of_disc(scene, p, normal, e.found.radius_sq, k as u32);
-                let dither = [0, 1, 2].map(|c| bits_to_unit(hash_words(&[seed, k as u32, c, 7])));
-                let power = Rgbe::dithered(e.all() / share, dither);
-                let [phi, theta] = half(e.found.radius_sq.sqrt()).to_le_bytes();
-                let payload = Payload { power, phi, theta, ..photon.payload };
-                Stored { photon: Photon { payload, ..photon }, depth: 0 }
-            })
-            .collect();
+    /// Estimate the irradiance at places where gather rays end, of light that took at most `depth` segments.
+    ///
+    /// The places know nothing of the photons. Photons as places \[Christensen99\] would lie where it is bright: what is
+    /// looked up near an edge between bright and dark would come from the bright side, and where photons are few, an
+    /// estimate would hold one too many. Neither is made up for by the paths that answer where there is no place.
+    pub(crate) fn new(setting: &Setting, from: &Estimator, depth: u8, places: &[Place]) -> Self {
+        let point =
+            |(index, place): (usize, &Place)| at(setting, from, *place, depth, index as u32);
+        let points = places.par_iter().enumerate().map(point).collect();
         let map = PhotonMap::build(points, from.map.emitted, Layout::Fast, Order::Any, false);
-        IrradianceMap { map, radius_sq: from.max_radius_sq }
+        IrradianceMap { map, radius_sq: REACH * REACH * from.max_radius_sq }
     }
 
-    /// Irradiance and the radius of its estimate at the nearest photon on this side; `None` where there is none near.
+    /// Irradiance and the radius of its estimate at the nearest place on this side that is seen from here; `None` where
+    /// there is none near.
     #[inline]
-    pub(crate) fn lookup(&self, p: Vec3, n: Vec3) -> Option<(Rgb, f32)> {
+    pub(crate) fn lookup(&self, scene: &Scene, p: Vec3, n: Vec3) -> Option<(Rgb, f32)> {
         let accept = |payload: &Payload| payload.normal().dot(n) > SAME_SIDE;
-        let payload = self.map.near_one(p, self.radius_sq, accept)?;
+        let (q, payload) = self.map.near_one(p, self.radius_sq, accept)?;
         let radius = from_half(u16::from_le_bytes([payload.phi, payload.theta]));
-        Some((payload.power.to_rgb(), radius))
+        let distance = p.distance(q);
+        // Within half of a disc that is seen whole there is no wall.
+        let is_clear = payload.kind() == Kind::Direct && 2.0 * distance < radius;
+        let is_seen = is_clear || Disc::new(scene, p, n, distance, SAME_SIDE).sees(q);
+        is_seen.then(|| (payload.power.to_rgb(), radius))
     }
 
     /// Bytes in memory.
@@ -73,26 +73,26 @@ impl IrradianceMap {
     }
 }
 
-/// How much of the disc of an estimate is surface: an estimate at the edge of a wall divides by a disc of which
-/// a part hangs over, where no photon can be. Probed by short rays from above.
-fn share_of_disc(scene: &Scene, p: Vec3, n: Vec3, radius_sq: f32, stream: u32) -> f32 {
-    let radius = radius_sq.sqrt();
-    if !(radius > 0.0 && radius.is_finite()) {
-        return 1.0;
-    }
-    let frame = Frame::from_normal(n);
-    let height = FLATNESS * radius;
-    let mut sampler = gi_core::sampler::Sampler::new(0x6469_7363, stream, 0);
+/// The irradiance at a place.
+fn at(setting: &Setting, from: &Estimator, (p, n): Place, depth: u8, index: u32) -> Stored {
+    let mut sampler = Sampler::new(0x6469_7363, index, 0);
     let offset = sampler.next_2d();
-    let there = (0..PROBES).filter(|&i| {
-        // A lattice of the golden ratio, shifted for each photon.
-        let u = [(i as f32 + 0.5) / PROBES as f32 + offset[0], i as f32 * 0.618_034 + offset[1]];
-        let q = warp::disk(u.map(f32::fract)) * radius;
-        let o = p + frame.s * q.x + frame.t * q.y + n * height;
-        let ray = Ray { o, tmin: 0.0, d: -n, tmax: 2.0 * height };
-        scene.intersect(&ray).is_some_and(|(s, _)| s.ng.dot(n).abs() > SAME_SIDE)
-    });
-    (there.count().max(1) as f32 / PROBES as f32).max(0.2)
+    let share = |disc: &Disc| {
+        let share = disc.share(PROBES, offset);
+        if share == 1.0 {
+            return 1.0;
+        }
+        1.0 / disc.lowered().share(MORE_PROBES, offset).max(LEAST_SHARE)
+    };
+    let (e, is_clear) = from.estimate_seen(setting.scene, (p, n, depth), share, |_| Rgb::WHITE);
+    let dither = [0, 1, 2].map(|c| bits_to_unit(hash_words(&[setting.seed, index, c, 7])));
+    let kind = if is_clear { Kind::Direct } else { Kind::Indirect };
+    let photon = Photon::new(p, Rgbe::dithered(e.all(), dither), n, n, kind);
+    let [phi, theta] = half(e.found.radius_sq.sqrt()).to_le_bytes();
+    Stored {
+        photon: Photon { payload: Payload { phi, theta, ..photon.payload }, ..photon },
+        depth: 0,
+    }
 }
 
 /// The upper half of a float, rounded up: three digits are enough for a radius.
@@ -109,6 +109,7 @@ pub(crate) fn irradiance_maps(
     setting: &Setting,
     params: &Params,
     global: &Estimator,
+    places: &[Place],
 ) -> Vec<IrradianceMap> {
     let depths = match params.max_depth {
         None => vec![u8::MAX],
@@ -117,8 +118,6 @@ pub(crate) fn irradiance_maps(
             (1..=most.saturating_sub(2).clamp(1, deepest.max(1)) as u8).collect()
         }
     };
-    depths
-        .into_iter()
-        .map(|depth| IrradianceMap::new(setting.scene, global, depth, setting.seed))
-        .collect()
+    let new = |depth| IrradianceMap::new(setting, global, depth, places);
+    depths.into_iter().map(new).collect()
 }

@@ -75,8 +75,14 @@ impl KdTree {
 
     /// Photon `k` in the order of the leaves.
     pub(crate) fn photon(&self, k: usize) -> Photon {
+        Photon { position: self.place(k).to_array(), payload: self.payloads[k] }
+    }
+
+    /// The place of photon `k`.
+    #[inline]
+    pub(crate) fn place(&self, k: usize) -> Vec3 {
         let (block, j) = (&self.blocks[k / LEAF], k % LEAF);
-        Photon { position: [block.x[j], block.y[j], block.z[j]], payload: self.payloads[k] }
+        Vec3::new(block.x[j], block.y[j], block.z[j])
     }
 
     /// Bytes in memory.

@@ -9,7 +9,7 @@
 //! | `--volume-photons`, `--volume-lookup` | photons to store where media scatter light, and how many of them their radius reaches to (100000, 20) [slide 34]; read by [`volume`] |
 //! | `--subsurface photons` | translucent solids by photons in the medium (default), or by diffusion from photons that enter (`dipole`) |
 //! | `--lookup`, `--max-radius`, `--kernel` | photons of an estimate (50); bound on its radius (0: automatic); how photons count (epanechnikov) |
-//! | `--gather-rays` | rays of a gather point in a pass (16) |
+//! | `--gather-rays` | rays of a gather point in a pass (2): about as much work as direct light |
 //! | bias, and how it looks | light is blurred over r: soft caustics, light through thin walls and round corners, dark rims of walls; blotches where photons are few |
 //! | sources | \[Jensen95\], \[Jensen96\], \[Jensen98\], \[Christensen99\], \[Jensen01\], \[Jensen01b\], \[Jensen02\], \[Jarosz08\] |
 
@@ -33,6 +33,7 @@ mod nearest;
 mod outputs;
 pub mod photon;
 mod pictures;
+mod seen;
 pub mod shoot;
 #[cfg(test)]
 mod test_scenes;
@@ -122,13 +123,31 @@ impl Default for Params {
             max_radius: 0.0,
             kernel: Kernel::default(),
             gather: Gather::default(),
-            gather_rays: 16,
+            gather_rays: 2,
             guided: 0.0,
             layout: Layout::default(),
             max_depth: None,
             map_in: None,
             show: Vec::new(),
         }
+    }
+}
+
+/// Bound on the radius of an estimate of caustics, in radii that half of their photons need: they are seen as they are,
+/// and have edges.
+const CAUSTIC_RADIUS: f32 = 0.5;
+
+impl Params {
+    /// How a map is read by `k` photons an estimate, in a scene of some radius.
+    fn estimator(&self, map: PhotonMap, k: usize, factor: f32, scene_radius: f32) -> Estimator {
+        Estimator::new(map, self.kernel, k, self.max_radius * scene_radius, factor)
+    }
+
+    /// Bound on the radius of an estimate, in radii that half of the places need. Where it is dark, a disc that grows until
+    /// it reaches what is bright reads too much, and nothing makes up for that. Where the maps are seen, this is less bad
+    /// than blotches.
+    fn radius_factor(&self) -> f32 {
+        if self.gather == Gather::Final { 0.75 } else { 3.0 }
     }
 }
 
@@ -156,15 +175,22 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
             None => shoot(&setting, params),
         };
         let gave_up = [global.gave_up, caustic.as_ref().is_some_and(|c| c.gave_up)];
-        let max_radius = params.max_radius * setting.scene.radius();
-        let estimator = |shot: Shot| {
+        let estimator = |shot: Shot, k, factor| {
             let bounded = params.max_depth.is_some();
             let map = PhotonMap::build(shot.photons, shot.emitted, params.layout, order, bounded);
-            Estimator::new(map, params.kernel, params.lookup, max_radius)
+            params.estimator(map, k, factor, setting.scene.radius())
         };
-        let (global, caustic) = (estimator(global), caustic.map(estimator));
+        // Gather rays average: for them half as many photons are read, and blurred less.
+        let halves = if params.gather == Gather::Final { 2 } else { 1 };
+        let (k, factor) = (params.lookup.div_ceil(halves), params.radius_factor());
+        let mut global = estimator(global, k, factor);
+        let caustic = caustic.map(|shot| estimator(shot, params.lookup, CAUSTIC_RADIUS));
+        let places = seen::places(&setting, params.gather, irradiance::count(global.map.len()));
+        if params.max_radius == 0.0 {
+            global.bound_radius(&places, factor);
+        }
         let irradiance = match params.gather {
-            Gather::Final => irradiance_maps(&setting, params, &global),
+            Gather::Final => irradiance_maps(&setting, params, &global, &places),
             Gather::None | Gather::Direct => Vec::new(),
         };
         let media = params

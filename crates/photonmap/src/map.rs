@@ -118,6 +118,20 @@ impl PhotonMap {
         accept: impl Fn(&Payload, u8) -> bool + Copy,
         mut visit: impl FnMut(&Payload, f32, f32),
     ) -> Found {
+        let visit = |_, photon: &Payload, d2, r2| visit(photon, d2, r2);
+        self.nearest_places(p, k, radius_sq, accept, visit)
+    }
+
+    /// As [`PhotonMap::nearest`]; `visit` gets the place of each photon first.
+    #[inline]
+    pub(crate) fn nearest_places(
+        &self,
+        p: Vec3,
+        k: usize,
+        radius_sq: f32,
+        accept: impl Fn(&Payload, u8) -> bool + Copy,
+        mut visit: impl FnMut(Vec3, &Payload, f32, f32),
+    ) -> Found {
         if k == 0 {
             return Found { count: 0, radius_sq: 0.0 };
         }
@@ -129,7 +143,8 @@ impl PhotonMap {
                 });
                 let (keys, radius_sq) = found.finish();
                 for &key in keys {
-                    visit(payload(number(key)), distance_sq(key), radius_sq);
+                    let q = tree.photons[number(key)].p();
+                    visit(q, payload(number(key)), distance_sq(key), radius_sq);
                 }
                 Found { count: keys.len(), radius_sq }
             }
@@ -140,32 +155,35 @@ impl PhotonMap {
                 });
                 let (keys, radius_sq) = found.finish();
                 for &key in keys {
-                    visit(&tree.payloads[number(key)], distance_sq(key), radius_sq);
+                    let q = tree.place(number(key));
+                    visit(q, &tree.payloads[number(key)], distance_sq(key), radius_sq);
                 }
                 Found { count: keys.len(), radius_sq }
             }
         })
     }
 
-    /// A photon near `p`, nearer than `radius_sq` (squared), that `accept` takes: at most twice as far as the nearest.
+    /// A photon near `p`, nearer than `radius_sq` (squared), that `accept` takes, and its place: at most twice as far as
+    /// the nearest.
     #[inline]
     pub fn near_one(
         &self,
         p: Vec3,
         radius_sq: f32,
         accept: impl Fn(&Payload) -> bool + Copy,
-    ) -> Option<Payload> {
+    ) -> Option<(Vec3, Payload)> {
         match &self.tree {
             Tree::Fast(tree) => {
                 let (_, i) = tree.near_one(p, radius_sq, |i| {
                     tree.payloads.get(i as usize).is_some_and(accept)
                 })?;
-                Some(tree.payloads[i as usize])
+                Some((tree.place(i as usize), tree.payloads[i as usize]))
             }
             Tree::Jensen(tree) => Candidates::search(1, radius_sq, |found| {
                 tree.search(p, found, |i| accept(&tree.photons[i as usize].payload));
                 let key = *found.finish().0.first()?;
-                Some(tree.photons[number(key)].payload)
+                let photon = tree.photons[number(key)];
+                Some((photon.p(), photon.payload))
             }),
         }
     }
@@ -261,7 +279,7 @@ mod tests {
                 let mut nearest = radius_sq;
                 map.nearest(p, 1, radius_sq, |p, _| accept(p), |_, d2, _| nearest = d2);
                 // Directions tell the photons apart.
-                let found = map.near_one(p, radius_sq, accept);
+                let found = map.near_one(p, radius_sq, accept).map(|(_, payload)| payload);
                 let is = |s: &&Stored| {
                     found.is_some_and(|f| {
                         f.direction() == s.photon.payload.direction() && accept(&f)

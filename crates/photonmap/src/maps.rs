@@ -4,9 +4,9 @@ use gi_core::scene::Scene;
 use gi_core::technique::Setting;
 
 use crate::map::Order;
-use crate::shoot::{Shot, Source, Wanted};
+use crate::shoot::{NEAR_SPECULAR, Shot, Source, Wanted};
 use crate::volume::VolumeMaps;
-use crate::{Gather, Params, file};
+use crate::{Gather, Params, file, seen};
 
 /// Photons for both maps on surfaces, and the maps of media if they were saved.
 pub(crate) struct Maps {
@@ -33,9 +33,11 @@ pub(crate) fn source<'a>(setting: &Setting<'a>, params: &Params) -> Source<'a> {
 /// Photon tracing [slide 22].
 pub(crate) fn shoot(setting: &Setting, params: &Params) -> Maps {
     let source = source(setting, params);
-    let global = source.shoot(Wanted::Global, params.photons);
+    let targets = seen::targets(setting, params);
+    let wanted = targets.as_ref().map_or(Wanted::Global, Wanted::Aimed);
+    let global = source.shoot(wanted, params.photons);
     let caustic = (params.gather == Gather::Final && params.caustic_photons > 0).then(|| {
-        let targets = setting.scene.focusing();
+        let targets = setting.scene.focusing_below(NEAR_SPECULAR);
         let count = if targets.is_empty() { 0 } else { params.caustic_photons };
         source.shoot(Wanted::Caustic(&targets), count)
     });

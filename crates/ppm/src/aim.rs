@@ -3,10 +3,8 @@
 //! A photon is worth what the picture makes of it. Paths from the eye, going on where they gather, end up at points in
 //! proportion to that; a sun that lights ground to the horizon sends its photons there.
 
-use gi_core::bsdf::Transport;
 use gi_core::light::{Light, Targets};
-use gi_core::math::Rgb;
-use gi_core::sampler::Sampler;
+use gi_core::seen::walk_from_eye;
 use gi_core::technique::Setting;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -38,30 +36,20 @@ type Walk = (Vec<(Vec3, f32)>, Vec<(Vec3, f32)>);
 
 /// Walk a path from the eye.
 fn walk(setting: &Setting, params: &Params, path: u32) -> Walk {
-    let Setting { scene, camera, seed, .. } = *setting;
-    let mut sampler = Sampler::new(seed ^ STREAM, 0, path);
-    let [w, h] = camera.size().map(|n| n as f32);
-    let [x, y] = sampler.next_2d();
-    let mut ray = camera.ray([x * w, y * h], sampler.next_2d());
     let (mut met, mut ends) = (Vec::new(), Vec::new());
-    let (mut worth, mut gathered) = (Rgb::WHITE, params.direct_by_photons);
-    for _ in 0..MOST_MET {
-        let Some((surface, _)) = scene.intersect(&ray) else { break };
-        let wo = -ray.d;
-        let bsdf = scene.bsdf(&surface, wo, Transport::Radiance);
-        let Some(s) = bsdf.sample(wo, sampler.next_1d(), sampler.next_2d()) else { break };
-        worth *= s.weight;
-        let point = (surface.p, worth.luminance());
-        if gathered && !s.null {
+    let mut gathered = params.direct_by_photons;
+    walk_from_eye(setting, STREAM, path, MOST_MET, |m| {
+        let point = (m.surface.p, m.worth);
+        if gathered && !m.scatter.null {
             met.push(point);
         }
-        if !bsdf.is_delta() && answered(&bsdf, wo, params.min_roughness).is_some() {
+        if !m.bsdf.is_delta() && answered(m.bsdf, m.wo, params.min_roughness).is_some() {
             if ends.is_empty() {
                 ends.push(point);
             }
             gathered = true;
         }
-        ray = scene.spawn(&surface, s.wi);
-    }
+        true
+    });
     (met, ends)
 }

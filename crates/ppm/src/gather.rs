@@ -3,14 +3,16 @@
 use std::f64::consts::PI;
 
 use gi_core::bsdf::Bsdf;
+use gi_core::disc::Disc;
 use gi_core::eye::Answered;
 use gi_core::geometry::Surface;
 use gi_core::math::Rgb;
+use gi_core::scene::Scene;
 use glam::Vec3;
 
 use crate::error::laplacian_kernel;
 use crate::grid::Grid;
-use crate::photons::{Arrival, Kind};
+use crate::photons::{Arrival, Kind, SAME_SURFACE};
 use crate::statistics::Pass;
 
 /// Where and how light is gathered.
@@ -40,6 +42,10 @@ pub(crate) struct Discs {
 pub(crate) struct Gathered {
     /// Photons that contribute: lit this surface, and are scattered to the eye.
     pub(crate) photons: u64,
+    /// Of these the farthest: where it lies, which side of the surface it lit, and its squared distance.
+    farthest: Option<(Vec3, f32, f32)>,
+    /// Whether photons of another surface lie within the radius.
+    has_others: bool,
     /// Sums of f times power, by the kind of path.
     pub(crate) direct: Rgb,
     pub(crate) indirect: Rgb,
@@ -78,8 +84,51 @@ pub(crate) fn answered(bsdf: &Bsdf, wo: Vec3, min_roughness: f32) -> Option<Answ
     }
 }
 
+/// Gather at a point what lies on the part of the disc that is seen from just above the point. The flux is scaled from
+/// that part's area to the whole disc's. `u` gives uniform points.
+///
+/// Where nothing says that a wall is near, one line of sight and one probe are all that this costs: to the farthest
+/// photon, and to a random point of the disc. If either fails, or photons of another surface lie within the radius,
+/// every photon is looked at.
+pub(crate) fn gather_seen(
+    scene: &Scene,
+    grid: &Grid,
+    point: &Point,
+    discs: Discs,
+    u: impl FnMut() -> [f32; 2],
+) -> Gathered {
+    let all = gather(grid, point, discs);
+    let Some((farthest, side, _)) = all.farthest else { return all };
+    let Surface { p, ng, .. } = *point.surface;
+    let disc = |side: f32| Disc::new(scene, p, ng * side, discs.radius, SAME_SURFACE);
+    let inverse_share = disc(1f32.copysign(point.wo.dot(ng))).inverse_share(u);
+    let is_clear = inverse_share == 1.0 && !all.has_others && disc(side).sees(farthest);
+    let mut seen = all;
+    if !is_clear {
+        let [above, below] = [1.0, -1.0].map(|side| disc(side).lowered());
+        seen = gather_where(grid, point, discs, |q, side| {
+            if side > 0.0 { above.sees(q) } else { below.sees(q) }
+        });
+    }
+    for flux in [&mut seen.direct, &mut seen.indirect, &mut seen.caustic] {
+        *flux *= inverse_share;
+    }
+    seen
+}
+
 /// Gather at a point.
 pub(crate) fn gather(grid: &Grid, point: &Point, discs: Discs) -> Gathered {
+    gather_where(grid, point, discs, |_, _| true)
+}
+
+/// Gather those photons at a point that `takes` their place and side (1 is that of the geometric normal).
+#[inline]
+fn gather_where(
+    grid: &Grid,
+    point: &Point,
+    discs: Discs,
+    takes: impl Fn(Vec3, f32) -> bool,
+) -> Gathered {
     let Point { bsdf, wo, surface, .. } = *point;
     // f of the shading cosine: photons lie by the surface's, and a bent lobe counts light with its own.
     let whole = |wi: Vec3| {
@@ -93,45 +142,58 @@ pub(crate) fn gather(grid: &Grid, point: &Point, discs: Discs) -> Gathered {
                 Some(part) if part.normal.dot(surface.ns()).abs() > 1.0 - 1e-6 => {
                     let f = part.albedo * gi_core::math::INV_PI;
                     let above = |a: &Arrival| a.wi.dot(part.normal) > 0.0;
-                    sum(grid, point, discs, |a| if above(a) { f } else { Rgb::BLACK })
+                    sum(grid, point, discs, takes, |a| if above(a) { f } else { Rgb::BLACK })
                 }
-                Some(_) => sum(grid, point, discs, |a| whole(a.wi)),
+                Some(_) => sum(grid, point, discs, takes, |a| whole(a.wi)),
                 // A black surface, or its back.
                 None => Gathered::default(),
             }
         }
-        Answered::Rough | Answered::Straight { .. } => sum(grid, point, discs, |a| whole(a.wi)),
+        Answered::Rough | Answered::Straight { .. } => {
+            sum(grid, point, discs, takes, |a| whole(a.wi))
+        }
         // Exactly what the path that goes on leaves out.
-        Answered::Diffuse(part) => sum(grid, point, discs, |a| {
+        Answered::Diffuse(part) => sum(grid, point, discs, takes, |a| {
             let left = bsdf.beside_diffuse(&part, wo, a.wi);
             whole(a.wi) * (Rgb::WHITE - left)
         }),
     }
 }
 
-/// Sum over the photons within reach, `f` being the BSDF.
+/// Sum over the photons within reach that are taken, `f` being the BSDF.
 #[inline]
-fn sum(grid: &Grid, point: &Point, discs: Discs, f: impl Fn(&Arrival) -> Rgb) -> Gathered {
+fn sum(
+    grid: &Grid,
+    point: &Point,
+    discs: Discs,
+    takes: impl Fn(Vec3, f32) -> bool,
+    f: impl Fn(&Arrival) -> Rgb,
+) -> Gathered {
     let mut out = Gathered::default();
     let ng = point.surface.ng;
     let radius_sq = discs.radius * discs.radius;
     let derivative_sq = discs.derivative.map(|h| h * h);
     let reach = discs.derivative.map_or(discs.radius, |h| h.max(discs.radius));
-    grid.within(point.surface.p, reach, |_, arrival, distance_sq| {
+    grid.within(point.surface.p, reach, |q, arrival, distance_sq| {
         let too_long = point.max_segments.is_some_and(|most| arrival.segments > most);
         // Where photons answer for a part of the scattering only, light straight from lights is sampled.
         let sampled =
             arrival.kind == Kind::Direct && matches!(point.answered, Answered::Diffuse(_));
-        if too_long || sampled || !arrival.lights(ng) {
+        let lights = arrival.lights(ng);
+        out.has_others |= !lights && distance_sq < radius_sq;
+        if too_long || sampled || !lights {
             return;
         }
-        let f = f(arrival);
-        if f.is_black() {
+        let (f, side) = (f(arrival), 1f32.copysign(arrival.wi.dot(ng)));
+        if f.is_black() || !takes(q, side) {
             return;
         }
         let flux = f * arrival.power;
         if distance_sq < radius_sq {
             out.photons += 1;
+            if out.farthest.is_none_or(|(_, _, d)| distance_sq > d) {
+                out.farthest = Some((q, side, distance_sq));
+            }
             match arrival.kind {
                 Kind::Direct => out.direct += flux,
                 Kind::Caustic => out.caustic += flux,
@@ -187,120 +249,4 @@ pub(crate) fn radius_of(
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::photons::Photon;
-    use gi_core::bsdf::Transport;
-    use gi_core::geometry::{Geometry, Mesh, Shape};
-    use gi_core::material::Material;
-    use gi_core::ray::Ray;
-    use gi_core::scene::{Scene, SceneParts};
-    use gi_core::texture::Texture;
-
-    /// The square from -1 to 1 in the plane y = 0, normal upward.
-    fn floor(material: Material) -> Scene {
-        let at = |x, z| Vec3::new(x, 0.0, z);
-        let positions = vec![at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)];
-        let triangles = vec![[0, 1, 2], [0, 2, 3]];
-        let mesh = Geometry::Mesh(Mesh { positions, triangles, ..Mesh::default() });
-        let materials = vec![material, Material::TwoSided { front: 0, back: 0 }];
-        let shapes = vec![Shape::new("floor", mesh, 1)];
-        Scene::new(SceneParts { shapes, materials, ..SceneParts::default() }).expect("a scene")
-    }
-
-    fn grey(albedo: f32) -> Material {
-        Material::Diffuse { reflectance: Texture::grey(albedo) }
-    }
-
-    /// What the eye above the origin gathers of `photons`.
-    fn seen(scene: &Scene, photons: Vec<Photon>, max_segments: Option<u32>) -> Gathered {
-        let ray = Ray::new(Vec3::new(0.1, 1.0, 0.0), Vec3::new(-0.1, -1.0, 0.0).normalize());
-        let (surface, _) = scene.intersect(&ray).expect("the floor");
-        let wo = -ray.d;
-        let bsdf = scene.bsdf(&surface, wo, Transport::Radiance);
-        let answered = answered(&bsdf, wo, 0.1).expect("rough enough");
-        let point = Point {
-            surface: &surface,
-            wo,
-            bsdf: &bsdf,
-            answered,
-            max_segments,
-            throughput: Rgb::WHITE,
-        };
-        let discs = Discs { radius: 0.5, derivative: Some(0.6) };
-        gather(&Grid::build(&[photons], 0.5), &point, discs)
-    }
-
-    /// A photon of power 2 that came from `wi` and lies on a surface of normal `ng`.
-    fn photon(p: Vec3, wi: Vec3, ng: Vec3, kind: Kind) -> Photon {
-        let wi = wi.normalize();
-        let normal = (ng * 127f32.copysign(wi.dot(ng))).to_array().map(|v| v.round() as i8);
-        let arrival = Arrival { power: Rgb::grey(2.0), wi, normal, kind, segments: 2 };
-        Photon { p, arrival }
-    }
-
-    #[test]
-    fn photons_count_by_their_kind_with_the_brdf() {
-        let near = |kind| photon(Vec3::X * 0.4, Vec3::new(0.3, 1.0, 0.2), Vec3::Y, kind);
-        let found = seen(
-            &floor(grey(0.5)),
-            vec![near(Kind::Caustic), near(Kind::Indirect), near(Kind::Indirect)],
-            None,
-        );
-        assert_eq!(found.photons, 3);
-        let one = 2.0 * 0.5 * gi_core::math::INV_PI;
-        assert!(
-            (found.caustic.g - one).abs() < 1e-6 && (found.indirect.g - 2.0 * one).abs() < 1e-6
-        );
-    }
-
-    #[test]
-    fn photons_from_behind_change_neither_number_nor_flux() {
-        let below =
-            |x: f32, y: f32| photon(Vec3::new(x, y, 0.0), -Vec3::Y, Vec3::Y, Kind::Indirect);
-        // On the other side of a sheet without thickness, and on the far side of a thin slab.
-        let behind = vec![below(0.1, 0.0), below(-0.2, 0.0), below(0.0, -0.01)];
-        for material in [grey(0.5), plastic()] {
-            let found = seen(&floor(material), behind.clone(), None);
-            assert_eq!((found.photons, found.indirect), (0, Rgb::BLACK));
-            assert_eq!((found.laplacian, found.squares), (0.0, 0.0));
-        }
-    }
-
-    #[test]
-    fn photons_that_the_surface_swallows_or_of_another_one_do_not_count() {
-        let up = |p, ng| photon(p, Vec3::new(0.4, 1.0, 0.0), ng, Kind::Indirect);
-        assert_eq!(seen(&floor(grey(0.0)), vec![up(Vec3::X * 0.2, Vec3::Y)], None).photons, 0);
-        // Of a wall that stands on the floor; out of reach; of too long a path.
-        let wall = up(Vec3::new(0.1, 0.1, 0.0), Vec3::X);
-        assert_eq!(seen(&floor(grey(0.5)), vec![wall], None).photons, 0);
-        let far = up(Vec3::X * 0.51, Vec3::Y);
-        assert_eq!(seen(&floor(grey(0.5)), vec![far], None).photons, 0);
-        for (most, count) in [(1, 0), (2, 1)] {
-            let found = seen(&floor(grey(0.5)), vec![up(Vec3::X * 0.2, Vec3::Y)], Some(most));
-            assert_eq!(found.photons, count);
-        }
-    }
-
-    fn plastic() -> Material {
-        Material::Plastic {
-            eta: 1.5,
-            diffuse: Texture::grey(0.5),
-            specular: Texture::grey(1.0),
-            nonlinear: false,
-            roughness: None,
-        }
-    }
-
-    #[test]
-    fn no_number_of_photons_is_too_many() {
-        let mut rng = gi_core::rng::Pcg::new(1, 1);
-        let photons: Vec<Photon> = (0..100_000)
-            .map(|_| {
-                let [x, z] = rng.next_2d().map(|u| 0.3 * (u - 0.5));
-                photon(Vec3::new(x, 0.0, z), Vec3::Y, Vec3::Y, Kind::Caustic)
-            })
-            .collect();
-        assert_eq!(seen(&floor(grey(0.5)), photons, None).photons, 100_000);
-    }
-}
+mod tests;

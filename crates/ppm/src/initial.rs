@@ -1,11 +1,11 @@
 //! The radii to begin with.
 
 use gi_core::camera::Camera;
+use gi_core::disc::Disc;
 use gi_core::eye::EyeVertex;
 use gi_core::film::PerPixel;
 use gi_core::geometry::Surface;
-use gi_core::math::{Frame, Rgb};
-use gi_core::ray::Ray;
+use gi_core::math::Rgb;
 use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
 use glam::Vec3;
@@ -30,7 +30,6 @@ const LEAST_COVERED: f32 = 0.75;
 const PROBES: u32 = 16;
 /// By what a disc shrinks that does not.
 const STEP: f32 = 0.7;
-const GOLDEN_ANGLE: f32 = 2.399_963;
 
 /// How many pixels did not get the number of photons that was asked for.
 #[derive(Clone, Copy, Debug, Default)]
@@ -105,7 +104,7 @@ fn nearest(look: &Look, at: [usize; 2], grid: &Grid, guess: f32) -> Option<Neare
             };
             let count = look.params.initial_photons as usize;
             nearest = radius_of(grid, &point, count, guess, [least, most]).map(|radius| Nearest {
-                radius: on_surface(setting.scene, v.surface, [least, radius]),
+                radius: on_surface(setting.scene, (v.surface, v.wo), [least, radius]),
                 least,
                 most,
             });
@@ -117,26 +116,19 @@ fn nearest(look: &Look, at: [usize; 2], grid: &Grid, guess: f32) -> Option<Neare
 }
 
 /// The radius, or a smaller one, whose disc lies on the surface that it is round: past an edge there are no photons for it.
-fn on_surface(scene: &Scene, surface: &Surface, [least, mut radius]: [f32; 2]) -> f32 {
-    while radius > least && covered(scene, surface, radius) < LEAST_COVERED {
+fn on_surface(
+    scene: &Scene,
+    (surface, wo): (&Surface, Vec3),
+    [least, mut radius]: [f32; 2],
+) -> f32 {
+    let n = surface.ng * 1f32.copysign(wo.dot(surface.ng));
+    let covered = |radius| {
+        Disc::new(scene, surface.p, n, radius, SAME_SURFACE).lowered().share(PROBES, [0.0; 2])
+    };
+    while radius > least && covered(radius) < LEAST_COVERED {
         radius = (STEP * radius).max(least);
     }
     radius
-}
-
-/// Share of a disc that has a surface of about its normal close under or over it.
-fn covered(scene: &Scene, surface: &Surface, radius: f32) -> f32 {
-    let frame = Frame::from_normal(surface.ng);
-    let is_on = |k: &u32| {
-        // A spiral through equal areas.
-        let r = radius * ((*k as f32 + 0.5) / PROBES as f32).sqrt();
-        let (sin, cos) = (GOLDEN_ANGLE * *k as f32).sin_cos();
-        let o = surface.p + (frame.s * cos + frame.t * sin) * r + surface.ng * (0.5 * radius);
-        let ray = Ray { o, tmin: 0.0, d: -surface.ng, tmax: radius };
-        let met = scene.intersect(&ray);
-        met.is_some_and(|(s, _)| s.ng.dot(surface.ng).abs() >= SAME_SURFACE)
-    };
-    (0..PROBES).filter(is_on).count() as f32 / PROBES as f32
 }
 
 /// The width of the middle pixel at a distance from the eye.

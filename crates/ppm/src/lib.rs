@@ -9,8 +9,9 @@
 //! | `--photons` | light paths a pass (0: as many as pixels) |
 //! | `--initial-radius` | in scene radii (0: as far as `--initial-photons` photons of a pilot pass reach, on the surface that is seen) |
 //! | emission | light from infinity is aimed at what the eye's paths meet behind where they gather: no path is left out |
-//! | `--min-roughness` | alpha of the sharpest lobe at which photons are gathered (0.1); sharper ones are followed by rays |
-//! | bias | light is blurred over R: caustics begin soft, corners and contact shadows leak; falls with the passes |
+//! | `--min-roughness` | alpha of the sharpest lobe at which photons are gathered (0.35); sharper ones are followed by rays |
+//! | edges and walls | only the part of a disc counts that is seen from just above its middle; its light is divided by the area of that part |
+//! | bias | light is blurred over R: caustics and contact shadows begin soft; falls with the passes |
 //! | how it fails | blotches of the initial radius where few photons come (`ppm`, `sppm` shrink there slowly); light that comes from far off along the ground, in few strong photons |
 //! | sources | \[Hachisuka08\], \[Hachisuka09\], \[Hachisuka10\], \[Knaus11\], \[Kaplanyan13\] |
 //!
@@ -56,7 +57,8 @@ pub struct Params {
     pub initial_radius: f32,
     /// Photons of a pilot pass that the disc to begin with holds.
     pub initial_photons: u32,
-    /// Alpha of the sharpest lobe at which photons are gathered.
+    /// Alpha of the sharpest lobe at which photons are gathered. Of the few photons in a disc, hardly one arrives within
+    /// a sharper lobe; 0.35 is not a roughness that materials commonly have.
     pub min_roughness: f32,
     /// Paths of a pixel whose ends are the hit points of [`Method::Ppm`].
     pub hit_points: u32,
@@ -82,7 +84,7 @@ impl Default for Params {
             photons: 0,
             initial_radius: 0.0,
             initial_photons: 10,
-            min_roughness: 0.1,
+            min_roughness: 0.35,
             hit_points: 1,
             direct_by_photons: false,
             limits: PathLimits::default(),

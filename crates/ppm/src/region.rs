@@ -5,13 +5,14 @@ use gi_core::eye::{Answered, EyePath, EyeVertex, Supplied};
 use gi_core::film::Sample;
 use gi_core::geometry::Surface;
 use gi_core::math::Rgb;
+use gi_core::rng::hash_words;
 use gi_core::sampler::Sampler;
 use gi_core::technique::Setting;
 use glam::Vec3;
 
 use crate::Params;
 use crate::error::Moments;
-use crate::gather::{Discs, Gathered, Point, answered, gather};
+use crate::gather::{Discs, Gathered, Point, answered, gather_seen};
 use crate::grid::Grid;
 use crate::methods::{Method, adaptive_radius, derivative_radius, probabilistic_radius};
 use crate::statistics::Statistics;
@@ -44,6 +45,9 @@ pub(crate) struct Hit {
     pub(crate) rough: u32,
     pub(crate) statistics: Statistics,
 }
+
+/// Makes the numbers that discs are probed with differ from those of eye paths.
+const PROBES: u32 = 0x6469_7363;
 
 /// One over the area of a disc.
 fn per_area(radius: f64) -> f32 {
@@ -130,6 +134,14 @@ impl<'a> Look<'_, 'a> {
         statistics.scale(share);
     }
 
+    /// The numbers by which the discs of a pixel are probed in this pass: those of its point number `index`.
+    fn probes(&self, [x, y]: [usize; 2], index: u32) -> impl FnMut() -> [f32; 2] {
+        let stream = (y * self.setting.camera.size()[0] + x) as u32;
+        let seed = hash_words(&[self.setting.seed, PROBES, index]);
+        let mut sampler = Sampler::new(seed, stream, self.index);
+        move || sampler.next_2d()
+    }
+
     fn discs(&self, radius: f64, initial: f64) -> Discs {
         let derivative = self.moments.then(|| (initial * derivative_radius(self.index)) as f32);
         Discs { radius: radius as f32, derivative }
@@ -137,10 +149,10 @@ impl<'a> Look<'_, 'a> {
 
     /// Look anew: every point that the path ends in is gathered at, all with the pixel's radius.
     fn anew(&self, at: [usize; 2], region: &Region, grid: &Grid) -> (Sample, Gathered) {
-        let Setting { camera, seed, .. } = *self.setting;
+        let Setting { scene, camera, seed, .. } = *self.setting;
         let radius = region.statistics.radius;
         let (discs, density) = (self.discs(radius, region.initial), per_area(radius));
-        let mut total = Gathered::default();
+        let (mut total, mut points) = (Gathered::default(), 0);
         let mut supply = |v: &EyeVertex<'_, 'a>, _: &mut Sampler| {
             let answered = answered(v.bsdf, v.wo, self.params.min_roughness)?;
             let point = Point {
@@ -151,7 +163,8 @@ impl<'a> Look<'_, 'a> {
                 max_segments: self.photon_segments(v.segments),
                 throughput: v.throughput,
             };
-            let found = gather(grid, &point, discs);
+            let found = gather_seen(scene, grid, &point, discs, self.probes(at, points));
+            points += 1;
             total.add(&found, v.throughput);
             let (indirect, caustic) = (found.indirect * density, Some(found.caustic * density));
             let direct = self.direct(answered).then(|| found.direct * density);
@@ -176,7 +189,7 @@ impl<'a> Look<'_, 'a> {
         let mut sample = self.path().sample_pixel(camera, seed, at, self.index, &mut answer);
         let mut total = Gathered::default();
         let initial = region.initial;
-        for hit in &mut region.hits {
+        for (index, hit) in region.hits.iter_mut().enumerate() {
             let bsdf = scene.bsdf(&hit.surface, hit.wo, Transport::Radiance);
             let point = Point {
                 surface: &hit.surface,
@@ -187,7 +200,8 @@ impl<'a> Look<'_, 'a> {
                 throughput: hit.throughput,
             };
             let radius = hit.statistics.radius;
-            let found = gather(grid, &point, self.discs(radius, initial));
+            let (discs, probes) = (self.discs(radius, initial), self.probes(at, index as u32));
+            let found = gather_seen(scene, grid, &point, discs, probes);
             total.add(&found, hit.throughput);
             let factor = hit.throughput * per_area(radius);
             *sample.radiance.of_path(hit.rough + 1, false) += factor * found.direct;

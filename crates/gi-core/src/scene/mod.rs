@@ -1,6 +1,7 @@
 //! The scene: what a file gives ([`SceneParts`]), made ready for rays ([`Scene`]).
 
 mod build;
+mod focusing;
 mod lighting;
 mod media;
 mod media_check;

@@ -1,0 +1,106 @@
+//! Where the maps will be read, found by paths from the eye: photons are aimed there, radii are bounded by what is there,
+//! and irradiance is computed ahead there.
+
+use gi_core::bsdf::Bsdf;
+use gi_core::light::{Light, Targets};
+use gi_core::seen::walk_from_eye;
+use gi_core::technique::Setting;
+use glam::Vec3;
+use rayon::prelude::*;
+
+use crate::estimate::facing;
+use crate::{Gather, Params};
+
+/// Paths that photons from infinity are aimed by. They say about where, not how bright.
+const PATHS: u32 = 4096;
+/// Surfaces that a path meets at most.
+const MOST_MET: u32 = 8;
+/// Makes the numbers of these paths differ from those of all others.
+const STREAM: u32 = 0x7365_656e;
+/// Rounds of paths that places are looked for in: many paths may leave the scene.
+const ROUNDS: u32 = 4;
+
+/// Points and what photons there would be worth: where they would be scattered, and where they would be read.
+type Walk = (Vec<(Vec3, f32)>, Vec<(Vec3, f32)>);
+
+impl Gather {
+    /// Surfaces that answer before that at which the global map is read.
+    fn skipped(self) -> u32 {
+        u32::from(self == Gather::Final)
+    }
+
+    /// Surfaces that answer before the first at which light straight from lights comes from photons.
+    fn sampled(self) -> u32 {
+        u32::from(self != Gather::None)
+    }
+
+    /// Whether a map answers at a surface.
+    fn answers(self, bsdf: &Bsdf, wo: Vec3) -> bool {
+        match self {
+            Gather::None | Gather::Direct => !bsdf.is_delta(),
+            Gather::Final => bsdf.diffuse_part(wo).is_some(),
+        }
+    }
+}
+
+/// What light from infinity is aimed at; `None` where nothing shines from there.
+pub(crate) fn targets(setting: &Setting, params: &Params) -> Option<Targets> {
+    if !setting.scene.lights().all().iter().any(Light::is_infinite) {
+        return None;
+    }
+    let walks: Vec<Walk> =
+        (0..PATHS).into_par_iter().map(|path| walk(setting, params.gather, path)).collect();
+    let (met, ends) = walks.into_iter().unzip::<_, _, Vec<_>, Vec<_>>();
+    let [met, ends] = [met, ends].map(|lists| lists.into_iter().flatten().collect());
+    setting.scene.around([met, ends])
+}
+
+fn walk(setting: &Setting, gather: Gather, path: u32) -> Walk {
+    let (mut met, mut ends, mut answered) = (Vec::new(), Vec::new(), 0);
+    walk_from_eye(setting, STREAM, path, MOST_MET, |m| {
+        let point = (m.surface.p, m.worth);
+        if answered >= gather.sampled() && !m.scatter.null {
+            met.push(point);
+        }
+        if gather.answers(m.bsdf, m.wo) {
+            if answered == gather.skipped() {
+                ends.push(point);
+            }
+            answered += 1;
+        }
+        true
+    });
+    (met, ends)
+}
+
+/// A point at which the global map will be read, and the unit normal on the side that is seen.
+pub(crate) type Place = (Vec3, Vec3);
+
+/// At most `count` points at which the global map will be read.
+pub(crate) fn places(setting: &Setting, gather: Gather, count: usize) -> Vec<Place> {
+    let mut places = Vec::with_capacity(count);
+    for round in 0..ROUNDS {
+        let paths = round * count as u32..(round + 1) * count as u32;
+        let found: Vec<Option<Place>> =
+            paths.into_par_iter().map(|path| place(setting, gather, path)).collect();
+        places.extend(found.into_iter().flatten().take(count - places.len()));
+        if places.len() == count {
+            break;
+        }
+    }
+    places
+}
+
+fn place(setting: &Setting, gather: Gather, path: u32) -> Option<Place> {
+    let (mut place, mut answered) = (None, 0);
+    walk_from_eye(setting, STREAM ^ 1, path, MOST_MET, |m| {
+        if gather.answers(m.bsdf, m.wo) {
+            if answered == gather.skipped() {
+                place = Some((m.surface.p, facing(m.surface, m.wo)));
+            }
+            answered += 1;
+        }
+        place.is_none()
+    });
+    place
+}
