@@ -87,7 +87,7 @@ impl<'a> Disc<'a> {
             if bsdf.straight_through(n).is_black() {
                 return None;
             }
-            ray = Ray { tmax: ray.tmax - t, ..self.scene.spawn(&surface, -n) };
+            ray = self.scene.tree().beyond(&ray, t);
         }
         None
     }

@@ -130,11 +130,7 @@ fn gather_where(
     takes: impl Fn(Vec3, f32) -> bool,
 ) -> Gathered {
     let Point { bsdf, wo, surface, .. } = *point;
-    // f of the shading cosine: photons lie by the surface's, and a bent lobe counts light with its own.
-    let whole = |wi: Vec3| {
-        let cos = wi.dot(surface.ns()).abs();
-        if cos > 0.0 { bsdf.f_cos(wo, wi) / cos } else { Rgb::BLACK }
-    };
+    let whole = |wi: Vec3| bsdf.f(wo, wi);
     match point.answered {
         // The one case that is common enough to be told apart.
         Answered::Rough | Answered::Straight { .. } if bsdf.is_diffuse() => {

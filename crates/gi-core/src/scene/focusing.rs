@@ -1,23 +1,32 @@
-//! What focuses light without being a perfect mirror.
+//! What focuses light: mirrors and glass, perfect ones and nearly perfect ones.
 
 use super::Scene;
 use crate::bsdf::PreparedMaterial;
-use crate::light::Targets;
-use crate::light::sphere_round;
+use crate::geometry::Shape;
+use crate::light::{Targets, sphere_round};
 use crate::material::{Material, Roughness};
 use crate::texture::Texture;
 
 impl Scene {
+    /// What a light path must meet first to be focused: everything that has a delta lobe.
+    pub fn focusing(&self) -> Targets {
+        self.targets(|material| self.materials[material].has_delta)
+    }
+
     /// As [`Scene::focusing`], with what has a lobe of metal or glass whose alpha may be below `alpha`.
     pub fn focusing_below(&self, alpha: f32) -> Targets {
-        let mut spheres = Vec::new();
+        self.targets(|material| may_focus(&self.materials, material, alpha))
+    }
+
+    /// All shapes with some materials.
+    fn targets(&self, is_wanted: impl Fn(usize) -> bool) -> Targets {
         let own = self.shapes.len() - self.group_shapes.iter().map(|g| g.len()).sum::<usize>();
-        let focuses = |material| may_focus(&self.materials, material, alpha);
-        let shapes = self.shapes[..own].iter().filter(|shape| focuses(shape.material));
-        spheres.extend(shapes.map(sphere_round));
+        let is_wanted = |shape: &&Shape| is_wanted(shape.material);
+        let mut spheres: Vec<_> =
+            self.shapes[..own].iter().filter(is_wanted).map(sphere_round).collect();
         for instance in &self.instances {
             let group = self.group_shapes[instance.group].clone();
-            for shape in self.shapes[group].iter().filter(|shape| focuses(shape.material)) {
+            for shape in self.shapes[group].iter().filter(is_wanted) {
                 let bounds = shape.geometry.bounds().transformed(&instance.to_world);
                 spheres.push((bounds.center(), 0.5 * bounds.extent().length()));
             }

@@ -4,8 +4,8 @@ use glam::{Vec2, Vec3};
 
 use super::Scene;
 use crate::bsdf::Transport;
-use crate::geometry::{Geometry, Shape, Surface};
-use crate::light::{Emission, EmitterPoint, Light, LightSample, Targets, sphere_round};
+use crate::geometry::{Geometry, Surface};
+use crate::light::{Emission, EmitterPoint, Light, LightSample, Targets};
 use crate::math::Rgb;
 use crate::ray::{Hit, Ray};
 
@@ -82,22 +82,6 @@ impl Scene {
     ) -> Option<Emission> {
         let emission = |s, k, point: &EmitterPoint| self.emission_at(s, k, point);
         self.lights.emit_toward(targets, u_light, u_p, u_d, emission)
-    }
-
-    /// What a light path must meet first to be focused: everything that has a delta lobe.
-    pub fn focusing(&self) -> Targets {
-        let mut spheres = Vec::new();
-        let own = self.shapes.len() - self.group_shapes.iter().map(|g| g.len()).sum::<usize>();
-        let focuses = |shape: &&Shape| self.materials[shape.material].has_delta;
-        spheres.extend(self.shapes[..own].iter().filter(focuses).map(sphere_round));
-        for instance in &self.instances {
-            let group = self.group_shapes[instance.group].clone();
-            for shape in self.shapes[group].iter().filter(focuses) {
-                let bounds = shape.geometry.bounds().transformed(&instance.to_world);
-                spheres.push((bounds.center(), 0.5 * bounds.extent().length()));
-            }
-        }
-        Targets::new(spheres)
     }
 
     /// Targets that leave no light path out, and bring those from infinity mostly to points that matter, each with its weight:
