@@ -10,8 +10,8 @@ use gi_core::walk::focused;
 use gi_stats::{Running, welch_t_test};
 use gi_tests::{World, mean_and_variance};
 
-/// Probability below which a deviation is no chance, of some two hundred entries.
-const ALPHA: f64 = 1e-5;
+/// Probability below which a deviation is no chance. Seeds are fixed: a pass stays a pass.
+const ALPHA: f64 = 1e-3;
 /// Digits that floats leave.
 const ROUNDING: f64 = 1e-5;
 
@@ -78,7 +78,7 @@ impl Program {
                 world.render::<ppm::Ppm>(&params, 8 * effort, seed, Show::All)
             }
             InstantRadiosity => {
-                let params = instant_radiosity::Params::default();
+                let params = instant_radiosity::Params { vpls: 1024, ..Default::default() };
                 world.render::<instant_radiosity::InstantRadiosity>(
                     &params,
                     2 * effort,
@@ -153,6 +153,12 @@ fn bent(map: &str, inner: &str) -> String {
     sheet(1.9, -1.2, true, "", &bsdf)
 }
 
+/// A row without light tracing, where few of its paths are seen.
+fn but_light(mut row: Row) -> Row {
+    row.programs.retain(|(program, _)| *program != Light);
+    row
+}
+
 fn stacks() -> Vec<Row> {
     let row = |name, rest: String, programs: &[(Program, f64)]| Row {
         name,
@@ -167,24 +173,29 @@ fn stacks() -> Vec<Row> {
     // Half of the squares are holes.
     let lattice = r#"<bsdf type="mask"><texture name="opacity" type="checkerboard"><transform name="to_uv"><scale value="8"/></transform><rgb name="color0" value="0"/><rgb name="color1" value="1"/></texture><bsdf type="twosided"><bsdf type="diffuse"/></bsdf></bsdf>"#;
     let pane = r#"<bsdf type="thindielectric"/>"#;
-    // Light tracing does not see what panes mirror.
-    let but_light: Vec<_> = ALL.into_iter().filter(|(p, _)| *p != Light).collect();
     vec![
         row("plain room", String::new(), &ALL),
         row("three null sheets before the lamp", stack(3, r#"<bsdf type="null"/>"#), &ALL),
         row("ten masks before the lamp", stack(10, mask), &ALL),
         row("lattice before the lamp", stack(1, lattice), &ALL),
-        row("two panes before the lamp", stack(2, pane), &but_light),
+        // Light tracing does not see what panes mirror.
+        but_light(row("two panes before the lamp", stack(2, pane), &ALL)),
     ]
 }
 
 fn maps() -> Vec<Row> {
     let metal = r#"<bsdf type="roughconductor"><string name="material" value="none"/><float name="alpha" value="0.3"/></bsdf>"#;
+    // Radiance records know of a bent lobe's shadowing the mean alone, photons blur over the waves of the map.
+    let loose = |p: Program, bias: f64| match p {
+        Radcache => 0.06,
+        Photonmap => 0.05,
+        _ => bias,
+    };
     let row = |name, map: &str, inner: &str| Row {
         name,
         body: room(&bent(map, inner)),
         truth: Truth::Of(Path),
-        programs: ALL.to_vec(),
+        programs: ALL.into_iter().map(|(p, bias)| (p, loose(p, bias))).collect(),
     };
     vec![
         row("gentle normal map", "gentle", GREY),
@@ -308,7 +319,8 @@ fn outdoors() -> Vec<Row> {
     let row = |name, body| Row { name, body, truth: Truth::Of(Path), programs: ALL.to_vec() };
     vec![
         row("a house in the sun", scene(8.0, &thing("cube", 0.7, 0.7))),
-        row("a small ball on wide ground", scene(40.0, &thing("sphere", 0.4, 0.4))),
+        // Of a hundred light paths from the sky one comes near the eye.
+        but_light(row("a small ball on wide ground", scene(40.0, &thing("sphere", 0.4, 0.4)))),
     ]
 }
 

@@ -268,6 +268,8 @@ impl<'a> Bsdf<'a> {
     #[inline]
     pub fn opaque_normal(&self) -> Option<Vec3> {
         match &self.parts {
+            // On light paths a bent normal may be flipped, which is known only with the direction to the eye.
+            Parts::One(c) if c.bend.is_some() && self.way.transport == Transport::Power => None,
             Parts::One(c) if c.lobe.is_opaque() => Some(c.frame.n),
             _ => None,
         }
