@@ -28,3 +28,5 @@ mod ppm_facts;
 mod radcache_facts;
 /// Scenes put together at random.
 mod random_scenes;
+/// Small lamps near surfaces and behind glass.
+mod small_lamps;
