@@ -3,6 +3,8 @@ use gi_core::bsdf::Transport;
 use gi_core::geometry::{Geometry, Shape};
 use gi_core::light::LightSource;
 use gi_core::material::Material;
+use gi_core::math::Frame;
+use gi_core::ray::Ray;
 use gi_core::scene::SceneParts;
 use gi_core::texture::Texture;
 
