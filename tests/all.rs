@@ -30,5 +30,7 @@ mod ppm_facts;
 mod radcache_facts;
 /// Scenes put together at random.
 mod random_scenes;
+/// Small lamps near surfaces and behind glass.
+mod small_lamps;
 /// Walls without thickness.
 mod thin_walls;

@@ -23,8 +23,8 @@ use gi_core::technique::Technique;
 pub use budget::{Budget, parse_time};
 pub use common::{Common, Component};
 pub use values::{
-    Compensation, check_points_file, check_spacings, is_table, parse_accuracy, parse_bound,
-    parse_pixel, parse_spacing,
+    Caustics, Compensation, check_points_file, check_spacings, is_table, parse_accuracy,
+    parse_bound, parse_pixel, parse_spacing,
 };
 
 /// A program: its command line, and what it makes of it.

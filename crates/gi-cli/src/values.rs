@@ -13,6 +13,15 @@ pub enum Compensation {
     Path,
 }
 
+/// How light that mirrors and glass focus is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Caustics {
+    /// By paths from the eye, without bias: small lamps behind glass show as bright specks
+    Path,
+    /// By photons, blurred over discs that shrink with the passes
+    Photon,
+}
+
 /// A bound: a number above 0, or `inf` for none.
 ///
 /// # Errors

@@ -8,10 +8,11 @@
 //! | `--termination` | when light paths end: fractional absorption (the original) or Russian roulette |
 //! | `--clamp` | bound of the geometric term cos cos' / d^2 in units of one over the squared radius of the scene (20); `inf` is none |
 //! | `--compensation` | `path`: what the bound cut off comes back by paths, without bias \[Kollig04\]; `none` |
+//! | `--caustics` | `photon`: light that mirrors and glass focus is read from photons, blurred over discs that shrink with the passes; `path` |
 //! | `--vsl` | lights are small spheres instead of points: no bound, no bright spots on glossy surfaces, blurred \[Hasan09\] |
 //! | `--relaxation` | passes k = 0, 1, ... bound by clamp (k + 1)^relaxation: the bias goes to zero \[Davidovic12\] |
 //! | `--direct` | direct light by sampling lights, or by points of lights as virtual lights [slides 47, 48] |
-//! | bias | none with compensation; with a bound alone, corners and contacts are too dark |
+//! | bias | none with compensation, but for the blur of caustics; with a bound alone, corners and contacts are too dark |
 //! | how it fails | few lights show as hard shadows of each; without a bound, as bright spots where a light is near |
 //! | sources | \[Keller97\], \[Kollig04\], \[Hasan09\], \[Davidovic12\] |
 
@@ -27,7 +28,10 @@ use gi_core::film::Film;
 use gi_core::math::Rgb;
 use gi_core::sampler::Sampler;
 use gi_core::technique::{Picture, Setting, Technique};
-use vpl::{Energy, MIN_ROUGHNESS, Pilot, Prepared, Receiver, Shooting, Termination, Vpls, shoot};
+use vpl::{
+    Energy, FocusedLight, MIN_ROUGHNESS, Pilot, Prepared, Receiver, Shooting, Termination, Vpls,
+    shoot,
+};
 
 use figures::Figure;
 use sphere::Spheres;
@@ -45,6 +49,8 @@ pub struct Params {
     pub clamp: f32,
     /// Whether paths bring back what the bound cut off.
     pub compensation: bool,
+    /// Whether photons supply the light that mirrors and glass focus, instead of paths looking for it.
+    pub caustic_photons: bool,
     /// How fast the bound grows with the passes.
     pub relaxation: f32,
     /// Spheres instead of points.
@@ -65,6 +71,7 @@ impl Default for Params {
             termination: Termination::Roulette,
             clamp: 20.0,
             compensation: true,
+            caustic_photons: true,
             relaxation: 0.0,
             vsl: false,
             vsl_samples: 4,
@@ -82,6 +89,7 @@ pub struct InstantRadiosity<'a> {
     /// The lights of the last pass.
     vpls: Vpls,
     spheres: Spheres,
+    focused: FocusedLight,
     energy: Energy,
     /// Lights and paths of all passes.
     lights: u64,
@@ -92,13 +100,18 @@ impl<'a> Technique<'a> for InstantRadiosity<'a> {
     type Params = Params;
 
     fn prepare(setting: Setting<'a>, params: &Params) -> Result<Self, String> {
-        let pilot = Pilot::of(setting.scene, setting.seed);
+        let Setting { scene, camera, seed, .. } = setting;
+        let pilot = Pilot::of(scene, seed);
+        let [w, h] = camera.size();
+        let pixels = if params.caustic_photons { w * h } else { 0 };
+        let focused = FocusedLight::new(scene, seed, pixels);
         Ok(InstantRadiosity {
             setting,
             params: params.clone(),
             pilot,
             vpls: Vpls::default(),
             spheres: Spheres::default(),
+            focused,
             energy: Energy::default(),
             lights: 0,
             paths: 0,
@@ -111,6 +124,7 @@ impl<'a> Technique<'a> for InstantRadiosity<'a> {
         if self.params.vsl {
             self.spheres = Spheres::round(&self.vpls.lights, self.setting.scene);
         }
+        self.focused.shoot(self.setting.scene, self.setting.seed, index);
         self.lights += self.vpls.lights.len() as u64;
         self.paths += self.vpls.paths;
         let Setting { scene, camera, seed, show, .. } = self.setting;
@@ -131,6 +145,8 @@ impl<'a> Technique<'a> for InstantRadiosity<'a> {
             ("reflectance".into(), self.pilot.reflectance.into()),
             ("connections".into(), self.energy.connections() as f64),
             ("energy_cut".into(), cut / (kept + cut).max(f64::MIN_POSITIVE)),
+            ("caustic_photons".into(), self.focused.photons() as f64),
+            ("caustic_radius".into(), self.focused.mean_radius()),
             ("vpl_bytes".into(), self.vpls.memory_bytes() as f64),
         ]
     }
@@ -207,7 +223,9 @@ impl InstantRadiosity<'_> {
         };
         let most = if self.params.compensation && !self.params.vsl { most } else { f32::INFINITY };
         let answered = Answered::Straight { most, min_roughness: MIN_ROUGHNESS };
-        Some(Supplied { answered, direct, indirect, caustic: None })
+        // A photon after j scatterings has come j + 1 segments.
+        let caustic = self.focused.radiance(self.setting.scene, &at, deepest);
+        Some(Supplied { answered, direct, indirect, caustic })
     }
 
     /// The sum over a range of lights, every geometric term bounded by `most`.

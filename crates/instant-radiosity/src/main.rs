@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
 use gi_cli::{
-    Common, Compensation, Program, check_points_file, is_table, parse_bound, parse_pixel,
+    Caustics, Common, Compensation, Program, check_points_file, is_table, parse_bound, parse_pixel,
 };
 use gi_core::eye::PathLimits;
 use instant_radiosity::figures::Figure;
@@ -33,6 +33,9 @@ struct Args {
     /// What becomes of the light that the bound cuts off
     #[arg(long, value_enum, default_value_t = Compensation::Path)]
     compensation: Compensation,
+    /// How light that mirrors and glass focus is found
+    #[arg(long, value_enum, default_value_t = Caustics::Photon)]
+    caustics: Caustics,
     /// Let the bound grow with the passes k = 0, 1, ...: clamp (k+1)^R; 0 keeps it
     #[arg(long, value_name = "R", default_value_t = Params::default().relaxation, value_parser = parse_exponent)]
     relaxation: f32,
@@ -93,6 +96,10 @@ impl Program for Args {
         &self.common
     }
 
+    fn finds_focused_light(&self) -> bool {
+        self.caustics == Caustics::Photon
+    }
+
     fn params(&self) -> Result<Params, String> {
         check_points_file("--vpls-out", &self.vpls_out)?;
         Ok(Params {
@@ -104,6 +111,7 @@ impl Program for Args {
             },
             clamp: self.clamp,
             compensation: self.compensation == Compensation::Path,
+            caustic_photons: self.caustics == Caustics::Photon,
             relaxation: self.relaxation,
             vsl: self.vsl,
             vsl_samples: self.vsl_samples,

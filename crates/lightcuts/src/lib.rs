@@ -11,9 +11,10 @@
 //! | `--vpls` | about how many virtual point lights indirect light has (16384) |
 //! | `--fixed-lights` | all passes have the lights of the first: what lights' number leaves wrong stays |
 //! | `--clamp`, `--compensation` | bound of the geometric term of indirect lights, and paths that bring back what it cuts off, as in instant radiosity |
+//! | `--caustics` | `photon`: light that mirrors and glass focus is read from photons, blurred over discs that shrink with the passes; `path` |
 //! | `--method` | `cuts`; `all`: light by light; `stochastic`, `one`: light drawn from the same trees, without bias \[Yuksel19, Conty18\] |
 //! | `--reconstruct` | cuts at corners of blocks of pixels, interpolated between where they agree [Walter05, 5] |
-//! | bias | a cluster's error is bounded by `--error` of the whole; errors of many clusters average out. None with `--error 0` |
+//! | bias | a cluster's error is bounded by `--error` of the whole; errors of many clusters average out. None with `--error 0`, but for the blur of caustics |
 //! | how it fails | lights that are few or near show as such; in the dark, where 2 % is little, and everywhere with `whole` and many lights, cuts reach their limit (`at_max_cut`) |
 //! | sources | \[Walter05\], \[Keller97\], \[Kollig04\] |
 
@@ -39,7 +40,10 @@ use gi_core::eye::{Answered, EyePath, EyeVertex, Supplied};
 use gi_core::film::{Film, Show};
 use gi_core::sampler::Sampler;
 use gi_core::technique::{Picture, Setting, Technique};
-use vpl::{MIN_ROUGHNESS, Pilot, Prepared, Receiver, Shooting, Termination, Vpls, points, shoot};
+use vpl::{
+    FocusedLight, MIN_ROUGHNESS, Pilot, Prepared, Receiver, Shooting, Termination, Vpls, points,
+    shoot,
+};
 
 use bound::Site;
 use light::{At, Lights};
@@ -57,6 +61,7 @@ pub struct Lightcuts<'a> {
     /// The lights of the last pass, and their trees.
     vpls: Vpls,
     forest: Forest,
+    focused: FocusedLight,
     /// Which pass they were made for.
     made_for: u32,
     tally: Tally,
@@ -66,13 +71,18 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
     type Params = Params;
 
     fn prepare(setting: Setting<'a>, params: &Params) -> Result<Self, String> {
-        let pilot = Pilot::of(setting.scene, setting.seed);
+        let Setting { scene, camera, seed, .. } = setting;
+        let pilot = Pilot::of(scene, seed);
+        let [w, h] = camera.size();
+        let pixels = if params.caustic_photons { w * h } else { 0 };
+        let focused = FocusedLight::new(scene, seed, pixels);
         let mut technique = Lightcuts {
             setting,
             params: params.clone(),
             pilot,
             vpls: Vpls::default(),
             forest: Forest::default(),
+            focused,
             made_for: 0,
             tally: Tally::default(),
         };
@@ -85,6 +95,7 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
         if index != self.made_for && !self.params.fixed_lights {
             self.make_lights(index);
         }
+        self.focused.shoot(self.setting.scene, self.setting.seed, index);
         let this = &*self;
         let prepared = Prepared::new(&this.vpls, this.setting.scene);
         let lights = this.lights(&prepared);
@@ -115,6 +126,8 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
     fn statistics(&self) -> Vec<(String, f64)> {
         let mut all = self.tally.statistics();
         let bytes = self.vpls.memory_bytes() as f64;
+        all.push(("caustic_photons".into(), self.focused.photons() as f64));
+        all.push(("caustic_radius".into(), self.focused.mean_radius()));
         all.push(("light_bytes".into(), bytes));
         all.push(("tree_bytes".into(), self.forest.memory_bytes() as f64));
         all
@@ -220,7 +233,11 @@ impl<'a> Lightcuts<'a> {
             answered: Answered::Straight { most: self.compensated(), min_roughness: MIN_ROUGHNESS },
             direct: params.direct_by_points.then_some(lit.direct),
             indirect: lit.indirect,
-            caustic: None,
+            caustic: self.focused.radiance(
+                self.setting.scene,
+                &at.receiver,
+                self.deepest(v.segments)?,
+            ),
         })
     }
 
@@ -233,11 +250,7 @@ impl<'a> Lightcuts<'a> {
         bsdf: &'s gi_core::bsdf::Bsdf<'a>,
         (segments, rough): (u32, u32),
     ) -> Option<At<'s, 's, 'a>> {
-        // A light after j scatterings has come j + 1 segments, and the connection is one more.
-        let deepest = match self.params.limits.max_depth {
-            None => u32::MAX,
-            Some(most) => most.checked_sub(segments + 1)?,
-        };
+        let deepest = self.deepest(segments)?;
         // Further from the eye all light is indirect.
         let direct = match self.setting.show {
             Show::All => true,
@@ -252,6 +265,15 @@ impl<'a> Lightcuts<'a> {
             deepest: if indirect { deepest } else { 0 },
             direct: direct && self.params.direct_by_points,
         })
+    }
+
+    /// Most scatterings of light that may come to a point which a path met after so many segments: a light or a photon
+    /// after j scatterings, the light's own included, has come j + 1 segments.
+    fn deepest(&self, segments: u32) -> Option<u32> {
+        match self.params.limits.max_depth {
+            None => Some(u32::MAX),
+            Some(most) => most.checked_sub(segments + 1),
+        }
     }
 
     /// The bound of the geometric term, per squared world unit.

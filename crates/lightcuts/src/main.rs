@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
 use gi_cli::{
-    Common, Compensation, Program, check_points_file, is_table, parse_bound, parse_pixel,
+    Caustics, Common, Compensation, Program, check_points_file, is_table, parse_bound, parse_pixel,
 };
 use gi_core::eye::PathLimits;
 use lightcuts::cut::{Limits, Rule};
@@ -50,6 +50,9 @@ struct Args {
     /// What becomes of the light that the bound cuts off
     #[arg(long, value_enum, default_value_t = Compensation::Path)]
     compensation: Compensation,
+    /// How light that mirrors and glass focus is found
+    #[arg(long, value_enum, default_value_t = Caustics::Photon)]
+    caustics: Caustics,
     /// How points are lit
     #[arg(long, value_enum, default_value_t = MethodFlag::Cuts)]
     method: MethodFlag,
@@ -162,6 +165,10 @@ impl Program for Args {
         &self.common
     }
 
+    fn finds_focused_light(&self) -> bool {
+        self.caustics == Caustics::Photon
+    }
+
     fn params(&self) -> Result<Params, String> {
         let reconstruction =
             self.reconstruct.then_some(Reconstruction { block: self.block, agree: self.agree });
@@ -185,6 +192,7 @@ impl Program for Args {
             fixed_lights: self.fixed_lights,
             clamp: self.clamp,
             compensation: self.compensation == Compensation::Path,
+            caustic_photons: self.caustics == Caustics::Photon,
             method: match self.method {
                 MethodFlag::Cuts => Method::Cuts,
                 MethodFlag::All => Method::All,

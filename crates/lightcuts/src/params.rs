@@ -47,6 +47,8 @@ pub struct Params {
     pub clamp: f32,
     /// Whether paths bring back what the bound cut off.
     pub compensation: bool,
+    /// Whether photons supply the light that mirrors and glass focus, instead of paths looking for it.
+    pub caustic_photons: bool,
     /// How points are lit.
     pub method: Method,
     /// Reconstruction cuts, if any.
@@ -66,6 +68,7 @@ impl Default for Params {
             fixed_lights: false,
             clamp: 20.0,
             compensation: true,
+            caustic_photons: true,
             method: Method::Cuts,
             reconstruction: None,
             figures: Vec::new(),

@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 mod energy;
+mod focused;
 mod illuminate;
 mod points;
 mod prepared;
@@ -19,6 +20,7 @@ use gi_core::scene::Scene;
 use glam::Vec3;
 
 pub use energy::Energy;
+pub use focused::FocusedLight;
 pub use illuminate::{Connection, Receiver};
 pub use points::{LightNumbers, points};
 pub use prepared::Prepared;

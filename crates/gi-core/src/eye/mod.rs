@@ -256,7 +256,7 @@ impl<'a> EyePath<'a> {
         // Whatever lies ahead has been answered for.
         let all_answered = prefix.unanswered.is_black()
             && prefix.direct_left.is_black()
-            && prefix.caustic_answered
+            && prefix.caustic_left.is_black()
             && !prefix.after_delta;
         prefix.throughput.is_black()
             || all_answered

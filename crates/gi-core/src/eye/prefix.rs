@@ -15,8 +15,8 @@ pub(super) struct Prefix {
     /// Share of the throughput that light counts with which is scattered once more by other than a delta lobe:
     /// the rest of it was supplied at the last vertex.
     pub(super) unanswered: Rgb,
-    /// Whether light over delta lobes was supplied at the last vertex.
-    pub(super) caustic_answered: bool,
+    /// Share of light over delta lobes that was not supplied at the last vertex.
+    pub(super) caustic_left: Rgb,
     /// Share of light straight from lights that was not.
     pub(super) direct_left: Rgb,
     /// Where light from the next surface, if it is met straight, was supplied: how much of it shows there.
@@ -43,7 +43,7 @@ impl Prefix {
     pub(super) const EYE: Prefix = Prefix {
         throughput: Rgb::WHITE,
         unanswered: Rgb::WHITE,
-        caustic_answered: false,
+        caustic_left: Rgb::WHITE,
         direct_left: Rgb::WHITE,
         straight: None,
         last: None,
@@ -113,8 +113,9 @@ impl Prefix {
             self.rough += 1;
             self.last = Some((surface.p, scatter.pdf_w));
             self.unanswered = unanswered(supplied, bsdf, wo, scatter.wi);
-            self.caustic_answered = supplied.is_some_and(|s| s.caustic.is_some());
-            self.direct_left = supplied.map_or(Rgb::WHITE, |s| s.direct_left(bsdf, wo, scatter.wi));
+            let left = |s: &Supplied, supplied| s.left(supplied, bsdf, wo, scatter.wi);
+            self.direct_left = supplied.map_or(Rgb::WHITE, |s| left(s, s.direct));
+            self.caustic_left = supplied.map_or(Rgb::WHITE, |s| left(s, s.caustic));
             self.straight = supplied.and_then(|s| {
                 Straight::new(&s.answered, surface, scatter.wi, |min_roughness| {
                     bsdf.share_broad(min_roughness, wo, scatter.wi)
@@ -138,18 +139,14 @@ impl Prefix {
         self.rough += 1;
         (self.after_delta, self.last, self.straight) = (false, Some((p, pdf_w)), None);
         self.entered = None;
-        (self.unanswered, self.caustic_answered) = (Rgb::WHITE, false);
+        (self.unanswered, self.caustic_left) = (Rgb::WHITE, Rgb::WHITE);
         self.direct_left = Rgb::WHITE;
     }
 
     /// Share of the light of what is met now that was not supplied at the last vertex.
     #[inline]
     pub(super) fn lights_left(&self) -> Rgb {
-        match self.after_delta {
-            false => self.direct_left,
-            true if self.caustic_answered => Rgb::BLACK,
-            true => Rgb::WHITE,
-        }
+        if self.after_delta { self.caustic_left } else { self.direct_left }
     }
 }
 
@@ -201,11 +198,12 @@ impl Straight {
 }
 
 impl Supplied {
-    /// Share of light straight from lights that was not answered for, if it comes from `wi`.
+    /// Share of the light from `wi` that was not answered for, of the kind (straight from lights, or over delta lobes) of
+    /// which this was supplied.
     #[inline]
-    fn direct_left(&self, bsdf: &Bsdf, wo: Vec3, wi: Vec3) -> Rgb {
+    fn left(&self, supplied: Option<Rgb>, bsdf: &Bsdf, wo: Vec3, wi: Vec3) -> Rgb {
         match self.answered {
-            _ if self.direct.is_none() => Rgb::WHITE,
+            _ if supplied.is_none() => Rgb::WHITE,
             Answered::Straight { min_roughness, .. } => {
                 bsdf.share_broad(min_roughness, wo, wi).map(|share| 1.0 - share)
             }

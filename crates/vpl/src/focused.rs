@@ -1,0 +1,313 @@
+//! Light that mirrors and glass focus onto a surface: photons, stored where light paths first meet a surface that scatters
+//! otherwise. Neither virtual lights nor paths from the eye find this light well: behind glass a small lamp is met by luck
+//! only, as single bright pixels.
+//!
+//! | | |
+//! |---|---|
+//! | estimated | sum of f power / (pi r^2 share) over the photons of a pass within r of the point that it sees, which sees `share` of the disc |
+//! | radius | the smallest of a few steps whose disc held [`WANTED`] photons of a pilot map; it shrinks with the passes [Knaus11] |
+//! | bias | blur over the disc; none in the limit of many passes |
+
+use std::f32::consts::PI;
+
+use gi_core::disc::Disc;
+use gi_core::math::Rgb;
+use gi_core::rng::Pcg;
+use gi_core::sampler::Sampler;
+use gi_core::scene::Scene;
+use gi_core::walk::{LightWalk, Roulette};
+use glam::{IVec3, Vec3};
+use rayon::prelude::*;
+
+use crate::Receiver;
+
+/// Radii that are tried, each half as large as the one before.
+const LEVELS: usize = 7;
+/// The largest radius, as a fraction of the scene's.
+const LARGEST: f32 = 0.03;
+/// Photons that a disc of the pilot's must hold.
+const WANTED: u32 = 8;
+/// A radius shrinks as this power of the number of passes, its area as the power -1/3 [Knaus11].
+const SHRINK: f32 = -1.0 / 6.0;
+/// Photons on surfaces that are inclined by more than this cosine belong to another surface.
+const SAME_SURFACE: f32 = 0.7;
+/// Photons farther from the tangent plane than this fraction of the radius do, too.
+const HEIGHT: f32 = 0.5;
+/// Paths that one task walks; their photons are joined in order.
+const CHUNK: u32 = 1024;
+/// Delta lobes that a path follows at most.
+const MOST_MET: u32 = 64;
+/// What keeps the numbers of these paths apart from those of others.
+const SALT: u32 = 0x666f_6373;
+
+/// Light that has reached a surface over mirrors and glass alone.
+#[derive(Clone, Copy)]
+struct Photon {
+    p: Vec3,
+    /// Unit geometric normal.
+    n: Vec3,
+    /// Unit direction to where the light came from.
+    wi: Vec3,
+    /// Already divided by the number of paths.
+    power: Rgb,
+    /// Scatterings before.
+    depth: u32,
+}
+
+/// The photons of one set of paths, in a grid for each radius.
+#[derive(Default)]
+struct Map {
+    photons: Vec<Photon>,
+    grids: Vec<Grid>,
+}
+
+/// Focused light: a pilot's photons, which set the radii, and those of a pass.
+#[derive(Default)]
+pub struct FocusedLight {
+    pilot: Map,
+    map: Map,
+    /// Paths of a pass; 0 where nothing focuses light.
+    paths: u32,
+    /// The largest radius, world units.
+    largest: f32,
+    /// By how much the radii of this pass have shrunk.
+    shrink: f32,
+}
+
+impl FocusedLight {
+    /// Shoot the pilot. `pixels` of the picture determine the number of paths; without pixels there are none.
+    pub fn new(scene: &Scene, seed: u32, pixels: usize) -> Self {
+        if pixels == 0 || scene.focusing().is_empty() {
+            return FocusedLight::default();
+        }
+        let paths = pixels.clamp(1 << 14, 1 << 20) as u32;
+        let largest = LARGEST * scene.radius();
+        let pilot = Map::shoot(scene, seed ^ SALT ^ 0x0070_696c, (0, paths), largest);
+        let paths = if pilot.photons.is_empty() { 0 } else { paths };
+        FocusedLight { pilot, map: Map::default(), paths, largest, shrink: 1.0 }
+    }
+
+    /// Whether there is such light.
+    pub fn is_some(&self) -> bool {
+        self.paths > 0
+    }
+
+    /// Photons of this pass.
+    pub fn photons(&self) -> usize {
+        self.map.photons.len()
+    }
+
+    /// Mean radius over the pilot's photons, as it has shrunk in this pass, world units: how far the light is blurred.
+    pub fn mean_radius(&self) -> f64 {
+        let of = |q: &Photon| f64::from(radius(self.largest, self.level(q.p, q.n)));
+        // Some of the photons will do.
+        let some = self.pilot.photons.iter().step_by(1 + self.pilot.photons.len() / 1024);
+        let (sum, count) = some.fold((0.0, 0u32), |(sum, n), q| (sum + of(q), n + 1));
+        f64::from(self.shrink) * sum / f64::from(count.max(1))
+    }
+
+    /// What the maps occupy.
+    pub fn memory_bytes(&self) -> usize {
+        [&self.pilot, &self.map].map(|m| size_of_val(&m.photons[..])).iter().sum()
+    }
+
+    /// Shoot the photons of a pass.
+    pub fn shoot(&mut self, scene: &Scene, seed: u32, pass: u32) {
+        if self.is_some() {
+            let which = (pass.wrapping_mul(self.paths), self.paths);
+            self.map = Map::shoot(scene, seed ^ SALT, which, self.largest);
+            self.shrink = (pass as f32 + 1.0).powf(SHRINK);
+        }
+    }
+
+    /// Radiance toward the eye of focused light at a point. Only photons of at most `deepest` scatterings count. `None` where
+    /// nothing focuses light.
+    pub fn radiance(&self, scene: &Scene, at: &Receiver, deepest: u32) -> Option<Rgb> {
+        if !self.is_some() {
+            return None;
+        }
+        let (p, n) = (at.surface.p, at.surface.ng);
+        let level = self.level(p, n);
+        let r = radius(self.largest, level) * self.shrink;
+        let sum_where = |counts: &dyn Fn(&Photon) -> bool| {
+            let (mut sum, mut farthest) = (Rgb::BLACK, (0.0, p));
+            self.map.for_each(level, p, n, r, |photon| {
+                if photon.depth <= deepest && counts(photon) {
+                    let cos = n.dot(photon.wi).abs().max(f32::MIN_POSITIVE);
+                    sum += at.f_cos(photon.wi) * photon.power * (1.0 / cos);
+                    let d = photon.p.distance_squared(p);
+                    farthest = if d > farthest.0 { (d, photon.p) } else { farthest };
+                }
+                true
+            });
+            (sum, farthest.1)
+        };
+        let (all, farthest) = sum_where(&|_| true);
+        if all.is_black() {
+            return Some(all);
+        }
+        // Walls in the disc, and edges.
+        let side = 1f32.copysign(at.wo.dot(n));
+        let disc = |side: f32| Disc::new(scene, p, n * side, r, SAME_SURFACE);
+        let mut rng = numbers(p, self.shrink);
+        let inverse_share = disc(side).inverse_share(|| [rng.next_f32(), rng.next_f32()]);
+        let is_clear = inverse_share == 1.0 && disc(side).sees(farthest);
+        let seen = if is_clear {
+            all
+        } else {
+            let sides = [1.0, -1.0].map(|side| disc(side).lowered());
+            sum_where(&|q| sides[usize::from(q.wi.dot(n) < 0.0)].sees(q.p)).0
+        };
+        Some(seen * (inverse_share / (PI * r * r)))
+    }
+
+    /// The step of the radius at a point: a fixed function of the position, so that it does not depend on the photons that
+    /// are counted.
+    fn level(&self, p: Vec3, n: Vec3) -> usize {
+        let holds_enough = |&level: &usize| {
+            let mut found = 0;
+            self.pilot.for_each(level, p, n, radius(self.largest, level), |_| {
+                found += 1;
+                found < WANTED
+            });
+            found >= WANTED
+        };
+        (1..LEVELS).rev().find(holds_enough).unwrap_or(0)
+    }
+}
+
+/// Random numbers of a point and a pass.
+fn numbers(p: Vec3, pass: f32) -> Pcg {
+    let [x, y, z] = p.to_array().map(|c| u64::from(c.to_bits()));
+    Pcg::new(x << 32 | y, z << 32 | u64::from(pass.to_bits()))
+}
+
+fn radius(largest: f32, level: usize) -> f32 {
+    largest * 0.5f32.powi(level as i32)
+}
+
+impl Map {
+    fn shoot(scene: &Scene, seed: u32, (first, paths): (u32, u32), largest: f32) -> Self {
+        let targets = scene.focusing();
+        let chunks: Vec<Vec<Photon>> = (0..paths.div_ceil(CHUNK))
+            .into_par_iter()
+            .with_max_len(1)
+            .map(|c| {
+                let mut photons = Vec::new();
+                for path in c * CHUNK..((c + 1) * CHUNK).min(paths) {
+                    let sampler = Sampler::new(seed, 0, first.wrapping_add(path));
+                    if let Some(walk) = LightWalk::begin_toward(scene, sampler, &targets) {
+                        leave_photons(walk, paths as f32, &mut photons);
+                    }
+                }
+                photons
+            })
+            .collect();
+        let photons = chunks.concat();
+        let grid = |level| Grid::new(&photons, 2.0 * radius(largest, level));
+        Map { grids: (0..LEVELS).into_par_iter().map(grid).collect(), photons }
+    }
+
+    /// Call `take` with every photon on the surface within `r` of a point, until it returns `false`. `r` is at most the
+    /// radius of the level.
+    fn for_each(
+        &self,
+        level: usize,
+        p: Vec3,
+        n: Vec3,
+        r: f32,
+        mut take: impl FnMut(&Photon) -> bool,
+    ) {
+        let Some(grid) = self.grids.get(level) else { return };
+        let (buckets, count) = grid.near(p);
+        for &bucket in &buckets[..count] {
+            for &k in grid.members(bucket) {
+                let photon = &self.photons[k as usize];
+                let d = photon.p - p;
+                let near = d.length_squared() < r * r
+                    && d.dot(n).abs() < HEIGHT * r
+                    && photon.n.dot(n).abs() > SAME_SURFACE;
+                if near && !take(photon) {
+                    return;
+                }
+            }
+        }
+    }
+}
+
+/// Follow a path over delta lobes, and leave a photon wherever it meets a surface that has others too.
+fn leave_photons(mut walk: LightWalk, paths: f32, photons: &mut Vec<Photon>) {
+    while let Some(vertex) = walk.next_vertex() {
+        if vertex.rough > 0 || vertex.depth >= MOST_MET {
+            return;
+        }
+        if !vertex.bsdf.is_delta() && vertex.depth > 0 {
+            let power = vertex.power / paths;
+            let (p, n) = (vertex.surface.p, vertex.surface.ng);
+            photons.push(Photon { p, n, wi: vertex.wo, power, depth: vertex.depth });
+        }
+        if !walk.scatter(&vertex, Roulette::ByAlbedo { from: 4 }) || walk.rough() > 0 {
+            return;
+        }
+    }
+}
+
+/// Photons by the cell that they lie in, hashed.
+struct Grid {
+    cell: f32,
+    /// Where each bucket's photons begin in `order`.
+    starts: Vec<u32>,
+    order: Vec<u32>,
+}
+
+impl Grid {
+    fn new(photons: &[Photon], cell: f32) -> Self {
+        let buckets = photons.len().next_power_of_two();
+        let mut grid = Grid { cell, starts: vec![0; buckets + 1], order: vec![0; photons.len()] };
+        let of: Vec<u32> = photons.iter().map(|p| grid.bucket(grid.cell_of(p.p))).collect();
+        of.iter().for_each(|&b| grid.starts[b as usize + 1] += 1);
+        for b in 0..buckets {
+            grid.starts[b + 1] += grid.starts[b];
+        }
+        let mut next = grid.starts.clone();
+        for (k, &b) in of.iter().enumerate() {
+            grid.order[next[b as usize] as usize] = k as u32;
+            next[b as usize] += 1;
+        }
+        grid
+    }
+
+    fn cell_of(&self, p: Vec3) -> IVec3 {
+        (p / self.cell).floor().as_ivec3()
+    }
+
+    fn bucket(&self, cell: IVec3) -> u32 {
+        let [x, y, z] = cell.to_array().map(|k| k as u32);
+        let hash =
+            x.wrapping_mul(0x8da6_b343) ^ y.wrapping_mul(0xd816_3841) ^ z.wrapping_mul(0xcb1a_b31f);
+        let mixed = (hash ^ hash >> 15).wrapping_mul(0x2c1b_3c6d);
+        (mixed ^ mixed >> 12) & (self.starts.len() as u32 - 2)
+    }
+
+    fn members(&self, bucket: u32) -> &[u32] {
+        let [from, to] = [0, 1].map(|k| self.starts[bucket as usize + k] as usize);
+        &self.order[from..to]
+    }
+
+    /// The buckets, each once, of the eight cells that may hold what lies within half a cell of a point.
+    fn near(&self, p: Vec3) -> ([u32; 8], usize) {
+        let low = self.cell_of(p - Vec3::splat(0.5 * self.cell));
+        let (mut buckets, mut count) = ([0; 8], 0);
+        for corner in 0..8 {
+            let bucket = self.bucket(low + IVec3::new(corner & 1, corner >> 1 & 1, corner >> 2));
+            if !buckets[..count].contains(&bucket) {
+                buckets[count] = bucket;
+                count += 1;
+            }
+        }
+        (buckets, count)
+    }
+}
+
+#[cfg(test)]
+mod tests;
