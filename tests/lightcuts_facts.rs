@@ -104,7 +104,8 @@ fn drawn_lights_make_the_path_tracers_picture_in_the_mean() {
             world.render::<PathTracer>(&pathtrace::Params::default(), 64, seed, Show::All)
         });
         for method in [Method::Some(4), Method::Stochastic(8)] {
-            let params = Params { method, clamp: 4.0, ..few_lights() };
+            // The path tracer hardly ever finds the sun through glass; photons would.
+            let params = Params { method, clamp: 4.0, caustic_photons: false, ..few_lights() };
             let drawn = by_seed(24, |seed| render(&world, &params, 8, 100 + seed, Show::All));
             let level = sidak(1e-3, path[0].len());
             for k in 0..path[0].len() {

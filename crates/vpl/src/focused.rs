@@ -4,15 +4,15 @@
 //!
 //! | | |
 //! |---|---|
-//! | estimated | sum of f power / (pi r^2 share) over the photons of a pass within r of the point; `share` of the disc lies on surfaces |
+//! | estimated | sum of f power / (pi r^2 share) over the photons of a pass within r of the point that it sees, which sees `share` of the disc |
 //! | radius | the smallest of a few steps whose disc held [`WANTED`] photons of a pilot map; it shrinks with the passes [Knaus11] |
 //! | bias | blur over the disc; none in the limit of many passes |
 
-use std::cell::OnceCell;
 use std::f32::consts::PI;
 
 use gi_core::disc::Disc;
 use gi_core::math::Rgb;
+use gi_core::rng::Pcg;
 use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
 use gi_core::walk::{LightWalk, Roulette};
@@ -33,8 +33,6 @@ const SHRINK: f32 = -1.0 / 6.0;
 const SAME_SURFACE: f32 = 0.7;
 /// Photons farther from the tangent plane than this fraction of the radius do, too.
 const HEIGHT: f32 = 0.5;
-/// Rays that find out how much of a disc lies on surfaces.
-const PROBES: u32 = 8;
 /// Paths that one task walks; their photons are joined in order.
 const CHUNK: u32 = 1024;
 /// Delta lobes that a path follows at most.
@@ -131,21 +129,35 @@ impl FocusedLight {
         let (p, n) = (at.surface.p, at.surface.ng);
         let level = self.level(p, n);
         let r = radius(self.largest, level) * self.shrink;
-        let disc = Disc::new(scene, p, n * 1f32.copysign(n.dot(at.wo)), r, SAME_SURFACE);
-        // The part of the disc that is seen, and only photons there: not over an edge, nor behind a wall.
-        let share = OnceCell::new();
-        let share = || *share.get_or_init(|| disc.share(PROBES, [0.5; 2]));
-        let mut sum = Rgb::BLACK;
-        self.map.for_each(level, p, n, r, |photon| {
-            if photon.depth <= deepest && (share() == 1.0 || disc.sees(photon.p)) {
-                sum += at.bsdf.f(at.wo, photon.wi) * photon.power;
-            }
-            true
-        });
-        if sum.is_black() {
-            return Some(sum);
+        let sum_where = |counts: &dyn Fn(&Photon) -> bool| {
+            let (mut sum, mut farthest) = (Rgb::BLACK, (0.0, p));
+            self.map.for_each(level, p, n, r, |photon| {
+                if photon.depth <= deepest && counts(photon) {
+                    sum += at.bsdf.f(at.wo, photon.wi) * photon.power;
+                    let d = photon.p.distance_squared(p);
+                    farthest = if d > farthest.0 { (d, photon.p) } else { farthest };
+                }
+                true
+            });
+            (sum, farthest.1)
+        };
+        let (all, farthest) = sum_where(&|_| true);
+        if all.is_black() {
+            return Some(all);
         }
-        Some(sum * (1.0 / (PI * r * r * share().max(1.0 / PROBES as f32))))
+        // Walls in the disc, and edges.
+        let side = 1f32.copysign(at.wo.dot(n));
+        let disc = |side: f32| Disc::new(scene, p, n * side, r, SAME_SURFACE);
+        let mut rng = numbers(p, self.shrink);
+        let inverse_share = disc(side).inverse_share(|| [rng.next_f32(), rng.next_f32()]);
+        let is_clear = inverse_share == 1.0 && disc(side).sees(farthest);
+        let seen = if is_clear {
+            all
+        } else {
+            let sides = [1.0, -1.0].map(|side| disc(side).lowered());
+            sum_where(&|q| sides[usize::from(q.wi.dot(n) < 0.0)].sees(q.p)).0
+        };
+        Some(seen * (inverse_share / (PI * r * r)))
     }
 
     /// The step of the radius at a point: a fixed function of the position, so that it does not depend on the photons that
@@ -161,6 +173,12 @@ impl FocusedLight {
         };
         (1..LEVELS).rev().find(holds_enough).unwrap_or(0)
     }
+}
+
+/// Random numbers of a point and a pass.
+fn numbers(p: Vec3, pass: f32) -> Pcg {
+    let [x, y, z] = p.to_array().map(|c| u64::from(c.to_bits()));
+    Pcg::new(x << 32 | y, z << 32 | u64::from(pass.to_bits()))
 }
 
 fn radius(largest: f32, level: usize) -> f32 {
