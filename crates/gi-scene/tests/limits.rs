@@ -323,7 +323,7 @@ fn a_camera_moved_to_look_straight_down_needs_no_other_up() {
 }
 
 #[test]
-fn the_normals_of_a_mirrored_cylinder_are_turned_round() {
+fn the_normals_of_a_mirrored_cylinder_point_outward() {
     let flipped = |x: &str| {
         let body = format!(
             "<shape type='cylinder'><transform name='to_world'><scale value='{x} 1 1'/>\
@@ -331,7 +331,7 @@ fn the_normals_of_a_mirrored_cylinder_are_turned_round() {
         );
         scene(&body).parts.shapes[0].flip_normals
     };
-    assert_eq!([flipped("1"), flipped("-1")], [false, true]);
+    assert_eq!([flipped("1"), flipped("-1")], [false, false]);
 }
 
 fn mesh(name: &str, text: &str) -> Result<gi_scene::Loaded, String> {
