@@ -7,12 +7,14 @@
 
 mod bend;
 mod bound;
+mod broad;
 mod coat;
 mod component;
 mod fresnel;
 mod glossy;
 mod lobe;
 mod microfacet;
+mod prepared;
 mod principled;
 mod resolve;
 
@@ -25,7 +27,7 @@ use component::{Component, Way};
 pub use fresnel::dielectric_hemispherical;
 pub use glossy::{GlossyLobe, Kind, LobeView};
 use lobe::Lobe;
-pub(crate) use resolve::{PreparedMaterial, check_children, component_count};
+pub(crate) use prepared::{PreparedMaterial, check_children, component_count};
 
 /// Which way a path runs. Refraction squeezes radiance but not power [Veach97, 5.2].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -199,48 +201,6 @@ impl<'a> Bsdf<'a> {
         }
         let (f_cos, pdf_w) = self.f_cos_pdf(wo, s.wi);
         (pdf_w > 0.0).then(|| Scatter { eta: s.eta, ..Scatter::rough(s.wi, f_cos / pdf_w, pdf_w) })
-    }
-
-    /// Whether any lobe, delta lobes apart, is narrower than `min_roughness`.
-    #[inline]
-    pub fn is_sharp(&self, min_roughness: f32) -> bool {
-        self.components().iter().any(|c| c.is_sharp(min_roughness))
-    }
-
-    /// The same with a factor on all that is scattered but by delta lobes and by lobes narrower than `min_roughness`, of
-    /// which the diffuse part counts as broad. Directions are drawn as before.
-    pub fn with_broad(&self, min_roughness: f32, factor: Rgb) -> Self {
-        self.weighed(min_roughness, factor, Rgb::WHITE)
-    }
-
-    /// What is scattered neither by delta lobes nor by lobes narrower than `min_roughness`; `None` where there is nothing.
-    pub fn broad(&self, wo: Vec3, min_roughness: f32) -> Option<Self> {
-        let broad = if self.is_sharp(min_roughness) {
-            self.weighed(min_roughness, Rgb::WHITE, Rgb::BLACK)
-        } else {
-            *self
-        };
-        broad.components().iter().any(|c| c.scatters(wo)).then_some(broad)
-    }
-
-    /// The share of [`Bsdf::f_cos`] that [`Bsdf::broad`] has.
-    pub fn share_broad(&self, min_roughness: f32, wo: Vec3, wi: Vec3) -> Rgb {
-        if !self.is_sharp(min_roughness) {
-            return Rgb::WHITE;
-        }
-        let broad = self.weighed(min_roughness, Rgb::WHITE, Rgb::BLACK);
-        self.f_cos(wo, wi).zip(broad.f_cos(wo, wi), |all, f| if all > 0.0 { f / all } else { 1.0 })
-    }
-
-    fn weighed(mut self, min_roughness: f32, broad: Rgb, sharp: Rgb) -> Self {
-        let weigh = |c: &mut Component<'a>| *c = c.weighed(min_roughness, broad, sharp);
-        match &mut self.parts {
-            Parts::One(component) => weigh(component),
-            Parts::Blend { components, count, .. } => {
-                components[..*count].iter_mut().for_each(weigh)
-            }
-        }
-        self
     }
 
     /// What passes straight through, as a factor on shadow rays (masks, `null`, panes).

@@ -3,148 +3,14 @@
 use glam::{Vec2, Vec3};
 
 use super::bend::Bend;
-use super::{Bsdf, Coat, Component, Lobe, MAX_COMPONENTS, Parts, Transport, Way};
+use super::prepared::PreparedMaterial;
+use super::{Bsdf, Component, Lobe, MAX_COMPONENTS, Parts, Transport, Way};
 use crate::bsdf::microfacet::Microfacets;
 use crate::bsdf::principled::{Solid, Thin};
 use crate::geometry::{Surface, Tangents};
 use crate::material::{BentNormals, Material, Roughness};
 use crate::math::{Frame, Rgb, sqr};
 use crate::texture::Texture;
-
-/// A material with what depends on it alone.
-#[derive(Clone, Debug)]
-pub(crate) struct PreparedMaterial {
-    pub(crate) material: Material,
-    coat: Option<Coat>,
-    /// Whether anything passes straight through.
-    pub(crate) has_null: bool,
-    /// Whether anything is thrown on by a delta lobe.
-    pub(crate) has_delta: bool,
-    /// Whether anything is refracted, and nothing passes straight through.
-    pub(crate) refracts: bool,
-    /// Whether the lobes depend on the directions of the texture coordinates.
-    needs_tangents: bool,
-}
-
-impl PreparedMaterial {
-    /// Prepare `material`, whose children stand in `before`.
-    pub(crate) fn new(material: Material, before: &[PreparedMaterial]) -> Self {
-        let material = at_the_ends(material);
-        let coat = match &material {
-            Material::Plastic { eta, nonlinear, roughness, .. } => {
-                let rough = roughness.as_ref().map(|r| (r.distribution, r.alpha_u.mean().mean()));
-                Some(Coat::new(*eta, *nonlinear, rough))
-            }
-            _ => None,
-        };
-        let children: Vec<&PreparedMaterial> =
-            material.children().into_iter().map(|c| &before[c]).collect();
-        let has_null = matches!(
-            material,
-            Material::Null | Material::Mask { .. } | Material::ThinDielectric { .. }
-        );
-        let has_null = has_null || children.iter().any(|c| c.has_null);
-        let refracts = match &material {
-            Material::Dielectric { .. } => true,
-            Material::Principled(p) => !p.spec_trans.is_black(),
-            _ => false,
-        };
-        let bends = matches!(material, Material::Bump { .. } | Material::NormalMap { .. });
-        PreparedMaterial {
-            coat,
-            has_null,
-            refracts: !has_null && (refracts || children.iter().any(|c| c.refracts)),
-            has_delta: has_delta(&material) || children.iter().any(|c| c.has_delta),
-            needs_tangents: bends || is_anisotropic(&material),
-            material,
-        }
-    }
-
-    /// The lobe at a point, if there are no children.
-    pub(crate) fn lobe_at(&self, uv: Vec2) -> Option<Lobe<'_>> {
-        lobe(self, uv)
-    }
-}
-
-/// Relative indices closer to 1 than this bend no light that one could see; the half vectors of a rough interface lose
-/// all their digits there.
-const SAME_INDEX: f32 = 1e-4;
-/// Facets narrower than this reflect like a mirror: nobody could sample such a lobe by anything but itself.
-const SMOOTH: f32 = 1e-3;
-
-/// The material that another one comes down to at the end of a range: an interface between equal indices lets light
-/// straight through, and facets without width are a smooth surface.
-fn at_the_ends(mut material: Material) -> Material {
-    let smooth = |r: &mut Roughness| {
-        let narrow = |t: &Texture| matches!(t, Texture::Constant(a) if a.mean() < SMOOTH);
-        narrow(&r.alpha_u) && narrow(&r.alpha_v)
-    };
-    match &mut material {
-        Material::Conductor { roughness, .. }
-        | Material::Dielectric { roughness, .. }
-        | Material::Plastic { roughness, .. } => {
-            roughness.take_if(smooth);
-        }
-        _ => {}
-    }
-    match material {
-        Material::Dielectric { eta, reflectance, transmittance, .. }
-            if (eta - 1.0).abs() < SAME_INDEX =>
-        {
-            Material::ThinDielectric { eta: 1.0, reflectance, transmittance }
-        }
-        other => other,
-    }
-}
-
-/// Whether the material itself, children apart, has a delta lobe that passes nothing straight through only.
-fn has_delta(material: &Material) -> bool {
-    match material {
-        Material::Conductor { roughness: None, .. }
-        | Material::Dielectric { roughness: None, .. }
-        | Material::Plastic { roughness: None, .. } => true,
-        Material::ThinDielectric { eta, .. } => *eta != 1.0,
-        _ => false,
-    }
-}
-
-/// Whether every child stands before its parent, as [`Material`] demands.
-pub(crate) fn check_children(materials: &[Material]) -> bool {
-    materials.iter().enumerate().all(|(k, m)| m.children().into_iter().all(|c| c < k))
-}
-
-/// How many lobes a material comes down to at most.
-pub(crate) fn component_count(materials: &[Material], id: usize) -> usize {
-    match &materials[id] {
-        Material::Mask { inner, .. } => 1 + component_count(materials, *inner),
-        Material::Bump { inner, .. } | Material::NormalMap { inner, .. } => {
-            component_count(materials, *inner)
-        }
-        Material::TwoSided { front, back } => {
-            component_count(materials, *front).max(component_count(materials, *back))
-        }
-        Material::Blend { first, second, .. } => {
-            component_count(materials, *first) + component_count(materials, *second)
-        }
-        _ => 1,
-    }
-}
-
-/// Whether the facets are not the same all round.
-fn is_anisotropic(material: &Material) -> bool {
-    let differ = |r: &Roughness| match (&r.alpha_u, &r.alpha_v) {
-        (Texture::Constant(u), Texture::Constant(v)) => u != v,
-        _ => true,
-    };
-    match material {
-        Material::Conductor { roughness, .. } | Material::Dielectric { roughness, .. } => {
-            roughness.as_ref().is_some_and(differ)
-        }
-        Material::Principled(p) => !p.anisotropic.is_black(),
-        Material::PrincipledThin(p) => !p.anisotropic.is_black(),
-        _ => false,
-    }
-}
 
 /// What resolving a material needs to know.
 struct Context<'a, 's> {
@@ -338,7 +204,7 @@ fn opposite(frame: Frame) -> Frame {
 
 /// The lobe of a material without children.
 #[inline]
-fn lobe(prepared: &PreparedMaterial, uv: Vec2) -> Option<Lobe<'_>> {
+pub(super) fn lobe(prepared: &PreparedMaterial, uv: Vec2) -> Option<Lobe<'_>> {
     let facets = |r: &Roughness| {
         Microfacets::new(r.distribution, Vec2::new(r.alpha_u.scalar(uv), r.alpha_v.scalar(uv)))
     };
