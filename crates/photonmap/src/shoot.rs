@@ -28,7 +28,7 @@ pub enum Wanted<'a> {
     Global,
     /// The same, with light from infinity aimed at points that matter; no path is left out.
     Aimed(&'a Targets),
-    /// L S+ D: paths aimed at what has delta lobes or nearly such (see [`is_near_specular`]), stored where they first
+    /// L S+ D: paths aimed at what has delta lobes or nearly such (see `is_near_specular`), stored where they first
     /// meet a diffuse part [slide 26, right].
     Caustic(&'a Targets),
     /// Scattering in media, see [`crate::volume`].
