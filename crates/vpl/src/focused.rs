@@ -5,7 +5,7 @@
 //! | | |
 //! |---|---|
 //! | estimated | sum of f power / (pi r^2 share) over the photons of a pass within r of the point that it sees, which sees `share` of the disc |
-//! | radius | the smallest of a few steps whose disc held [`WANTED`] photons of a pilot map; it shrinks with the passes [Knaus11] |
+//! | radius | the smallest of a few steps whose disc held [`WANTED`] photons of a pilot map; it shrinks with the passes \[Knaus11\] |
 //! | bias | blur over the disc; none in the limit of many passes |
 
 use std::f32::consts::PI;
@@ -27,7 +27,7 @@ const LEVELS: usize = 7;
 const LARGEST: f32 = 0.03;
 /// Photons that a disc of the pilot's must hold.
 const WANTED: u32 = 8;
-/// A radius shrinks as this power of the number of passes, its area as the power -1/3 [Knaus11].
+/// A radius shrinks as this power of the number of passes, its area as the power -1/3 \[Knaus11\].
 const SHRINK: f32 = -1.0 / 6.0;
 /// Photons on surfaces that are inclined by more than this cosine belong to another surface.
 const SAME_SURFACE: f32 = 0.7;
