@@ -247,7 +247,7 @@ fn media() -> Vec<Row> {
 
 /// Pictures of a program, each with a seed of its own. Pixels of one picture share their photons, records or virtual
 /// lights, so that only pictures tell how far a mean varies.
-const SEEDS: u32 = 8;
+const SEEDS: u32 = 6;
 
 /// Means of the pictures of a program.
 fn means(program: Program, world: &World, effort: u32) -> Vec<f64> {
@@ -371,19 +371,29 @@ fn check(rows: Vec<Row>, effort: u32) {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
+/// What the quick tests leave to the slow one: radcache where nothing is glossy, which is irrcache there to the bit, and
+/// volumetric paths where they are paths.
+fn quick(mut rows: Vec<Row>) -> Vec<Row> {
+    for row in &mut rows {
+        let (glossy, sheets) = (row.name.contains("metal"), row.name.contains("null sheets"));
+        row.programs.retain(|(p, _)| (*p != Radcache || glossy) && (*p != VolPath || sheets));
+    }
+    rows
+}
+
 #[test]
 fn all_programs_agree_behind_stacks_of_surfaces() {
-    check(stacks(), 1);
+    check(quick(stacks()), 1);
 }
 
 #[test]
 fn all_programs_agree_over_bent_normals() {
-    check(maps(), 1);
+    check(quick(maps()), 1);
 }
 
 #[test]
 fn all_programs_agree_wherever_a_scene_lies_and_however_large_it_is() {
-    check(places(), 1);
+    check(quick(places()), 1);
 }
 
 #[test]
@@ -393,7 +403,7 @@ fn a_medium_is_inside_however_its_boundary_is_wound() {
 
 #[test]
 fn all_programs_agree_beside_a_wall_with_a_slit() {
-    check(slits(), 1);
+    check(quick(slits()), 1);
 }
 
 #[test]
@@ -408,7 +418,7 @@ fn no_light_leaks_through_a_wall_without_thickness() {
 
 #[test]
 fn all_programs_agree_outdoors() {
-    check(outdoors(), 1);
+    check(quick(outdoors()), 1);
 }
 
 #[test]
