@@ -41,8 +41,7 @@ impl Bend {
     /// The frame for an eye in direction `eye`.
     #[inline]
     pub(super) fn seen_from(&self, frame: Frame, eye: Vec3) -> Frame {
-        let faces = eye.dot(self.normal) * eye.dot(frame.n) > 0.0;
-        if faces || !self.flips { frame } else { self.flipped(frame) }
+        if self.is_seen(&frame, eye) || !self.flips { frame } else { self.flipped(frame) }
     }
 
     /// The frame whose normal is turned by half a turn about the unbent one.
@@ -59,12 +58,20 @@ impl Bend {
         self.normal.dot(frame.n).clamp(-1.0, 1.0).acos() * std::f32::consts::FRAC_1_PI
     }
 
-    /// Share of the light from direction `light` that reaches a lobe with this frame: nothing that only one of the two
-    /// normals sees [Estevez19, eq. 4].
+    /// Whether both normals see the same side in a direction.
     #[inline]
-    pub(super) fn unshadowed(&self, frame: &Frame, light: Vec3) -> f32 {
-        let cos = light.dot(self.normal);
-        if cos * light.dot(frame.n) <= 0.0 { 0.0 } else { shadowing(self.alpha_sq, cos) }
+    pub(super) fn is_seen(&self, frame: &Frame, d: Vec3) -> bool {
+        d.dot(self.normal) * d.dot(frame.n) > 0.0
+    }
+
+    /// Share of the light from direction `light` that a lobe with this frame gets and sends to `eye`: nothing where only one
+    /// of the two normals sees either [Estevez19, eq. 4].
+    #[inline]
+    pub(super) fn unshadowed(&self, frame: &Frame, eye: Vec3, light: Vec3) -> f32 {
+        if !self.is_seen(frame, eye) || !self.is_seen(frame, light) {
+            return 0.0;
+        }
+        shadowing(self.alpha_sq, light.dot(self.normal))
     }
 
     /// Mean of that over light from all around, by the cosine with the unbent normal.

@@ -89,10 +89,10 @@ impl Component<'_> {
     pub(super) fn f_cos(&self, wo: Vec3, wi: Vec3, way: Way) -> Rgb {
         let (frame, unshadowed) = match (&self.bend, way.transport) {
             (None, _) => (self.frame, 1.0),
-            (Some(bend), Transport::Radiance) => (self.frame, bend.unshadowed(&self.frame, wi)),
+            (Some(bend), Transport::Radiance) => (self.frame, bend.unshadowed(&self.frame, wo, wi)),
             (Some(bend), Transport::Power) => {
                 let frame = bend.seen_from(self.frame, wi);
-                (frame, bend.unshadowed(&frame, wo))
+                (frame, bend.unshadowed(&frame, wi, wo))
             }
         };
         let (local_wo, local_wi) = (frame.to_local(wo), frame.to_local(wi));
@@ -156,8 +156,11 @@ impl Component<'_> {
             return Some(s);
         }
         if let Some(bend) = &self.bend {
-            let light = if way.transport == Transport::Radiance { s.wi } else { wo };
-            s.weight *= bend.unshadowed(frame, light);
+            let [eye, light] = match way.transport {
+                Transport::Radiance => [wo, s.wi],
+                Transport::Power => [s.wi, wo],
+            };
+            s.weight *= bend.unshadowed(frame, eye, light);
         }
         if way.transport == Transport::Power {
             s.weight *= adjoint(frame, wo, s.wi, way);
@@ -188,7 +191,7 @@ impl Component<'_> {
         }
         if s.delta {
             let sees_it = bend.seen_from(self.frame, s.wi).n == frame.n;
-            s.weight *= bend.unshadowed(&frame, wo) * adjoint(&frame, wo, s.wi, way) / chosen;
+            s.weight *= bend.unshadowed(&frame, s.wi, wo) * adjoint(&frame, wo, s.wi, way) / chosen;
             s.pdf_w *= chosen;
             return sees_it.then_some(s);
         }

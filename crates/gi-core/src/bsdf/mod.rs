@@ -252,7 +252,7 @@ impl<'a> Bsdf<'a> {
         for c in self.components() {
             let local = c.frame.to_local(wo);
             let albedo = c.lobe.diffuse_albedo(local) * (c.weight * c.mean_unshadowed());
-            if albedo.is_black() {
+            if albedo.is_black() || c.bend.is_some_and(|b| !b.is_seen(&c.frame, wo)) {
                 continue;
             }
             let normal = c.frame.n;
@@ -269,7 +269,7 @@ impl<'a> Bsdf<'a> {
     /// though its coat lets in a little more from above and less from the side than the mean.
     pub fn beside_diffuse(&self, part: &DiffusePart, wo: Vec3, wi: Vec3) -> Rgb {
         let diffuse = |c: &Component| {
-            let unshadowed = c.bend.map_or(1.0, |b| b.unshadowed(&c.frame, wi));
+            let unshadowed = c.bend.map_or(1.0, |b| b.unshadowed(&c.frame, wo, wi));
             let (wo, wi) = (c.frame.to_local(wo), c.frame.to_local(wi));
             c.lobe.diffuse_f(wo, wi) * (wi.z.max(0.0) * c.weight * unshadowed)
         };

@@ -105,6 +105,11 @@ fn materials() -> Vec<(&'static str, Vec<Material>, bool)> {
         ("normal map", vec![diffuse.clone(), bump], false),
         ("normal map, steep", vec![diffuse.clone(), steep(0, true)], false),
         ("normal map, steep, not flipped", vec![diffuse.clone(), steep(0, false)], false),
+        (
+            "normal map, steep, not flipped, two-sided",
+            vec![diffuse.clone(), steep(0, false), Material::TwoSided { front: 1, back: 1 }],
+            false,
+        ),
         ("normal map, steep, of metal", vec![metal_2.clone(), steep(0, true)], false),
         ("normal map, steep, of a mirror", vec![metal(None), steep(0, true)], false),
         (
@@ -255,17 +260,21 @@ fn light_paths_over_bent_normals_carry_what_eye_paths_carry() {
         let (scene, surface) = floor(table);
         let mut lit = 0;
         for _ in 0..2000 {
-            let [eye, light] =
-                [0; 2].map(|_| (warp::hemisphere(rng.next_2d()) + 0.05 * Vec3::Z).normalize());
-            let there = scene.bsdf(&surface, eye, Transport::Radiance).f_cos(eye, light).g * eye.z;
-            let back = scene.bsdf(&surface, light, Transport::Power).f_cos(light, eye).g * light.z;
+            // Both sides: a bent normal may see what the surface hides. At grazing angles there are few digits.
+            let [eye, light] = [0; 2].map(|_| {
+                let d = warp::sphere(rng.next_2d());
+                (d + 0.05 * Vec3::Z.copysign(d)).normalize()
+            });
+            let there = scene.bsdf(&surface, eye, Transport::Radiance).f_cos(eye, light).g;
+            let back = scene.bsdf(&surface, light, Transport::Power).f_cos(light, eye).g;
+            let (there, back) = (there * eye.z.abs(), back * light.z.abs());
             assert!(
                 (there - back).abs() <= 1e-3 * (there + back) + 1e-5,
                 "{name}: {there} from the eye {eye}, {back} from the light {light}"
             );
             lit += u32::from(there > 0.0);
         }
-        assert!(lit > 200 || name.contains("mirror"), "{name}: {lit} pairs see each other");
+        assert!(lit > 100 || name.contains("mirror"), "{name}: {lit} pairs see each other");
     }
 }
 
