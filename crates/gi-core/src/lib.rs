@@ -19,6 +19,7 @@ pub mod bytes;
 pub mod cache;
 pub mod camera;
 pub mod canvas;
+pub mod caustics;
 pub mod disc;
 pub mod eye;
 pub mod files;

@@ -23,15 +23,13 @@ pub mod sphere;
 
 use std::ops::Range;
 
+use gi_core::caustics::FocusedLight;
 use gi_core::eye::{Answered, EyePath, EyeVertex, PathLimits, Supplied};
 use gi_core::film::Film;
 use gi_core::math::Rgb;
 use gi_core::sampler::Sampler;
 use gi_core::technique::{Picture, Setting, Technique};
-use vpl::{
-    Energy, FocusedLight, MIN_ROUGHNESS, Pilot, Prepared, Receiver, Shooting, Termination, Vpls,
-    shoot,
-};
+use vpl::{Energy, MIN_ROUGHNESS, Pilot, Prepared, Receiver, Shooting, Termination, Vpls, shoot};
 
 use figures::Figure;
 use sphere::Spheres;
@@ -224,7 +222,7 @@ impl InstantRadiosity<'_> {
         let most = if self.params.compensation && !self.params.vsl { most } else { f32::INFINITY };
         let answered = Answered::Straight { most, min_roughness: MIN_ROUGHNESS };
         // A photon after j scatterings has come j + 1 segments.
-        let caustic = self.focused.radiance(self.setting.scene, &at, deepest);
+        let caustic = self.focused.radiance(self.setting.scene, (v.surface, v.wo, &bsdf), deepest);
         Some(Supplied { answered, direct, indirect, caustic })
     }
 

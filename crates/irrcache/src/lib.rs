@@ -3,7 +3,7 @@
 //!
 //! | | |
 //! |---|---|
-//! | estimated | direct light and caustics as a path tracer does; indirect light of the Lambertian part of every surface from records of irradiance |
+//! | estimated | direct light as a path tracer does, caustics from photons or as a path tracer does; indirect light of the Lambertian part of every surface from records of irradiance |
 //! | record | E = pi / N sum_j L_i(x, w_j) over N stratified rays, its gradients, and how far it is good for [slides 7, 9, 10] |
 //! | interpolation | E(x) = sum w_i E_i(x) / sum w_i over the records whose error at x is below the accuracy a [slide 11]; E_i(x) follows the gradients [slide 12] |
 //! | `--rays` | N, rays of a record (1000) |
@@ -27,6 +27,7 @@ use gi_core::cache::gather::sees;
 use gi_core::cache::record::Record;
 use gi_core::cache::site::{Query, RELAXED, Site};
 use gi_core::cache::{Cache, Weighing};
+use gi_core::caustics::FocusedLight;
 use gi_core::eye::{Answered, EyePath, EyeVertex, Supplied};
 use gi_core::film::{Film, Show};
 use gi_core::math::{INV_PI, Rgb};
@@ -39,6 +40,8 @@ pub use params::Params;
 pub struct IrradianceCaching<'a> {
     setting: Setting<'a>,
     params: Params,
+    /// Light over mirrors and glass: of the overture, then of the last pass.
+    focused: FocusedLight,
     /// The cache that the eye sees, then those that gather rays of the one before see.
     levels: Vec<Cache<Record>>,
     read: usize,
@@ -56,6 +59,7 @@ impl<'a> Technique<'a> for IrradianceCaching<'a> {
             technique.read(saved)?;
         }
         if setting.show == Show::All || setting.show == Show::Indirect {
+            technique.focused.shoot(setting.scene, setting.seed ^ OVERTURE, 0);
             technique.overture();
         }
         Ok(technique)
@@ -65,6 +69,7 @@ impl<'a> Technique<'a> for IrradianceCaching<'a> {
     fn pass(&mut self, index: u32, film: &mut Film) {
         let Setting { scene, camera, seed, show, .. } = self.setting;
         let path = EyePath { scene, limits: self.params.limits, show };
+        self.focused.shoot(scene, seed, index);
         let this = &*self;
         film.add_pass(|pixel| {
             path.sample_pixel(camera, seed, pixel, index, &mut |v, _| this.supply(v, 0))
@@ -94,7 +99,7 @@ impl<'a> Technique<'a> for IrradianceCaching<'a> {
     }
 
     fn reach(&self) -> String {
-        "direct light and caustics as path tracing does; indirect light interpolated (biased) on the Lambertian part of \
+        "direct light as path tracing does; caustics from photons (blurred) or paths; indirect light interpolated (biased) on the Lambertian part of \
          surfaces, path-traced over all other lobes"
             .into()
     }
@@ -111,12 +116,15 @@ impl<'a> IrradianceCaching<'a> {
     }
 
     fn empty(setting: Setting<'a>, params: &Params) -> Self {
+        let Setting { scene, camera, seed, .. } = setting;
+        let [w, h] = camera.size();
         let count = params.bounces.unwrap_or(1).max(1);
         let mut technique = IrradianceCaching {
             setting,
             params: params.clone(),
             levels: Vec::new(),
             read: 0,
+            focused: FocusedLight::new(scene, seed, if params.caustic_photons { w * h } else { 0 }),
             relaxed: AtomicU64::new(0),
             failed: AtomicU64::new(0),
         };
@@ -132,10 +140,17 @@ impl<'a> IrradianceCaching<'a> {
 
     /// What the cache knows of the indirect light at a vertex.
     fn supply(&self, v: &EyeVertex, level: usize) -> Option<Supplied> {
-        if !self.is_for_cache(v, level) {
-            return None;
-        }
-        self.supply_from(&self.levels[level], v)
+        let known = self.is_for_cache(v, level).then(|| self.supply_from(&self.levels[level], v));
+        self.with_focused(known.flatten(), v)
+    }
+
+    /// Add the light that mirrors and glass focus.
+    pub(crate) fn with_focused(
+        &self,
+        supplied: Option<Supplied>,
+        v: &EyeVertex,
+    ) -> Option<Supplied> {
+        self.focused.add_to(supplied, self.setting.scene, v, &self.params.limits)
     }
 
     pub(crate) fn supply_from(&self, cache: &Cache<Record>, v: &EyeVertex) -> Option<Supplied> {
@@ -171,8 +186,9 @@ impl<'a> IrradianceCaching<'a> {
         let Params { accuracy, bounces, radius, error, limits, .. } = &self.params;
         let bounces = bounces.map_or("path".to_string(), |b| b.to_string());
         let depth = limits.max_depth.map_or(-1, |d| d as i32);
+        let caustics = if self.params.caustic_photons { "photon" } else { "path" };
         format!(
-            "--accuracy {accuracy} --error {error:?} --radius {radius:?} --bounces {bounces} --max-depth {depth}"
+            "--accuracy {accuracy} --error {error:?} --radius {radius:?} --bounces {bounces} --max-depth {depth} --caustics {caustics}"
         )
     }
 
@@ -201,3 +217,6 @@ impl<'a> IrradianceCaching<'a> {
         &self.levels[0]
     }
 }
+
+/// What keeps the photons of the overture apart from those of passes.
+const OVERTURE: u32 = 0x6f76_6572;

@@ -5,8 +5,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
 use gi_cli::{
-    Common, Program, check_points_file, check_spacings, is_table, parse_accuracy, parse_spacing,
-    read_input,
+    Caustics, Common, Program, check_points_file, check_spacings, is_table, parse_accuracy,
+    parse_spacing, read_input,
 };
 use gi_core::cache::Weights;
 use gi_core::cache::control::{ErrorControl, SphereRadius};
@@ -26,6 +26,9 @@ use irrcache::{IrradianceCaching, Params};
 struct Args {
     #[command(flatten)]
     common: Common,
+    /// How light that mirrors and glass focus is found
+    #[arg(long, value_enum, default_value_t = Caustics::Photon)]
+    caustics: Caustics,
     /// Rays that a record gathers [slides 7, 12-14]: fewer are noisier (blotches)
     #[arg(long, value_name = "N", default_value_t = Params::default().rays, value_parser = clap::value_parser!(u32).range(8..=10_000_000))]
     rays: u32,
@@ -135,10 +138,15 @@ impl Program for Args {
         &self.common
     }
 
+    fn finds_focused_light(&self) -> bool {
+        self.caustics == Caustics::Photon
+    }
+
     fn params(&self) -> Result<Params, String> {
         check_points_file("--records-out", &self.records_out)?;
         check_spacings(self.min_spacing, self.max_spacing)?;
         Ok(Params {
+            caustic_photons: self.caustics == Caustics::Photon,
             limits: PathLimits { max_depth: self.common.max_depth(), ..PathLimits::default() },
             rays: self.rays,
             accuracy: self.accuracy,

@@ -1,6 +1,6 @@
 //! The overture: filling the caches before the picture, from coarse to fine.
 
-use gi_core::eye::{Answered, EyePath, EyeVertex, Supplied, nothing};
+use gi_core::eye::{Answered, EyePath, EyeVertex, Supplied};
 use gi_core::film::Show;
 use gi_core::math::{INV_PI, Rgb};
 use gi_core::rng::hash_words;
@@ -115,11 +115,14 @@ impl<'a> IrradianceCaching<'a> {
             }
             let gatherer = self.gatherer(level);
             let make = |place| match (deeper.first(), self.params.bounces) {
-                (None, None) => gatherer.record(place, &mut nothing),
+                (None, None) => gatherer.record(place, &mut |v, _| self.with_focused(None, v)),
                 // The deepest of the levels asked for sees direct light only.
-                (None, Some(_)) => gatherer.record(place, &mut |v, _| answer(v, Rgb::BLACK)),
+                (None, Some(_)) => {
+                    gatherer.record(place, &mut |v, _| self.with_focused(answer(v, Rgb::BLACK), v))
+                }
                 (Some(next), _) => gatherer.record(place, &mut |v, _| {
-                    self.is_for_cache(v, level + 1).then(|| self.supply_from(next, v)).flatten()
+                    let known = self.is_for_cache(v, level + 1).then(|| self.supply_from(next, v));
+                    self.with_focused(known.flatten(), v)
                 }),
             };
             let records: Vec<_> = places.par_iter().with_max_len(1).map(make).collect();

@@ -11,6 +11,8 @@ use gi_core::cache::record::Gradients;
 /// The knobs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Params {
+    /// Whether photons supply the light that mirrors and glass focus, instead of paths looking for it.
+    pub caustic_photons: bool,
     /// How long paths may be.
     pub limits: PathLimits,
     /// Rays of a record.
@@ -44,6 +46,7 @@ pub struct Params {
 impl Default for Params {
     fn default() -> Self {
         Params {
+            caustic_photons: true,
             limits: PathLimits::default(),
             rays: 1000,
             accuracy: 0.1,

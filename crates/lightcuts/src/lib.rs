@@ -36,14 +36,12 @@ mod test_scenes;
 pub mod tree;
 
 use gi_core::bytes::{Reader, Writer};
+use gi_core::caustics::FocusedLight;
 use gi_core::eye::{Answered, EyePath, EyeVertex, Supplied};
 use gi_core::film::{Film, Show};
 use gi_core::sampler::Sampler;
 use gi_core::technique::{Picture, Setting, Technique};
-use vpl::{
-    FocusedLight, MIN_ROUGHNESS, Pilot, Prepared, Receiver, Shooting, Termination, Vpls, points,
-    shoot,
-};
+use vpl::{MIN_ROUGHNESS, Pilot, Prepared, Receiver, Shooting, Termination, Vpls, points, shoot};
 
 use bound::Site;
 use light::{At, Lights};
@@ -235,7 +233,7 @@ impl<'a> Lightcuts<'a> {
             indirect: lit.indirect,
             caustic: self.focused.radiance(
                 self.setting.scene,
-                &at.receiver,
+                (v.surface, v.wo, &bsdf),
                 self.deepest(v.segments)?,
             ),
         })

@@ -3,7 +3,7 @@
 //!
 //! | | |
 //! |---|---|
-//! | estimated | direct light and caustics as a path tracer does; indirect light of diffuse surfaces from records of irradiance, of rough glossy ones from records of radiance |
+//! | estimated | direct light as a path tracer does, caustics from photons or as a path tracer does; indirect light of diffuse surfaces from records of irradiance, of rough glossy ones from records of radiance |
 //! | record | L_i(w) ~ sum_k l_k y_k(w), l_k = the integral of L_i y_k over N stratified rays, and how l_k changes along the surface |
 //! | interpolation | l(x) = sum w_j l_j(x) / sum w_j over the records whose error at x is below the accuracy a, as for irradiance [slide 11] |
 //! | radiance | L_o(w_o) = sum_k c_k(w_o) l_k, f_r(w_o, .) cos ~ sum_k c_k(w_o) y_k tabulated per elevation, l turned into the shading frame [slide 18] |
@@ -38,6 +38,7 @@ use gi_core::cache::gather::sees;
 use gi_core::cache::record::{Gradients, Record};
 use gi_core::cache::site::{Query, RELAXED, Site, Sited};
 use gi_core::cache::{Cache, Weighing};
+use gi_core::caustics::FocusedLight;
 use gi_core::eye::{Answered, EyePath, EyeVertex, Supplied};
 use gi_core::film::{Film, Show};
 use gi_core::math::{Frame, INV_PI, Rgb};
@@ -63,6 +64,8 @@ pub struct Caches {
 pub struct RadianceCaching<'a> {
     setting: Setting<'a>,
     params: Params,
+    /// Light over mirrors and glass: of the overture, then of the last pass.
+    focused: FocusedLight,
     surfaces: Surfaces,
     /// Away only while it is filled.
     caches: Option<Caches>,
@@ -89,6 +92,7 @@ impl<'a> Technique<'a> for RadianceCaching<'a> {
             technique.read(saved)?;
         }
         if setting.show == Show::All || setting.show == Show::Indirect {
+            technique.focused.shoot(setting.scene, setting.seed ^ OVERTURE, 0);
             technique.overture();
         }
         Ok(technique)
@@ -98,6 +102,7 @@ impl<'a> Technique<'a> for RadianceCaching<'a> {
     fn pass(&mut self, index: u32, film: &mut Film) {
         let Setting { scene, camera, seed, show, .. } = self.setting;
         let path = EyePath { scene, limits: self.params.limits, show };
+        self.focused.shoot(scene, seed, index);
         let this = &*self;
         film.add_pass(|pixel| {
             path.sample_pixel(camera, seed, pixel, index, &mut |v, _| this.supply(v))
@@ -133,7 +138,7 @@ impl<'a> Technique<'a> for RadianceCaching<'a> {
 
     fn reach(&self) -> String {
         format!(
-            "direct light and caustics as path tracing does; indirect light interpolated (biased): of diffuse parts from \
+            "direct light as path tracing does; caustics from photons (blurred) or paths; indirect light interpolated (biased): of diffuse parts from \
              irradiance records, of glossy lobes of roughness {} or more from radiance records, of all others \
              path-traced; {}",
             self.params.min_roughness,
@@ -155,6 +160,9 @@ fn mean_reach(cache: &Cache<impl Sited>) -> f64 {
     sum / cache.records().len().max(1) as f64
 }
 
+/// What keeps the photons of the overture apart from those of passes.
+const OVERTURE: u32 = 0x6f76_6572;
+
 impl<'a> RadianceCaching<'a> {
     /// See [`gi_core::scene::Scene::origin`].
     pub fn origin(&self) -> glam::Vec3 {
@@ -162,6 +170,8 @@ impl<'a> RadianceCaching<'a> {
     }
 
     fn empty(setting: Setting<'a>, params: &Params) -> Self {
+        let Setting { scene, camera, seed, .. } = setting;
+        let [w, h] = camera.size();
         let bounds = setting.scene.bounds();
         let how = |error: ErrorControl, accuracy: f32| {
             let control = Control { error, radius: params.radius, accuracy };
@@ -179,12 +189,26 @@ impl<'a> RadianceCaching<'a> {
             surfaces: Surfaces::new(setting.scene, params),
             caches: Some(caches),
             read: 0,
+            focused: FocusedLight::new(scene, seed, if params.caustic_photons { w * h } else { 0 }),
             counts: Counts::default(),
         }
     }
 
     /// What the caches know of the indirect light at a vertex.
     fn supply(&self, v: &EyeVertex) -> Option<Supplied> {
+        self.with_focused(self.known(v), v)
+    }
+
+    /// Add the light that mirrors and glass focus.
+    pub(crate) fn with_focused(
+        &self,
+        supplied: Option<Supplied>,
+        v: &EyeVertex,
+    ) -> Option<Supplied> {
+        self.focused.add_to(supplied, self.setting.scene, v, &self.params.limits)
+    }
+
+    fn known(&self, v: &EyeVertex) -> Option<Supplied> {
         if !self.is_for_cache(v) {
             return None;
         }
@@ -283,9 +307,10 @@ impl<'a> RadianceCaching<'a> {
         let Params { error, glossy_error, radius, .. } = &self.params;
         let depth = limits.max_depth.map_or(-1, |d| d as i32);
         let order = self.surfaces.order();
+        let caustics = if self.params.caustic_photons { "photon" } else { "path" };
         format!(
             "--accuracy {accuracy} ({error:?}) --glossy-accuracy {glossy_accuracy} ({glossy_error:?}, {radius:?}) \
-             --order {order} --basis {basis:?} --min-roughness {min_roughness} --max-depth {depth}"
+             --order {order} --basis {basis:?} --min-roughness {min_roughness} --max-depth {depth} --caustics {caustics}"
         )
     }
 

@@ -5,7 +5,7 @@ use gi_core::cache::fill::{coarse_to_fine, in_rounds};
 use gi_core::cache::gather::{Gatherer, Place};
 use gi_core::cache::hemisphere::Strata;
 use gi_core::cache::record::Record;
-use gi_core::eye::{Answered, EyePath, EyeVertex, Supplied, nothing};
+use gi_core::eye::{Answered, EyePath, EyeVertex, Supplied};
 use gi_core::film::Show;
 use gi_core::math::Rgb;
 use gi_core::rng::hash_words;
@@ -64,9 +64,11 @@ impl<'a> RadianceCaching<'a> {
         let make = |missing: &Missing| {
             let place = &missing.place;
             if !missing.glossy {
-                return Made::Diffuse(diffuse.record(place, &mut nothing));
+                return Made::Diffuse(
+                    diffuse.record(place, &mut |v, _| self.with_focused(None, v)),
+                );
             }
-            let (frame, h) = glossy.look(place, &mut nothing);
+            let (frame, h) = glossy.look(place, &mut |v, _| self.with_focused(None, v));
             let irradiance = glossy.record_of(place, &frame, &h);
             Made::Glossy(RadianceRecord::new(irradiance, &frame, &h, basis, functions))
         };

@@ -20,6 +20,8 @@ pub enum Mode {
 /// The knobs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Params {
+    /// Whether photons supply the light that mirrors and glass focus, instead of paths looking for it.
+    pub caustic_photons: bool,
     /// How long paths may be.
     pub limits: PathLimits,
     /// Rays of an irradiance record.
@@ -67,6 +69,7 @@ pub struct Params {
 impl Default for Params {
     fn default() -> Self {
         Params {
+            caustic_photons: true,
             limits: PathLimits::default(),
             rays: 1000,
             glossy_rays: 2000,

@@ -6,7 +6,6 @@
 #![forbid(unsafe_code)]
 
 mod energy;
-mod focused;
 mod illuminate;
 mod points;
 mod prepared;
@@ -20,7 +19,6 @@ use gi_core::scene::Scene;
 use glam::Vec3;
 
 pub use energy::Energy;
-pub use focused::FocusedLight;
 pub use illuminate::{Connection, Receiver};
 pub use points::{LightNumbers, points};
 pub use prepared::Prepared;

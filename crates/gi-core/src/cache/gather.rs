@@ -82,11 +82,12 @@ impl<'a> Gatherer<'a> {
     /// The irradiance record of what was seen.
     pub fn record_of(&self, place: &Place, frame: &Frame, h: &Hemisphere) -> Record {
         let e = h.irradiance();
-        let gradient = translational(h);
+        let calm = h.without_sparks();
+        let gradient = translational(&calm);
         let scene = self.scene.radius();
         // What is far off does not make coarser what is near: ground to the horizon is no measure of a court on it.
         let unit = scene.min(place.length);
-        let validity = self.control.validity(h, e, &gradient, unit);
+        let validity = self.control.validity(&calm, calm.irradiance(), &gradient, unit);
         let [least, most] = if self.control.has_limits() {
             self.spacing.map(|s| (s * place.length).min(scene))
         } else {

@@ -68,6 +68,10 @@ pub struct Hemisphere {
     seen: Vec<Seen>,
 }
 
+/// Fraction of the rays, and the number of them at least, that [`Hemisphere::without_sparks`] takes for chance.
+const SPARKS: f32 = 0.01;
+const FEWEST_SPARKS: usize = 2;
+
 impl Hemisphere {
     /// Look along one ray in each stratum: `jitter` gives its place in the stratum, `look` what is seen.
     pub fn gather(
@@ -93,6 +97,22 @@ impl Hemisphere {
     /// What all rays saw, ring by ring.
     pub fn all(&self) -> &[Seen] {
         &self.seen
+    }
+
+    /// The same with the brightest rays no brighter than the next: what so few of them saw is chance. From such rays a
+    /// record cannot tell how far it is good for. If it were asked, bright chances would reach only near and their absence
+    /// far, and the light between records would be too dark.
+    pub fn without_sparks(&self) -> Self {
+        let few = ((SPARKS * self.seen.len() as f32) as usize).max(FEWEST_SPARKS);
+        let mut means: Vec<f32> = self.seen.iter().map(|s| s.radiance.mean()).collect();
+        let next = means.len() - 1 - few.min(means.len() - 1);
+        let most = *means.select_nth_unstable_by(next, f32::total_cmp).1;
+        let calm = |s: &Seen| {
+            let mean = s.radiance.mean();
+            let factor = if mean > most { most / mean } else { 1.0 };
+            Seen { radiance: s.radiance * factor, ..*s }
+        };
+        Hemisphere { strata: self.strata, seen: self.seen.iter().map(calm).collect() }
     }
 
     /// E = pi / N sum_j L_i(x, w_j) [slide 7].
@@ -170,6 +190,35 @@ pub(crate) mod tests {
                 let phi = d.y.atan2(d.x).rem_euclid(2.0 * PI);
                 assert!(phi >= s.phi(k) - 1e-4 && phi <= s.phi(k + 1) + 1e-4);
             }
+        }
+    }
+
+    #[test]
+    fn a_record_reaches_as_far_whether_or_not_a_ray_met_a_spark() {
+        use crate::cache::control::{Control, ErrorControl, SphereRadius};
+        use crate::cache::gradients::translational;
+        let room = |spark: f32| {
+            let mut rng = Pcg::new(5, 11);
+            let look = |i: usize, w: Vec3| {
+                let shine = 1.0 + w.x + if i == 40 { spark } else { 0.0 };
+                Seen { direction: w, radiance: Rgb::grey(shine), distance: 1.0, normal: -w }
+            };
+            Hemisphere::gather(Strata::of(200), |_| rng.next_2d(), look)
+        };
+        let (dark, bright) = (room(0.0), room(1e4));
+        assert!(bright.irradiance().g > 10.0 * dark.irradiance().g, "the light itself counts");
+        for error in
+            [ErrorControl::Bounded, ErrorControl::HessianGeometric, ErrorControl::HessianOcclusion]
+        {
+            let control = Control { error, radius: SphereRadius::Harmonic, accuracy: 0.1 };
+            let radius = |h: &Hemisphere| {
+                let h = h.without_sparks();
+                control.validity(&h, h.irradiance(), &translational(&h), 1.0).radii[0]
+            };
+            // One ray in 200 is as bright as the brightest others. Left as it is, it would make E / |H| and E / |gradient|
+            // those of the spark alone.
+            let ratio = radius(&bright) / radius(&dark);
+            assert!((ratio - 1.0).abs() < 0.35, "{error:?}: {ratio}");
         }
     }
 }

@@ -12,7 +12,7 @@ const SALT: u32 = 0x666f_6375;
 /// Delta lobes that one of them follows at most.
 const MOST_MET: u32 = 32;
 /// Directions of paths from the eye, as a fraction of the sphere, in which a lamp is rarely found.
-const SMALL: f32 = 1e-4;
+const SMALL: f32 = 2e-3;
 
 /// Shares of the light that reaches surfaces which scatter by other than delta lobes, by its first such surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -10,17 +10,21 @@
 
 use std::f32::consts::PI;
 
-use gi_core::disc::Disc;
-use gi_core::math::Rgb;
-use gi_core::rng::Pcg;
-use gi_core::sampler::Sampler;
-use gi_core::scene::Scene;
-use gi_core::walk::{LightWalk, Roulette};
+use crate::disc::Disc;
+use crate::math::Rgb;
+use crate::rng::Pcg;
+use crate::sampler::Sampler;
+use crate::scene::Scene;
+use crate::walk::{LightWalk, Roulette};
 use glam::{IVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::Receiver;
+use crate::bsdf::Bsdf;
+use crate::eye::{Answered, EyeVertex, PathLimits, Supplied};
+use crate::geometry::Surface;
 
+/// Width of the narrowest lobe that scatters photons: in a narrower one a single photon may be far too bright.
+const MIN_ROUGHNESS: f32 = 0.1;
 /// Radii that are tried, each half as large as the one before.
 const LEVELS: usize = 7;
 /// The largest radius, as a fraction of the scene's.
@@ -122,18 +126,23 @@ impl FocusedLight {
 
     /// Radiance toward the eye of focused light at a point. Only photons of at most `deepest` scatterings count. `None` where
     /// nothing focuses light.
-    pub fn radiance(&self, scene: &Scene, at: &Receiver, deepest: u32) -> Option<Rgb> {
+    pub fn radiance(
+        &self,
+        scene: &Scene,
+        (surface, wo, bsdf): (&Surface, Vec3, &Bsdf),
+        deepest: u32,
+    ) -> Option<Rgb> {
         if !self.is_some() {
             return None;
         }
-        let (p, n) = (at.surface.p, at.surface.ng);
+        let (p, n) = (surface.p, surface.ng);
         let level = self.level(p, n);
         let r = radius(self.largest, level) * self.shrink;
         let sum_where = |counts: &dyn Fn(&Photon) -> bool| {
             let (mut sum, mut farthest) = (Rgb::BLACK, (0.0, p));
             self.map.for_each(level, p, n, r, |photon| {
                 if photon.depth <= deepest && counts(photon) {
-                    sum += at.bsdf.f(at.wo, photon.wi) * photon.power;
+                    sum += bsdf.f(wo, photon.wi) * photon.power;
                     let d = photon.p.distance_squared(p);
                     farthest = if d > farthest.0 { (d, photon.p) } else { farthest };
                 }
@@ -146,7 +155,7 @@ impl FocusedLight {
             return Some(all);
         }
         // Walls in the disc, and edges.
-        let side = 1f32.copysign(at.wo.dot(n));
+        let side = 1f32.copysign(wo.dot(n));
         let disc = |side: f32| Disc::new(scene, p, n * side, r, SAME_SURFACE);
         let mut rng = numbers(p, self.shrink);
         let inverse_share = disc(side).inverse_share(|| [rng.next_f32(), rng.next_f32()]);
@@ -158,6 +167,34 @@ impl FocusedLight {
             sum_where(&|q| sides[usize::from(q.wi.dot(n) < 0.0)].sees(q.p)).0
         };
         Some(seen * (inverse_share / (PI * r * r)))
+    }
+
+    /// Add focused light to what a cache has supplied at a vertex; where it has supplied nothing, the path goes on for all
+    /// other light. Lobes narrower than [`MIN_ROUGHNESS`] are left to paths.
+    pub fn add_to(
+        &self,
+        supplied: Option<Supplied>,
+        scene: &Scene,
+        v: &EyeVertex,
+        limits: &PathLimits,
+    ) -> Option<Supplied> {
+        let deepest = match limits.max_depth {
+            None => u32::MAX,
+            Some(most) => most.saturating_sub(v.segments + 1),
+        };
+        let radiance = |bsdf: &Bsdf| self.radiance(scene, (v.surface, v.wo, bsdf), deepest);
+        match supplied {
+            _ if !self.is_some() => supplied,
+            // Nobody else answers for narrow lobes here.
+            Some(_) if v.bsdf.is_sharp(MIN_ROUGHNESS) => supplied,
+            Some(s) => Some(Supplied { caustic: radiance(v.bsdf), ..s }),
+            None => {
+                let caustic = radiance(&v.bsdf.broad(v.wo, MIN_ROUGHNESS)?);
+                // A bound of 0: no light from other surfaces is answered for.
+                let answered = Answered::Straight { most: 0.0, min_roughness: MIN_ROUGHNESS };
+                Some(Supplied { answered, direct: None, indirect: Rgb::BLACK, caustic })
+            }
+        }
     }
 
     /// The step of the radius at a point: a fixed function of the position, so that it does not depend on the photons that

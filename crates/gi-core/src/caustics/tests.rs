@@ -1,12 +1,12 @@
 use super::*;
-use gi_core::bsdf::Transport;
-use gi_core::geometry::{Geometry, Shape};
-use gi_core::light::LightSource;
-use gi_core::material::Material;
-use gi_core::math::Frame;
-use gi_core::ray::Ray;
-use gi_core::scene::SceneParts;
-use gi_core::texture::Texture;
+use crate::bsdf::Transport;
+use crate::geometry::{Geometry, Shape};
+use crate::light::LightSource;
+use crate::material::Material;
+use crate::math::Frame;
+use crate::ray::Ray;
+use crate::scene::SceneParts;
+use crate::texture::Texture;
 
 const ALBEDO: f32 = 0.5;
 const RADIUS: f32 = 2.0;
@@ -40,8 +40,7 @@ fn lit_sphere(bulb: bool) -> Scene {
 fn read(scene: &Scene, light: &FocusedLight, d: Vec3, deepest: u32) -> Option<f32> {
     let (surface, _) = scene.intersect(&Ray::new(d, d)).expect("the sphere");
     let bsdf = scene.bsdf(&surface, -d, Transport::Radiance);
-    let at = Receiver::new(&surface, -d, &bsdf);
-    light.radiance(scene, &at, deepest).map(|c| c.g)
+    light.radiance(scene, (&surface, -d, &bsdf), deepest).map(|c| c.g)
 }
 
 #[test]
