@@ -12,10 +12,10 @@ use std::f32::consts::PI;
 
 use crate::disc::Disc;
 use crate::math::Rgb;
-use crate::rng::Pcg;
+use crate::rng::{Pcg, hash_u32, hash_words};
 use crate::sampler::Sampler;
 use crate::scene::Scene;
-use crate::walk::{LightWalk, Roulette};
+use crate::walk::{LightWalk, Roulette, focused};
 use glam::{IVec3, Vec3};
 use rayon::prelude::*;
 
@@ -140,9 +140,9 @@ impl FocusedLight {
         let r = radius(self.largest, level) * self.shrink;
         let sum_where = |counts: &dyn Fn(&Photon) -> bool| {
             let (mut sum, mut farthest) = (Rgb::BLACK, (0.0, p));
-            self.map.for_each(level, p, n, r, |photon| {
+            self.map.for_each(level, (p, n), r, self.shrink.to_bits(), |photon, weight| {
                 if photon.depth <= deepest && counts(photon) {
-                    sum += bsdf.f(wo, photon.wi) * photon.power;
+                    sum += bsdf.f(wo, photon.wi) * photon.power * weight as f32;
                     let d = photon.p.distance_squared(p);
                     farthest = if d > farthest.0 { (d, photon.p) } else { farthest };
                 }
@@ -167,6 +167,12 @@ impl FocusedLight {
             sum_where(&|q| sides[usize::from(q.wi.dot(n) < 0.0)].sees(q.p)).0
         };
         Some(seen * (inverse_share / (PI * r * r)))
+    }
+
+    /// The same where light that paths from the eye find badly is more than a trace; nothing elsewhere.
+    pub fn where_it_matters(scene: &Scene, seed: u32, pixels: usize) -> Self {
+        let matters = pixels > 0 && focused(scene, seed).matters();
+        Self::new(scene, seed, if matters { pixels } else { 0 })
     }
 
     /// Add focused light to what a cache has supplied at a vertex; where it has supplied nothing, the path goes on for all
@@ -200,15 +206,18 @@ impl FocusedLight {
     /// The step of the radius at a point: a fixed function of the position, so that it does not depend on the photons that
     /// are counted.
     fn level(&self, p: Vec3, n: Vec3) -> usize {
+        // Finer grids hold less round the point: where a grid holds too little, finer ones need not be asked.
+        let may_hold = |&level: &usize| self.pilot.count_near(level, p) >= WANTED as usize;
+        let finest = (0..LEVELS).take_while(may_hold).count();
         let holds_enough = |&level: &usize| {
             let mut found = 0;
-            self.pilot.for_each(level, p, n, radius(self.largest, level), |_| {
-                found += 1;
+            self.pilot.for_each(level, (p, n), radius(self.largest, level), 0, |_, weight| {
+                found += weight;
                 found < WANTED
             });
             found >= WANTED
         };
-        (1..LEVELS).rev().find(holds_enough).unwrap_or(0)
+        (1..finest).rev().find(holds_enough).unwrap_or(0)
     }
 }
 
@@ -244,31 +253,80 @@ impl Map {
         Map { grids: (0..LEVELS).into_par_iter().map(grid).collect(), photons }
     }
 
+    /// At most how many photons lie within the radius of a level.
+    fn count_near(&self, level: usize, p: Vec3) -> usize {
+        let Some(grid) = self.grids.get(level) else { return 0 };
+        grid.near(p).map(|cell| grid.members(cell).len()).sum()
+    }
+
     /// Call `take` with every photon on the surface within `r` of a point, until it returns `false`. `r` is at most the
-    /// radius of the level.
+    /// radius of the level. Of cells that hold very many only some are taken, each for as many as its number says; `salt`
+    /// varies which.
     fn for_each(
         &self,
         level: usize,
-        p: Vec3,
-        n: Vec3,
+        (p, n): (Vec3, Vec3),
         r: f32,
-        mut take: impl FnMut(&Photon) -> bool,
+        salt: u32,
+        mut take: impl FnMut(&Photon, u32) -> bool,
     ) {
-        let Some(grid) = self.grids.get(level) else { return };
-        let (buckets, count) = grid.near(p);
-        for &bucket in &buckets[..count] {
-            for &k in grid.members(bucket) {
-                let photon = &self.photons[k as usize];
-                let d = photon.p - p;
-                let near = d.length_squared() < r * r
-                    && d.dot(n).abs() < HEIGHT * r
-                    && photon.n.dot(n).abs() > SAME_SURFACE;
-                if near && !take(photon) {
-                    return;
-                }
-            }
+        let salt = hash_words(&p.to_array().map(f32::to_bits)) ^ salt;
+        let mut on_disc = |photon: &Photon, weight: u32| {
+            let d = photon.p - p;
+            let near = d.length_squared() < r * r
+                && d.dot(n).abs() < HEIGHT * r
+                && photon.n.dot(n).abs() > SAME_SURFACE;
+            !near || take(photon, weight)
+        };
+        if let Some(grid) = self.grids.get(level) {
+            grid.near(p).all(|cell| self.visit(level, cell, (p, r, salt), &mut on_disc));
         }
     }
+
+    /// Call `take` with the photons of a cell, until it returns `false`; where they are many, only of those finer cells that
+    /// the ball reaches, and few of a cell that it holds. Returns whether it went through.
+    fn visit(
+        &self,
+        level: usize,
+        cell: IVec3,
+        ball: (Vec3, f32, u32),
+        take: &mut impl FnMut(&Photon, u32) -> bool,
+    ) -> bool {
+        let grid = &self.grids[level];
+        let members = grid.members(cell);
+        let (middle, r) = ((cell.as_vec3() + 0.5) * grid.cell, ball.1);
+        let farthest = (middle - ball.0).abs() + 0.5 * grid.cell;
+        let is_inside = farthest.length_squared() <= r * r;
+        if members.len() > MANY && level + 1 < LEVELS && !is_inside {
+            let size = self.grids[level + 1].cell;
+            return (0..8).all(|corner| {
+                let child = cell * 2 + corner_of(corner);
+                let low = child.as_vec3() * size;
+                let nearest = ball.0.clamp(low, low + size);
+                let reaches = nearest.distance_squared(ball.0) <= ball.1 * ball.1 * SLACK;
+                !reaches || self.visit(level + 1, child, ball, take)
+            });
+        }
+        let step = members.len().div_ceil(MOST);
+        let first = (hash_u32(ball.2 ^ grid.bucket(cell)) as usize) % step.max(1);
+        members.iter().skip(first).step_by(step.max(1)).all(|&k| {
+            let photon = &self.photons[k as usize];
+            let near = photon.p.distance_squared(ball.0) < r * r;
+            !near || grid.cell_of(photon.p) != cell || take(photon, step as u32)
+        })
+    }
+}
+
+/// Photons of a cell that are looked at one by one.
+const MANY: usize = 32;
+/// Photons of a cell that are looked at: of more, one in every so many.
+const MOST: usize = 128;
+/// Against rounding where a ball only just reaches a cell.
+const SLACK: f32 = 1.001;
+
+/// The cell at a corner of two by two by two.
+fn corner_of(corner: i32) -> IVec3 {
+    IVec3::new(corner & 1, corner >> 1 & 1, corner >> 2)
 }
 
 /// Follow a path over delta lobes, and leave a photon wherever it meets a surface that has others too.
@@ -325,23 +383,17 @@ impl Grid {
         (mixed ^ mixed >> 12) & (self.starts.len() as u32 - 2)
     }
 
-    fn members(&self, bucket: u32) -> &[u32] {
-        let [from, to] = [0, 1].map(|k| self.starts[bucket as usize + k] as usize);
+    /// The photons of a cell, and of others that share its bucket.
+    fn members(&self, cell: IVec3) -> &[u32] {
+        let bucket = self.bucket(cell) as usize;
+        let [from, to] = [0, 1].map(|k| self.starts[bucket + k] as usize);
         &self.order[from..to]
     }
 
-    /// The buckets, each once, of the eight cells that may hold what lies within half a cell of a point.
-    fn near(&self, p: Vec3) -> ([u32; 8], usize) {
+    /// The eight cells that hold what lies within half a cell of a point.
+    fn near(&self, p: Vec3) -> impl Iterator<Item = IVec3> {
         let low = self.cell_of(p - Vec3::splat(0.5 * self.cell));
-        let (mut buckets, mut count) = ([0; 8], 0);
-        for corner in 0..8 {
-            let bucket = self.bucket(low + IVec3::new(corner & 1, corner >> 1 & 1, corner >> 2));
-            if !buckets[..count].contains(&bucket) {
-                buckets[count] = bucket;
-                count += 1;
-            }
-        }
-        (buckets, count)
+        (0..8).map(move |corner| low + corner_of(corner))
     }
 }
 

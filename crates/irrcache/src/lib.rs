@@ -124,7 +124,11 @@ impl<'a> IrradianceCaching<'a> {
             params: params.clone(),
             levels: Vec::new(),
             read: 0,
-            focused: FocusedLight::new(scene, seed, if params.caustic_photons { w * h } else { 0 }),
+            focused: FocusedLight::where_it_matters(
+                scene,
+                seed,
+                if params.caustic_photons { w * h } else { 0 },
+            ),
             relaxed: AtomicU64::new(0),
             failed: AtomicU64::new(0),
         };

@@ -189,7 +189,11 @@ impl<'a> RadianceCaching<'a> {
             surfaces: Surfaces::new(setting.scene, params),
             caches: Some(caches),
             read: 0,
-            focused: FocusedLight::new(scene, seed, if params.caustic_photons { w * h } else { 0 }),
+            focused: FocusedLight::where_it_matters(
+                scene,
+                seed,
+                if params.caustic_photons { w * h } else { 0 },
+            ),
             counts: Counts::default(),
         }
     }

@@ -23,6 +23,16 @@ pub struct Focused {
     pub rare: f32,
 }
 
+/// Shares below this do not matter.
+const LITTLE: f32 = 0.01;
+
+impl Focused {
+    /// Whether light that paths from the eye find badly is more than a trace.
+    pub fn matters(&self) -> bool {
+        self.unreachable >= LITTLE || self.rare >= LITTLE
+    }
+}
+
 /// Ask a few light paths.
 pub fn focused(scene: &Scene, seed: u32) -> Focused {
     let (mut all, mut found) = (0.0, Focused::default());
