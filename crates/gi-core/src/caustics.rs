@@ -5,7 +5,7 @@
 //! | | |
 //! |---|---|
 //! | estimated | sum of f power / (pi r^2 share) over the photons of a pass within r of the point that it sees, which sees `share` of the disc |
-//! | radius | the smallest of a few steps whose disc held [`WANTED`] photons of a pilot map; it shrinks with the passes \[Knaus11\] |
+//! | radius | the smallest of a few steps whose disc held 8 photons of a pilot map; it shrinks with the passes \[Knaus11\] |
 //! | bias | blur over the disc; none in the limit of many passes |
 
 use std::f32::consts::PI;
@@ -176,7 +176,7 @@ impl FocusedLight {
     }
 
     /// Add focused light to what a cache has supplied at a vertex; where it has supplied nothing, the path goes on for all
-    /// other light. Lobes narrower than [`MIN_ROUGHNESS`] are left to paths.
+    /// other light. Lobes of a roughness below 0.1 are left to paths.
     pub fn add_to(
         &self,
         supplied: Option<Supplied>,
