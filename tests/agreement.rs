@@ -1,11 +1,13 @@
 //! Techniques against each other.
 
-use gi_core::eye::{Answered, EyePath, EyeVertex, PathLimits, Supplied, nothing};
+use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk, GatherRay, PathLimits};
 use gi_core::film::{Film, Show};
 use gi_core::filter::Filter;
 use gi_core::material::{Distribution, Material, Roughness};
 use gi_core::math::{Frame, Rgb};
 use gi_core::sampler::Sampler;
+use gi_core::scene::Scene;
+use gi_core::technique::Setting;
 use gi_core::texture::Texture;
 use gi_core::warp::cosine_hemisphere;
 use gi_stats::{sidak, z_test};
@@ -82,38 +84,60 @@ fn paths_from_the_eye_and_from_the_lights_agree_on_a_caustic() {
 /// right.
 fn answered_by_nested_paths(world: &World, whole: bool, passes: u32) -> Film {
     let (scene, camera) = (&world.scene, &world.camera);
-    let path = EyePath { scene, limits: PathLimits::default(), show: Show::All };
+    let setting = Setting { scene, world: 0, camera, seed: 3, show: Show::All };
+    let limits = PathLimits::default();
     let mut film = Film::new(camera.size(), Filter::Box, Show::All);
     for pass in 0..passes {
         film.add_pass(|pixel| {
-            let mut supply = |v: &EyeVertex, sampler: &mut Sampler| {
-                let (u_choice, u) = (sampler.next_1d(), sampler.next_2d());
-                let place = (v.segments + 1, v.length);
-                let (answered, factor, wi) = if whole {
-                    let s = v.bsdf.sample(v.wo, u_choice, u).filter(|s| !s.delta);
-                    s.map(|s| (Answered::Rough, s.weight, s.wi)).unwrap_or((
-                        Answered::Rough,
-                        Rgb::BLACK,
-                        v.surface.ns(),
-                    ))
-                } else {
-                    let part = v.bsdf.diffuse_part(v.wo)?;
-                    let wi = Frame::from_normal(part.normal).to_world(cosine_hemisphere(u));
-                    (Answered::Diffuse(part), part.albedo, wi)
-                };
-                let ray = scene.spawn(v.surface, wi);
-                let found = path.gather(ray, place, sampler, &mut nothing).radiance;
-                Some(Supplied {
-                    answered,
-                    indirect: factor * found.indirect,
-                    direct: None,
-                    caustic: None,
-                })
-            };
-            path.sample_pixel(camera, 3, pixel, pass, &mut supply)
+            let mut walk = EyeWalk::through_pixel(&setting, limits, pixel, pass);
+            while let Some(v) = walk.next_vertex() {
+                walk.add_emitted(&v);
+                if v.wants_estimate()
+                    && let Some(estimate) = nested_estimate(scene, &v, whole, &mut walk.sampler)
+                {
+                    walk.add_estimate(&v, estimate);
+                }
+                walk.add_direct(&v);
+                if !walk.scatter(&v) {
+                    break;
+                }
+            }
+            walk.sample()
         });
     }
     film
+}
+
+/// Indirect light at a vertex by one path along a gather ray.
+fn nested_estimate(
+    scene: &Scene,
+    v: &EyeVertex,
+    whole: bool,
+    sampler: &mut Sampler,
+) -> Option<Estimate> {
+    let (u_choice, u) = (sampler.next_1d(), sampler.next_2d());
+    let (covers, factor, wi) = if whole {
+        let s = v.bsdf.sample(v.wo, u_choice, u).filter(|s| !s.delta);
+        let (factor, wi) = s.map_or((Rgb::BLACK, v.surface.ns()), |s| (s.weight, s.wi));
+        (Covers::NonDelta, factor, wi)
+    } else {
+        let part = v.bsdf.diffuse_part(v.wo)?;
+        let wi = Frame::from_normal(part.normal).to_world(cosine_hemisphere(u));
+        (Covers::Diffuse(part), part.albedo, wi)
+    };
+    let ray = scene.spawn(&v.surface, wi);
+    let start = GatherRay { ray, segments: v.segments + 1, length: v.length };
+    let mut walk = EyeWalk::along(scene, PathLimits::default(), start, sampler.clone());
+    while let Some(v) = walk.next_vertex() {
+        walk.add_emitted(&v);
+        walk.add_direct(&v);
+        if !walk.scatter(&v) {
+            break;
+        }
+    }
+    *sampler = walk.sampler.clone();
+    let found = walk.sample().radiance;
+    Some(Estimate { covers, indirect: factor * found.indirect, direct: None, caustic: None })
 }
 
 #[test]

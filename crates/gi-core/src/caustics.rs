@@ -20,7 +20,7 @@ use glam::{IVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::bsdf::Bsdf;
-use crate::eye::{Answered, EyeVertex, PathLimits, Supplied};
+use crate::eye::{Covers, Estimate, EyeVertex, PathLimits};
 use crate::geometry::Surface;
 
 /// Width of the narrowest lobe that scatters photons: in a narrower one a single photon may be far too bright.
@@ -175,30 +175,30 @@ impl FocusedLight {
         Self::new(scene, seed, if matters { pixels } else { 0 })
     }
 
-    /// Add focused light to what a cache has supplied at a vertex; where it has supplied nothing, the path goes on for all
-    /// other light. Lobes of a roughness below 0.1 are left to paths.
+    /// Add focused light to the estimate of a cache at a vertex. Without an estimate the path continues for all other light.
+    /// Lobes of a roughness below 0.1 are left to paths.
     pub fn add_to(
         &self,
-        supplied: Option<Supplied>,
+        estimate: Option<Estimate>,
         scene: &Scene,
         v: &EyeVertex,
         limits: &PathLimits,
-    ) -> Option<Supplied> {
+    ) -> Option<Estimate> {
         let deepest = match limits.max_depth {
             None => u32::MAX,
             Some(most) => most.saturating_sub(v.segments + 1),
         };
-        let radiance = |bsdf: &Bsdf| self.radiance(scene, (v.surface, v.wo, bsdf), deepest);
-        match supplied {
-            _ if !self.is_some() => supplied,
-            // Nobody else answers for narrow lobes here.
-            Some(_) if v.bsdf.is_sharp(MIN_ROUGHNESS) => supplied,
-            Some(s) => Some(Supplied { caustic: radiance(v.bsdf), ..s }),
+        let radiance = |bsdf: &Bsdf| self.radiance(scene, (&v.surface, v.wo, bsdf), deepest);
+        match estimate {
+            _ if !self.is_some() => estimate,
+            // Nothing else accounts for narrow lobes here.
+            Some(_) if v.bsdf.is_sharp(MIN_ROUGHNESS) => estimate,
+            Some(known) => Some(Estimate { caustic: radiance(&v.bsdf), ..known }),
             None => {
                 let caustic = radiance(&v.bsdf.broad(v.wo, MIN_ROUGHNESS)?);
-                // A bound of 0: no light from other surfaces is answered for.
-                let answered = Answered::Straight { most: 0.0, min_roughness: MIN_ROUGHNESS };
-                Some(Supplied { answered, direct: None, indirect: Rgb::BLACK, caustic })
+                // The geometry term is clamped to 0: light from other surfaces is not covered.
+                let covers = Covers::Visible { max_geometry: 0.0, min_roughness: MIN_ROUGHNESS };
+                Some(Estimate { covers, direct: None, indirect: Rgb::BLACK, caustic })
             }
         }
     }

@@ -7,7 +7,7 @@
 //! | f_r, f_s | [`bsdf::Bsdf::f`]; with the cosine of `wi` in it [`bsdf::Bsdf::f_cos`] |
 //! | p(omega) | `pdf_w`, per solid angle; `pdf_a`, per area |
 //! | L_e, L_i | [`scene::Scene::emitted`], [`scene::Scene::sample_light`]; radiance is [`math::Rgb`] |
-//! | Phi | `power` of a light path, [`walk::LightVertex`]; `throughput` for camera paths, [`eye::EyePath`] |
+//! | Phi | `power` of a light path, [`walk::LightVertex`]; `throughput` for camera paths, [`eye::EyeWalk`] |
 //! | V(x, y) | [`scene::Scene::transmittance`] |
 //!
 //! A technique sees [`scene::Scene`], [`camera::Camera`] and [`film::Film`], draws its numbers from
@@ -36,7 +36,6 @@ pub mod ray;
 pub mod rng;
 pub mod sampler;
 pub mod scene;
-pub mod seen;
 pub mod technique;
 pub mod texture;
 pub mod walk;

@@ -21,6 +21,15 @@ pub struct Setting<'a> {
     pub show: Show,
 }
 
+impl Setting<'_> {
+    /// The medium that the camera stands in: one for all pixels, even if its lens reaches through a boundary.
+    pub fn camera_medium(&self) -> Option<usize> {
+        let [w, h] = self.camera.size();
+        let ray = self.camera.ray([0.5 * w as f32, 0.5 * h as f32], [0.5; 2]);
+        self.scene.medium_at(ray.at(ray.tmin), ray.d)
+    }
+}
+
 /// A technique of global illumination. After any number of passes the film holds a valid picture, and passes
 /// are independent of one another but for what `prepare` and earlier passes left in `self`.
 pub trait Technique<'a>: Sized {

@@ -24,7 +24,7 @@ pub mod sphere;
 use std::ops::Range;
 
 use gi_core::caustics::FocusedLight;
-use gi_core::eye::{Answered, EyePath, EyeVertex, PathLimits, Supplied};
+use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk, PathLimits};
 use gi_core::film::Film;
 use gi_core::math::Rgb;
 use gi_core::sampler::Sampler;
@@ -125,13 +125,23 @@ impl<'a> Technique<'a> for InstantRadiosity<'a> {
         self.focused.shoot(self.setting.scene, self.setting.seed, index);
         self.lights += self.vpls.lights.len() as u64;
         self.paths += self.vpls.paths;
-        let Setting { scene, camera, seed, show, .. } = self.setting;
-        let path = EyePath { scene, limits: self.params.limits, show };
-        let (this, most) = (&*self, self.bound(index));
-        let prepared = Prepared::new(&self.vpls, scene);
+        let most = self.bound(index);
+        let lights = Prepared::new(&self.vpls, self.setting.scene);
         film.add_pass(|pixel| {
-            let mut supply = |v: &EyeVertex, s: &mut Sampler| this.gather(v, &prepared, most, s);
-            path.sample_pixel(camera, seed, pixel, index, &mut supply)
+            let mut walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
+            while let Some(v) = walk.next_vertex() {
+                walk.add_emitted(&v);
+                if v.wants_estimate()
+                    && let Some(estimate) = self.gather(&v, &lights, most, &mut walk.sampler)
+                {
+                    walk.add_estimate(&v, estimate);
+                }
+                walk.add_direct(&v);
+                if !walk.scatter(&v) {
+                    break;
+                }
+            }
+            walk.sample()
         });
     }
 
@@ -201,9 +211,9 @@ impl InstantRadiosity<'_> {
         lights: &Prepared,
         most: f32,
         sampler: &mut Sampler,
-    ) -> Option<Supplied> {
+    ) -> Option<Estimate> {
         let bsdf = v.bsdf.broad(v.wo, MIN_ROUGHNESS)?;
-        let at = Receiver::new(v.surface, v.wo, &bsdf);
+        let at = Receiver::new(&v.surface, v.wo, &bsdf);
         // A light after j scatterings has come j + 1 segments, and the connection is one more.
         let deepest = match self.params.limits.max_depth {
             None => u32::MAX,
@@ -220,10 +230,10 @@ impl InstantRadiosity<'_> {
             self.add_up(&at, lights, surfaces, most)
         };
         let most = if self.params.compensation && !self.params.vsl { most } else { f32::INFINITY };
-        let answered = Answered::Straight { most, min_roughness: MIN_ROUGHNESS };
+        let covers = Covers::Visible { max_geometry: most, min_roughness: MIN_ROUGHNESS };
         // A photon after j scatterings has come j + 1 segments.
-        let caustic = self.focused.radiance(self.setting.scene, (v.surface, v.wo, &bsdf), deepest);
-        Some(Supplied { answered, direct, indirect, caustic })
+        let caustic = self.focused.radiance(self.setting.scene, (&v.surface, v.wo, &bsdf), deepest);
+        Some(Estimate { covers, direct, indirect, caustic })
     }
 
     /// The sum over a range of lights, every geometric term bounded by `most`.

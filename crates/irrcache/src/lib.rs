@@ -28,7 +28,7 @@ use gi_core::cache::record::Record;
 use gi_core::cache::site::{Query, RELAXED, Site};
 use gi_core::cache::{Cache, Weighing};
 use gi_core::caustics::FocusedLight;
-use gi_core::eye::{Answered, EyePath, EyeVertex, Supplied};
+use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
 use gi_core::film::{Film, Show};
 use gi_core::math::{INV_PI, Rgb};
 use gi_core::technique::{Picture, Setting, Technique};
@@ -67,12 +67,22 @@ impl<'a> Technique<'a> for IrradianceCaching<'a> {
 
     /// One path a pixel, its indirect light from the cache.
     fn pass(&mut self, index: u32, film: &mut Film) {
-        let Setting { scene, camera, seed, show, .. } = self.setting;
-        let path = EyePath { scene, limits: self.params.limits, show };
-        self.focused.shoot(scene, seed, index);
-        let this = &*self;
+        self.focused.shoot(self.setting.scene, self.setting.seed, index);
         film.add_pass(|pixel| {
-            path.sample_pixel(camera, seed, pixel, index, &mut |v, _| this.supply(v, 0))
+            let mut walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
+            while let Some(v) = walk.next_vertex() {
+                walk.add_emitted(&v);
+                if v.wants_estimate()
+                    && let Some(estimate) = self.estimate(&v)
+                {
+                    walk.add_estimate(&v, estimate);
+                }
+                walk.add_direct(&v);
+                if !walk.scatter(&v) {
+                    break;
+                }
+            }
+            walk.sample()
         });
     }
 
@@ -142,32 +152,33 @@ impl<'a> IrradianceCaching<'a> {
         technique
     }
 
-    /// What the cache knows of the indirect light at a vertex.
-    fn supply(&self, v: &EyeVertex, level: usize) -> Option<Supplied> {
-        let known = self.is_for_cache(v, level).then(|| self.supply_from(&self.levels[level], v));
+    /// What the first cache and the photons know of the light at a vertex.
+    fn estimate(&self, v: &EyeVertex) -> Option<Estimate> {
+        let known = self.is_for_cache(v, 0).then(|| self.interpolate(&self.levels[0], v));
         self.with_focused(known.flatten(), v)
     }
 
     /// Add the light that mirrors and glass focus.
     pub(crate) fn with_focused(
         &self,
-        supplied: Option<Supplied>,
+        estimate: Option<Estimate>,
         v: &EyeVertex,
-    ) -> Option<Supplied> {
-        self.focused.add_to(supplied, self.setting.scene, v, &self.params.limits)
+    ) -> Option<Estimate> {
+        self.focused.add_to(estimate, self.setting.scene, v, &self.params.limits)
     }
 
-    pub(crate) fn supply_from(&self, cache: &Cache<Record>, v: &EyeVertex) -> Option<Supplied> {
+    /// Indirect light of the Lambertian part: albedo E / pi, E interpolated from the records of a cache [slide 11].
+    pub(crate) fn interpolate(&self, cache: &Cache<Record>, v: &EyeVertex) -> Option<Estimate> {
         let part = v.bsdf.diffuse_part(v.wo)?;
         let q = Query { p: v.surface.p, n: part.normal };
         let e = self.lookup(cache, &q, 1.0).or_else(|| {
-            // Between the pixels that the overture looked at: what is nearly good enough, or else a path.
+            // Between the pixels of the prepass, accept records with a slightly larger error; else the path continues.
             let relaxed = self.lookup(cache, &q, RELAXED);
             if relaxed.is_some() { &self.relaxed } else { &self.failed }.fetch_add(1, Relaxed);
             relaxed
         })?;
-        let answered = Answered::Diffuse(part);
-        Some(Supplied { answered, indirect: part.albedo * INV_PI * e, direct: None, caustic: None })
+        let covers = Covers::Diffuse(part);
+        Some(Estimate { covers, indirect: part.albedo * INV_PI * e, direct: None, caustic: None })
     }
 
     /// Whether records hold what a vertex wants. With a largest depth they hold the light of what is left of it where they

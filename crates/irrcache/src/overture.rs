@@ -1,6 +1,6 @@
 //! The overture: filling the caches before the picture, from coarse to fine.
 
-use gi_core::eye::{Answered, EyePath, EyeVertex, Supplied};
+use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
 use gi_core::film::Show;
 use gi_core::math::{INV_PI, Rgb};
 use gi_core::rng::hash_words;
@@ -48,13 +48,23 @@ impl<'a> IrradianceCaching<'a> {
 
     /// Where the path through a pixel asks for what no record is good for. It is the path of the first pass.
     fn missing_in_pixel(&self, cache: &Cache<Record>, [x, y]: [u32; 2]) -> Vec<Place> {
-        let Setting { scene, camera, seed, .. } = self.setting;
-        let path = EyePath { scene, limits: self.params.limits, show: Show::Indirect };
+        let setting = Setting { show: Show::Indirect, ..self.setting };
+        let stream = y * setting.camera.size()[0] as u32 + x;
+        let pixel = [x as usize, y as usize];
         let mut missing = Vec::new();
-        path.sample_pixel(camera, seed, [x as usize, y as usize], 0, &mut |v, _| {
-            let key = hash_words(&[y * camera.size()[0] as u32 + x, v.segments, v.rough]);
-            self.note_missing(cache, v, 0, key, &mut missing)
-        });
+        let mut walk = EyeWalk::through_pixel(&setting, self.params.limits, pixel, 0);
+        while let Some(v) = walk.next_vertex() {
+            if v.wants_estimate() {
+                let key = hash_words(&[stream, v.segments, v.non_delta]);
+                if let Some(estimate) = self.note_missing(cache, &v, 0, key, &mut missing) {
+                    walk.add_estimate(&v, estimate);
+                }
+            }
+            walk.skip_direct(&v);
+            if !walk.scatter(&v) {
+                break;
+            }
+        }
         missing
     }
 
@@ -62,7 +72,7 @@ impl<'a> IrradianceCaching<'a> {
     fn missing_round(&self, next: &Cache<Record>, level: usize, place: &Place) -> Vec<Place> {
         let mut missing = Vec::new();
         let mut count = 0;
-        self.gatherer(level - 1).record(place, &mut |v, _| {
+        self.gatherer(level - 1).record(place, &mut |v| {
             count += 1;
             let key = hash_words(&[place.key, level as u32, count]);
             self.note_missing(next, v, level, key, &mut missing)
@@ -70,7 +80,7 @@ impl<'a> IrradianceCaching<'a> {
         missing
     }
 
-    /// A supplier that notes what is missing and ends the path.
+    /// Note the place of `v` if no record is good enough for it. The estimate that is returned ends the path.
     fn note_missing(
         &self,
         cache: &Cache<Record>,
@@ -78,18 +88,18 @@ impl<'a> IrradianceCaching<'a> {
         level: usize,
         key: u32,
         missing: &mut Vec<Place>,
-    ) -> Option<Supplied> {
+    ) -> Option<Estimate> {
         if !self.is_for_cache(v, level) {
             return None;
         }
         let part = v.bsdf.diffuse_part(v.wo)?;
-        let surface = *v.surface;
+        let surface = v.surface;
         let place = Place { surface, n: part.normal, segments: v.segments, length: v.length, key };
         if self.lookup(cache, &place.query(), 1.0).is_none() {
             missing.push(place);
         }
-        let answered = Answered::Diffuse(part);
-        Some(Supplied { answered, indirect: Rgb::BLACK, direct: None, caustic: None })
+        let covers = Covers::Diffuse(part);
+        Some(Estimate { covers, indirect: Rgb::BLACK, direct: None, caustic: None })
     }
 
     /// Fill the cache of a level, and those below it with what its gather rays will ask for.
@@ -115,13 +125,13 @@ impl<'a> IrradianceCaching<'a> {
             }
             let gatherer = self.gatherer(level);
             let make = |place| match (deeper.first(), self.params.bounces) {
-                (None, None) => gatherer.record(place, &mut |v, _| self.with_focused(None, v)),
+                (None, None) => gatherer.record(place, &mut |v| self.with_focused(None, v)),
                 // The deepest of the levels asked for sees direct light only.
                 (None, Some(_)) => {
-                    gatherer.record(place, &mut |v, _| self.with_focused(answer(v, Rgb::BLACK), v))
+                    gatherer.record(place, &mut |v| self.with_focused(answer(v, Rgb::BLACK), v))
                 }
-                (Some(next), _) => gatherer.record(place, &mut |v, _| {
-                    let known = self.is_for_cache(v, level + 1).then(|| self.supply_from(next, v));
+                (Some(next), _) => gatherer.record(place, &mut |v| {
+                    let known = self.is_for_cache(v, level + 1).then(|| self.interpolate(next, v));
                     self.with_focused(known.flatten(), v)
                 }),
             };
@@ -131,11 +141,11 @@ impl<'a> IrradianceCaching<'a> {
     }
 }
 
-/// A supplier that knows the irradiance.
-fn answer(v: &EyeVertex, e: Rgb) -> Option<Supplied> {
+/// The estimate of the diffuse part where the irradiance is `e`.
+fn answer(v: &EyeVertex, e: Rgb) -> Option<Estimate> {
     let part = v.bsdf.diffuse_part(v.wo)?;
     let indirect = part.albedo * INV_PI * e;
-    Some(Supplied { answered: Answered::Diffuse(part), indirect, direct: None, caustic: None })
+    Some(Estimate { covers: Covers::Diffuse(part), indirect, direct: None, caustic: None })
 }
 
 /// Deeper levels do not have fewer rays than this.

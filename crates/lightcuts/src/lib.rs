@@ -37,7 +37,7 @@ pub mod tree;
 
 use gi_core::bytes::{Reader, Writer};
 use gi_core::caustics::FocusedLight;
-use gi_core::eye::{Answered, EyePath, EyeVertex, Supplied};
+use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
 use gi_core::film::{Film, Show};
 use gi_core::sampler::Sampler;
 use gi_core::technique::{Picture, Setting, Technique};
@@ -196,24 +196,34 @@ impl<'a> Lightcuts<'a> {
         index: u32,
         corners: impl Fn(&EyeVertex) -> Option<Corners<'s>>,
     ) -> gi_core::film::Sample {
-        let Setting { scene, camera, seed, show, .. } = self.setting;
-        let path = EyePath { scene, limits: self.params.limits, show };
-        let mut supply = |v: &EyeVertex<'_, 'a>, sampler: &mut Sampler| {
-            self.gather(lights, v, corners(v).as_ref(), sampler)
-        };
-        path.sample_pixel(camera, seed, pixel, index, &mut supply)
+        let mut walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
+        while let Some(v) = walk.next_vertex() {
+            walk.add_emitted(&v);
+            if v.wants_estimate() {
+                let corners = corners(&v);
+                if let Some(estimate) = self.gather(lights, &v, corners.as_ref(), &mut walk.sampler)
+                {
+                    walk.add_estimate(&v, estimate);
+                }
+            }
+            walk.add_direct(&v);
+            if !walk.scatter(&v) {
+                break;
+            }
+        }
+        walk.sample()
     }
 
     /// Light a vertex.
     fn gather(
         &self,
         lights: &Lights<'_, 'a>,
-        v: &EyeVertex<'_, 'a>,
+        v: &EyeVertex<'a>,
         corners: Option<&Corners>,
         sampler: &mut Sampler,
-    ) -> Option<Supplied> {
+    ) -> Option<Estimate> {
         let bsdf = v.bsdf.broad(v.wo, MIN_ROUGHNESS)?;
-        let at = self.at(v.surface, v.wo, &bsdf, (v.segments, v.rough))?;
+        let at = self.at(&v.surface, v.wo, &bsdf, (v.segments, v.non_delta))?;
         let params = &self.params;
         let lit = match (params.method, corners) {
             (Method::Cuts, Some(corners)) if lights.agree_on_the_whole(&at, corners) => {
@@ -226,14 +236,15 @@ impl<'a> Lightcuts<'a> {
             (Method::Stochastic(size), _) => lights.light_stochastically(&at, size, sampler),
             (Method::Some(count), _) => lights.light_by_some(&at, count, sampler),
         };
-        self.tally.note(&lit, v.rough == 0);
-        Some(Supplied {
-            answered: Answered::Straight { most: self.compensated(), min_roughness: MIN_ROUGHNESS },
+        self.tally.note(&lit, v.non_delta == 0);
+        let max_geometry = self.compensated();
+        Some(Estimate {
+            covers: Covers::Visible { max_geometry, min_roughness: MIN_ROUGHNESS },
             direct: params.direct_by_points.then_some(lit.direct),
             indirect: lit.indirect,
             caustic: self.focused.radiance(
                 self.setting.scene,
-                (v.surface, v.wo, &bsdf),
+                (&v.surface, v.wo, &bsdf),
                 self.deepest(v.segments)?,
             ),
         })

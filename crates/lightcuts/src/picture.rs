@@ -95,7 +95,7 @@ fn corners<'s>(
     [x, y]: [usize; 2],
     v: &EyeVertex,
 ) -> Option<Corners<'s>> {
-    if v.segments > 1 || v.rough > 0 {
+    if v.segments > 1 || v.non_delta > 0 {
         return None;
     }
     let Lightcuts { setting, .. } = technique;
@@ -109,7 +109,7 @@ fn corners<'s>(
     let (u, t) = (within(x, 0, column), within(y, 1, row));
     let corner = |i: usize, j: usize, weight: f32| {
         let sample = rows[j][column + i].as_ref()?;
-        sample.serves(setting.scene, v.surface).then_some((sample, weight))
+        sample.serves(setting.scene, &v.surface).then_some((sample, weight))
     };
     Some([
         corner(0, 0, (1.0 - u) * (1.0 - t))?,

@@ -14,8 +14,8 @@
 mod light;
 
 use gi_core::bytes::{Reader, Writer};
-use gi_core::eye::{EyePath, InMedia, PathLimits, nothing};
-use gi_core::film::Film;
+use gi_core::eye::{EyeEvent, EyeWalk, PathLimits};
+use gi_core::film::{Film, Sample};
 use gi_core::technique::{Setting, Technique};
 
 /// Which end paths begin at.
@@ -57,18 +57,10 @@ impl<'a> Technique<'a> for PathTracer<'a> {
     /// One path a pixel.
     fn pass(&mut self, index: u32, film: &mut Film) {
         match self.params.mode {
-            Mode::Path => {
-                let Setting { scene, camera, seed, show, .. } = self.setting;
-                let path = EyePath { scene, limits: self.params.limits, show };
-                film.add_pass(|pixel| path.sample_pixel(camera, seed, pixel, index, &mut nothing));
-            }
+            Mode::Path => film.add_pass(|pixel| self.path(pixel, index)),
             Mode::VolPath => {
-                let Setting { scene, camera, seed, show, .. } = self.setting;
-                let path = EyePath { scene, limits: self.params.limits, show };
-                let medium = path.medium_round(camera);
-                film.add_pass(|pixel| {
-                    path.sample_pixel_by(camera, medium, seed, pixel, index, &mut InMedia)
-                });
+                let medium = self.setting.camera_medium();
+                film.add_pass(|pixel| self.path_in_media(pixel, index, medium));
             }
             Mode::Light => self.light_pass(index, film),
         }
@@ -107,5 +99,44 @@ impl<'a> Technique<'a> for PathTracer<'a> {
                             through a delta lobe"
                 .into(),
         }
+    }
+}
+
+impl PathTracer<'_> {
+    /// A path from the eye: at every vertex add emitted light, sample a light, and sample the BSDF for the next direction.
+    #[inline]
+    fn path(&self, pixel: [usize; 2], index: u32) -> Sample {
+        let mut walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
+        while let Some(v) = walk.next_vertex() {
+            walk.add_emitted(&v);
+            walk.add_direct(&v);
+            if !walk.scatter(&v) {
+                break;
+            }
+        }
+        walk.sample()
+    }
+
+    /// The same in media: a medium may scatter the path before it reaches the next surface [slide 34].
+    fn path_in_media(&self, pixel: [usize; 2], index: u32, medium: Option<usize>) -> Sample {
+        let walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
+        let mut walk = walk.through_media(medium);
+        while let Some(event) = walk.next_event() {
+            let continues = match &event {
+                EyeEvent::Surface(v) => {
+                    walk.add_emitted(v);
+                    walk.add_direct(v);
+                    walk.scatter(v)
+                }
+                EyeEvent::Medium(v) => {
+                    walk.add_direct_within(v);
+                    walk.scatter_within(v)
+                }
+            };
+            if !continues {
+                break;
+            }
+        }
+        walk.sample()
     }
 }

@@ -2,13 +2,11 @@
 
 use gi_core::bsdf::Transport;
 use gi_core::camera::Connection;
-use gi_core::eye::EyePath;
 use gi_core::film::{Components, Film, Sample};
 use gi_core::filter::FilterTable;
 use gi_core::light::Light;
 use gi_core::math::Rgb;
 use gi_core::sampler::Sampler;
-use gi_core::technique::Setting;
 use gi_core::walk::{LightEvent, LightVertex, LightWalk, MediumVertex, Roulette};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -50,8 +48,7 @@ impl PathTracer<'_> {
             *picture[splat.pixel as usize].of_path(splat.rough, splat.after_delta) +=
                 splat.power * (1.0 / paths as f32);
         }
-        let Setting { scene, camera, show, .. } = self.setting;
-        let medium = EyePath { scene, limits: self.params.limits, show }.medium_round(camera);
+        let medium = self.setting.camera_medium();
         film.add_unfiltered(|[x, y]| {
             let mut sample = self.look([x, y], index, medium);
             let light = &picture[y * w + x];

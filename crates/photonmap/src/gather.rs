@@ -1,7 +1,7 @@
 //! Final gather: indirect light at the first diffuse surface, photons at the second [slides 28, 31].
 
-use gi_core::bsdf::{DiffusePart, Transport};
-use gi_core::eye::{Answered, EyePath, EyeVertex, PathLimits, Supplied};
+use gi_core::bsdf::DiffusePart;
+use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk, GatherRay, PathLimits};
 use gi_core::film::Show;
 use gi_core::math::{Frame, INV_PI, Rgb};
 use gi_core::rng::hash_words;
@@ -11,19 +11,18 @@ use glam::Vec3;
 
 use crate::estimate::facing;
 use crate::guide::Guide;
-use crate::media::InMedia;
 use crate::photon::Kind;
 use crate::shoot::is_near_specular;
 use crate::{Gather, PhotonMapping};
 
 impl<'a> PhotonMapping<'a> {
     /// What the maps know at a vertex of a path from the eye.
-    pub(crate) fn supply(
+    pub(crate) fn estimate(
         &self,
-        v: &EyeVertex<'_, 'a>,
+        v: &EyeVertex<'a>,
         sampler: &mut Sampler,
         rays: &Rays,
-    ) -> Option<Supplied> {
+    ) -> Option<Estimate> {
         match self.params.gather {
             Gather::None => self.read_map(v, true, rays),
             Gather::Direct => self.read_map(v, false, rays),
@@ -32,22 +31,22 @@ impl<'a> PhotonMapping<'a> {
     }
 
     /// The global map read at the vertex itself [slides 29, 30].
-    fn read_map(&self, v: &EyeVertex<'_, 'a>, whole: bool, rays: &Rays) -> Option<Supplied> {
+    fn read_map(&self, v: &EyeVertex<'a>, whole: bool, rays: &Rays) -> Option<Estimate> {
         let depth = self.photon_depth(v.segments)?;
-        let place = (v.surface, v.wo, v.bsdf);
+        let place = (&v.surface, v.wo, &v.bsdf);
         let e = self.global.radiance(self.setting.scene, place, depth, rays.probes(v.segments));
-        let (answered, direct) = (Answered::Rough, whole.then_some(e.direct));
-        Some(Supplied { answered, direct, indirect: e.indirect, caustic: Some(e.caustic) })
+        let (covers, direct) = (Covers::NonDelta, whole.then_some(e.direct));
+        Some(Estimate { covers, direct, indirect: e.indirect, caustic: Some(e.caustic) })
     }
 
     /// Caustics from their map [slide 27], indirect light by rays to the photons behind [slide 28]. Lobes that are not
     /// Lambertian are left to the path.
     fn final_gather(
         &self,
-        v: &EyeVertex<'_, 'a>,
+        v: &EyeVertex<'a>,
         sampler: &mut Sampler,
         rays: &Rays,
-    ) -> Option<Supplied> {
+    ) -> Option<Estimate> {
         let part = v.bsdf.diffuse_part(v.wo)?;
         let show = self.setting.show;
         let mut indirect = Rgb::BLACK;
@@ -55,11 +54,11 @@ impl<'a> PhotonMapping<'a> {
             indirect = self.gather(v, &part, sampler, rays);
         }
         // Light over nearly specular surfaces is indirect light, and read from the caustic map.
-        let wanted = v.rough > 0 || matches!(show, Show::All | Show::Caustic | Show::Indirect);
+        let wanted = v.non_delta > 0 || matches!(show, Show::All | Show::Caustic | Show::Indirect);
         let caustic = match &self.caustic {
             Some(map) if wanted => {
                 let depth = self.photon_depth(v.segments)?;
-                let place = (v.surface.p, facing(v.surface, v.wo), depth);
+                let place = (v.surface.p, facing(&v.surface, v.wo), depth);
                 let probes = rays.probes(v.segments);
                 let e = map.irradiance_seen(self.setting.scene, place, probes);
                 let f = part.albedo * INV_PI;
@@ -69,24 +68,24 @@ impl<'a> PhotonMapping<'a> {
             Some(_) => Some(Rgb::BLACK),
             None => None,
         };
-        Some(Supplied { answered: Answered::Diffuse(part), direct: None, indirect, caustic })
+        Some(Estimate { covers: Covers::Diffuse(part), direct: None, indirect, caustic })
     }
 
     /// Mean over gather rays of what they find, times albedo: indirect light that the Lambertian part scatters.
     fn gather(
         &self,
-        v: &EyeVertex<'_, 'a>,
+        v: &EyeVertex<'a>,
         part: &DiffusePart,
         sampler: &mut Sampler,
         rays: &Rays,
     ) -> Rgb {
         // Behind a glossy surface one ray is as good as the path's one.
-        let count = if v.rough == 0 { self.params.gather_rays } else { 1 };
+        let count = if v.non_delta == 0 { self.params.gather_rays } else { 1 };
         let frame = Frame::from_normal(part.normal);
-        let guide = if v.rough == 0 { self.guide(v, &frame) } else { None };
+        let guide = if v.non_delta == 0 { self.guide(v, &frame) } else { None };
         let mut sum = Rgb::BLACK;
         for k in 0..count {
-            let u = if v.rough == 0 { rays.direction(k, count) } else { sampler.next_2d() };
+            let u = if v.non_delta == 0 { rays.direction(k, count) } else { sampler.next_2d() };
             let (local, density) = match &guide {
                 Some(guide) => guide.sample(u),
                 None => (warp::cosine_hemisphere(u), 1.0),
@@ -97,11 +96,11 @@ impl<'a> PhotonMapping<'a> {
     }
 
     /// Where photons over rough surfaces came from, if gather rays are to be led there.
-    fn guide(&self, v: &EyeVertex<'_, 'a>, frame: &Frame) -> Option<Guide> {
+    fn guide(&self, v: &EyeVertex<'a>, frame: &Frame) -> Option<Guide> {
         if self.params.guided == 0.0 {
             return None;
         }
-        let (n, depth) = (facing(v.surface, v.wo), self.photon_depth(v.segments)?);
+        let (n, depth) = (facing(&v.surface, v.wo), self.photon_depth(v.segments)?);
         let mut photons = Vec::with_capacity(self.params.lookup);
         self.global.visit(v.surface.p, n, depth, |photon| {
             if photon.kind() == Kind::Indirect {
@@ -111,83 +110,63 @@ impl<'a> PhotonMapping<'a> {
         Guide::new(frame, self.params.guided, photons.into_iter())
     }
 
-    /// Light that comes to a vertex over a surface in direction `wi`, having been scattered there by other than
-    /// delta lobes.
-    fn along(&self, v: &EyeVertex<'_, 'a>, wi: glam::Vec3, sampler: &mut Sampler) -> Rgb {
+    /// Light that comes to a vertex from direction `wi`, over a surface that scattered it by other than delta lobes: follow
+    /// the ray to the first diffuse surface that is far enough away to read irradiance from the map.
+    fn along(&self, v: &EyeVertex<'a>, wi: Vec3, sampler: &mut Sampler) -> Rgb {
         let scene = self.setting.scene;
-        let ray = scene.spawn(v.surface, wi);
-        // What a medium adds on the way is met by a path.
-        if self.media.is_some() && scene.medium_toward(v.surface, wi, v.medium).is_some() {
-            return self.path_on(v, ray, sampler);
-        }
-        let Some(hit) = scene.closest(&ray) else { return Rgb::BLACK };
-        let surface = scene.surface(&ray, &hit);
-        let wo = -wi;
-        let bsdf = scene.bsdf(&surface, wo, Transport::Radiance);
-        // On Lambertian ground the irradiance is there already.
-        if let Some(albedo) = bsdf.lambertian(wo) {
-            if albedo.is_black() {
-                return Rgb::BLACK;
-            }
-            let Some(depth) = self.photon_depth(v.segments + 1) else { return Rgb::BLACK };
-            match self.irradiance(depth).lookup(scene, surface.p, facing(&surface, wo)) {
-                // Where the estimate is wider than the ray is long, corners would leak [Jensen01, 9.3.2].
-                Some((e, radius)) if hit.t > radius => return e * albedo * INV_PI,
-                Some(_) => {}
-                None => {}
-            }
-        }
-        self.path_on(v, ray, sampler)
-    }
-
-    /// The same by a path, to the first diffuse surface far enough away to be read from the map.
-    fn path_on(&self, v: &EyeVertex<'_, 'a>, ray: gi_core::ray::Ray, sampler: &mut Sampler) -> Rgb {
-        let start = v.length;
-        let mut focused = 0;
-        let mut supply = |w: &EyeVertex<'_, 'a>, sampler: &mut Sampler| {
-            // Lights seen over nearly specular surfaces alone are in the caustic map.
-            if self.caustic.is_some() && w.rough == 1 + focused && is_near_specular(w.bsdf, w.wo) {
-                focused += 1;
-                return Some(NO_LIGHTS);
-            }
-            self.precomputed(w, w.length - start, sampler)
-        };
+        let ray = scene.spawn(&v.surface, wi);
+        let start = GatherRay { ray, segments: v.segments + 1, length: v.length };
         let limits = PathLimits { max_depth: self.params.max_depth, ..PathLimits::default() };
-        let path = EyePath { scene: self.setting.scene, limits, show: Show::Indirect };
-        let along = (v.segments + 1, v.length);
-        let found = match &self.media {
-            Some(maps) => {
-                let medium = self.setting.scene.medium_toward(v.surface, ray.d, v.medium);
-                let mut supplier = InMedia::new(self, maps, supply);
-                path.gather_by(ray, medium, along, sampler, &mut supplier)
+        let mut walk = EyeWalk::along(scene, limits, start, sampler.clone());
+        if self.media.is_some() {
+            walk = walk.through_media(scene.medium_toward(&v.surface, wi, v.medium));
+        }
+        let mut focused = 0;
+        loop {
+            self.add_medium(&mut walk);
+            let Some(w) = walk.next_vertex() else { break };
+            walk.add_emitted(&w);
+            if w.wants_estimate() {
+                // The caustic map holds the light of sources that is seen over nearly specular surfaces alone.
+                let is_focused = self.caustic.is_some()
+                    && w.non_delta == 1 + focused
+                    && is_near_specular(&w.bsdf, w.wo);
+                let estimate = if is_focused {
+                    focused += 1;
+                    Some(NO_LIGHTS)
+                } else {
+                    self.precomputed(&w, w.length - v.length, &mut walk.sampler)
+                };
+                if let Some(estimate) = estimate {
+                    walk.add_estimate(&w, estimate);
+                }
             }
-            None => path.gather(ray, along, sampler, &mut supply),
-        };
-        found.radiance.indirect
+            walk.add_direct(&w);
+            if !walk.scatter(&w) {
+                break;
+            }
+        }
+        *sampler = walk.sampler.clone();
+        walk.sample().radiance.indirect
     }
 
-    /// What the irradiance ahead answers at a vertex `far` along a path from a gather point.
-    fn precomputed(
-        &self,
-        w: &EyeVertex<'_, 'a>,
-        far: f32,
-        sampler: &mut Sampler,
-    ) -> Option<Supplied> {
+    /// Estimate at a vertex `w`, at the distance `far` from the gather point, by precomputed irradiance.
+    fn precomputed(&self, w: &EyeVertex<'a>, far: f32, sampler: &mut Sampler) -> Option<Estimate> {
         let scene = self.setting.scene;
         let part = w.bsdf.diffuse_part(w.wo)?;
         let depth = self.photon_depth(w.segments)?;
-        let (p, n) = (w.surface.p, facing(w.surface, w.wo));
-        let (answered, f) = (Answered::Diffuse(part), part.albedo * INV_PI);
+        let (p, n) = (w.surface.p, facing(&w.surface, w.wo));
+        let (covers, f) = (Covers::Diffuse(part), part.albedo * INV_PI);
         if w.bsdf.is_diffuse() {
             let (e, radius) = self.irradiance(depth).lookup(scene, p, n)?;
             let (direct, caustic) = (Some(Rgb::BLACK), Some(Rgb::BLACK));
-            let all = Supplied { answered, direct, indirect: e * f, caustic };
+            let all = Estimate { covers, direct, indirect: e * part.albedo * INV_PI, caustic };
             return (far > radius).then_some(all);
         }
         // Other lobes need light straight from lights by itself.
         let e = self.global.irradiance_seen(scene, (p, n, depth), || sampler.next_2d());
-        (far * far > e.found.radius_sq).then(|| Supplied {
-            answered,
+        (far * far > e.found.radius_sq).then(|| Estimate {
+            covers,
             direct: None,
             indirect: e.indirect * f,
             caustic: Some(e.caustic * f),
@@ -202,9 +181,9 @@ impl<'a> PhotonMapping<'a> {
     }
 }
 
-/// Lights are answered for elsewhere, straight ones and those over delta lobes; other surfaces are not.
-const NO_LIGHTS: Supplied = Supplied {
-    answered: Answered::Diffuse(DiffusePart { albedo: Rgb::BLACK, normal: Vec3::Z }),
+/// Accounts for light straight from sources and over delta lobes, which is added elsewhere. Adds nothing.
+const NO_LIGHTS: Estimate = Estimate {
+    covers: Covers::Diffuse(DiffusePart { albedo: Rgb::BLACK, normal: Vec3::Z }),
     direct: Some(Rgb::BLACK),
     indirect: Rgb::BLACK,
     caustic: Some(Rgb::BLACK),

@@ -39,7 +39,7 @@ pub mod shoot;
 mod test_scenes;
 pub mod volume;
 
-use gi_core::eye::{EyePath, PathLimits};
+use gi_core::eye::{EyeWalk, PathLimits};
 use gi_core::film::Film;
 use gi_core::technique::{Picture, Setting, Technique};
 
@@ -49,7 +49,7 @@ use irradiance::{IrradianceMap, irradiance_maps};
 use kernel::Kernel;
 use map::{Layout, PhotonMap};
 use maps::{Maps, load, shoot, source};
-use media::{InMedia, MediaMaps};
+use media::MediaMaps;
 pub use pictures::Show;
 use shoot::Shot;
 use volume::VolumeMaps;
@@ -202,22 +202,31 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
 
     /// One path from the eye a pixel; the maps answer where it meets what scatters light.
     fn pass(&mut self, index: u32, film: &mut Film) {
-        let Setting { scene, camera, seed, show, .. } = self.setting;
+        let Setting { camera, seed, .. } = self.setting;
         let limits = PathLimits { max_depth: self.params.max_depth, ..PathLimits::default() };
-        let path = EyePath { scene, limits, show };
-        let this = &*self;
-        let medium = path.medium_round(camera);
+        let medium = self.setting.camera_medium();
         film.add_pass(|pixel| {
             let stream = (pixel[1] * camera.size()[0] + pixel[0]) as u32;
             let rays = Rays { seed, stream, pass: index };
-            if let Some(maps) = &this.media {
-                let mut supplier =
-                    InMedia::new(this, maps, |v, sampler: &mut _| this.supply(v, sampler, &rays));
-                return path.sample_pixel_by(camera, medium, seed, pixel, index, &mut supplier);
+            let mut walk = EyeWalk::through_pixel(&self.setting, limits, pixel, index);
+            if self.media.is_some() {
+                walk = walk.through_media(medium);
             }
-            path.sample_pixel(camera, seed, pixel, index, &mut |v, sampler| {
-                this.supply(v, sampler, &rays)
-            })
+            loop {
+                self.add_medium(&mut walk);
+                let Some(v) = walk.next_vertex() else { break };
+                walk.add_emitted(&v);
+                if v.wants_estimate()
+                    && let Some(estimate) = self.estimate(&v, &mut walk.sampler, &rays)
+                {
+                    walk.add_estimate(&v, estimate);
+                }
+                walk.add_direct(&v);
+                if !walk.scatter(&v) {
+                    break;
+                }
+            }
+            walk.sample()
         });
     }
 

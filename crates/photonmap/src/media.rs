@@ -1,6 +1,6 @@
 //! What is known of the light that a medium scatters back along a beam: photons, the dipole, and samples of lights.
 
-use gi_core::eye::{Beam, EyePath, EyeVertex, PathLimits, Supplied, Supplier};
+use gi_core::eye::{Beam, EyeWalk};
 use gi_core::film::{Components, Show};
 use gi_core::math::Rgb;
 use gi_core::medium::{Medium, equiangular, equiangular_pdf};
@@ -14,7 +14,7 @@ use crate::shoot::Source;
 use crate::volume::VolumeMaps;
 use crate::{Params, PhotonMapping, Subsurface};
 
-/// Share of the beams behind a rough scattering that are looked along: their light is a small part, and costs as much.
+/// Fraction of the beams after a scattering by other than a delta lobe that are sampled.
 const GATHERED: f32 = 0.25;
 
 /// The light in all media.
@@ -41,13 +41,12 @@ pub(crate) fn check(setting: &Setting, params: &Params) -> Result<(), String> {
     if params.subsurface == Subsurface::Photons {
         return Ok(());
     }
-    let Setting { scene, camera, show, .. } = *setting;
+    let scene = setting.scene;
     let solids = scene.solids();
     if !params.knows_media(scene) || !(0..scene.media().len()).any(|m| solids.is_dark(m)) {
         return Err(NO_SOLID.into());
     }
-    let path = EyePath { scene, limits: PathLimits::default(), show };
-    let is_inside = path.medium_round(camera).is_some_and(|m| solids.is_dark(m));
+    let is_inside = setting.camera_medium().is_some_and(|m| solids.is_dark(m));
     if is_inside { Err(INSIDE.into()) } else { Ok(()) }
 }
 
@@ -69,48 +68,26 @@ impl MediaMaps {
     }
 }
 
-/// Photon mapping with media: `F` answers on surfaces, the maps in between.
-pub(crate) struct InMedia<'s, 'a, F> {
-    technique: &'s PhotonMapping<'a>,
-    maps: &'s MediaMaps,
-    vertex: F,
-}
-
-impl<'s, 'a, F: FnMut(&EyeVertex<'_, 'a>, &mut Sampler) -> Option<Supplied>> InMedia<'s, 'a, F> {
-    pub(crate) fn new(technique: &'s PhotonMapping<'a>, maps: &'s MediaMaps, vertex: F) -> Self {
-        InMedia { technique, maps, vertex }
-    }
-}
-
-impl<'a, F: FnMut(&EyeVertex<'_, 'a>, &mut Sampler) -> Option<Supplied>> Supplier<'a>
-    for InMedia<'_, 'a, F>
-{
-    const MEDIA: bool = true;
-
-    fn vertex(&mut self, v: &EyeVertex<'_, 'a>, sampler: &mut Sampler) -> Option<Supplied> {
-        (self.vertex)(v, sampler)
-    }
-
-    fn beam(&mut self, beam: &Beam, sampler: &mut Sampler) -> Option<Components> {
-        let Some(depth) = self.technique.photon_depth(beam.segments) else {
-            return Some(Components::default());
-        };
-        // Of the many rays of a gather point, or behind a glossy surface, a few are asked for all.
+impl<'a> PhotonMapping<'a> {
+    /// Add the light that a medium scatters back along the next segment of a path.
+    pub(crate) fn add_medium(&self, walk: &mut EyeWalk<'a>) {
+        let Some(maps) = &self.media else { return };
+        let Some(beam) = walk.beam_ahead() else { return };
+        let Some(depth) = self.photon_depth(beam.segments) else { return };
+        // After a scattering by other than a delta lobe, this light is a small part and costs as much: sample few beams.
         let mut share = 1.0;
-        if beam.rough > 0 {
-            if sampler.next_1d() >= GATHERED {
-                return Some(Components::default());
+        if beam.non_delta > 0 {
+            if walk.sampler.next_1d() >= GATHERED {
+                return;
             }
             share = GATHERED;
         }
-        let found = self.technique.scattered(self.maps, beam, depth, sampler);
-        let Components { direct, indirect, caustic } = found;
+        let Components { direct, indirect, caustic } =
+            self.scattered(maps, &beam, depth, &mut walk.sampler);
         let (direct, indirect, caustic) = (direct / share, indirect / share, caustic / share);
-        Some(Components { direct, indirect, caustic })
+        walk.add_beam(&beam, Components { direct, indirect, caustic });
     }
-}
 
-impl PhotonMapping<'_> {
     /// All light of at most `depth` segments that a medium scatters back along a beam.
     fn scattered(
         &self,

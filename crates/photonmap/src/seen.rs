@@ -2,8 +2,8 @@
 //! and irradiance is computed ahead there.
 
 use gi_core::bsdf::Bsdf;
+use gi_core::eye::EyeWalk;
 use gi_core::light::{Light, Targets};
-use gi_core::seen::walk_from_eye;
 use gi_core::technique::Setting;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -57,19 +57,24 @@ pub(crate) fn targets(setting: &Setting, params: &Params) -> Option<Targets> {
 
 fn walk(setting: &Setting, gather: Gather, path: u32) -> Walk {
     let (mut met, mut ends, mut answered) = (Vec::new(), Vec::new(), 0);
-    walk_from_eye(setting, STREAM, path, MOST_MET, |m| {
-        let point = (m.surface.p, m.worth);
-        if answered >= gather.sampled() && !m.scatter.null {
+    let mut walk = EyeWalk::through_picture(setting, STREAM, path);
+    for _ in 0..MOST_MET {
+        let Some(v) = walk.next_vertex() else { break };
+        if !walk.scatter(&v) {
+            break;
+        }
+        let point = (v.surface.p, walk.throughput().luminance());
+        let passes_straight = walk.segments() == v.segments;
+        if answered >= gather.sampled() && !passes_straight {
             met.push(point);
         }
-        if gather.answers(m.bsdf, m.wo) {
+        if gather.answers(&v.bsdf, v.wo) {
             if answered == gather.skipped() {
                 ends.push(point);
             }
             answered += 1;
         }
-        true
-    });
+    }
     (met, ends)
 }
 
@@ -92,15 +97,19 @@ pub(crate) fn places(setting: &Setting, gather: Gather, count: usize) -> Vec<Pla
 }
 
 fn place(setting: &Setting, gather: Gather, path: u32) -> Option<Place> {
-    let (mut place, mut answered) = (None, 0);
-    walk_from_eye(setting, STREAM ^ 1, path, MOST_MET, |m| {
-        if gather.answers(m.bsdf, m.wo) {
+    let mut walk = EyeWalk::through_picture(setting, STREAM ^ 1, path);
+    let mut answered = 0;
+    for _ in 0..MOST_MET {
+        let v = walk.next_vertex()?;
+        if gather.answers(&v.bsdf, v.wo) {
             if answered == gather.skipped() {
-                place = Some((m.surface.p, facing(m.surface, m.wo)));
+                return Some((v.surface.p, facing(&v.surface, v.wo)));
             }
             answered += 1;
         }
-        place.is_none()
-    });
-    place
+        if !walk.scatter(&v) {
+            break;
+        }
+    }
+    None
 }

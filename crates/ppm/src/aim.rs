@@ -3,14 +3,14 @@
 //! A photon is worth what the picture makes of it. Paths from the eye, going on where they gather, end up at points in
 //! proportion to that; a sun that lights ground to the horizon sends its photons there.
 
+use gi_core::eye::EyeWalk;
 use gi_core::light::{Light, Targets};
-use gi_core::seen::walk_from_eye;
 use gi_core::technique::Setting;
 use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::Params;
-use crate::gather::answered;
+use crate::gather::covers;
 
 /// Paths from the eye. They are few beside those of a pass, and say about where, not how bright.
 const PATHS: u32 = 4096;
@@ -38,18 +38,23 @@ type Walk = (Vec<(Vec3, f32)>, Vec<(Vec3, f32)>);
 fn walk(setting: &Setting, params: &Params, path: u32) -> Walk {
     let (mut met, mut ends) = (Vec::new(), Vec::new());
     let mut gathered = params.direct_by_photons;
-    walk_from_eye(setting, STREAM, path, MOST_MET, |m| {
-        let point = (m.surface.p, m.worth);
-        if gathered && !m.scatter.null {
+    let mut walk = EyeWalk::through_picture(setting, STREAM, path);
+    for _ in 0..MOST_MET {
+        let Some(v) = walk.next_vertex() else { break };
+        if !walk.scatter(&v) {
+            break;
+        }
+        let point = (v.surface.p, walk.throughput().luminance());
+        let passes_straight = walk.segments() == v.segments;
+        if gathered && !passes_straight {
             met.push(point);
         }
-        if !m.bsdf.is_delta() && answered(m.bsdf, m.wo, params.min_roughness).is_some() {
+        if !v.bsdf.is_delta() && covers(&v.bsdf, v.wo, params.min_roughness).is_some() {
             if ends.is_empty() {
                 ends.push(point);
             }
             gathered = true;
         }
-        true
-    });
+    }
     (met, ends)
 }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use gi_core::bsdf::Bsdf;
 use gi_core::disc::Disc;
-use gi_core::eye::Answered;
+use gi_core::eye::Covers;
 use gi_core::geometry::Surface;
 use gi_core::math::Rgb;
 use gi_core::scene::Scene;
@@ -22,7 +22,7 @@ pub(crate) struct Point<'p, 'a> {
     pub(crate) wo: Vec3,
     pub(crate) bsdf: &'p Bsdf<'a>,
     /// The scattering that photons answer for.
-    pub(crate) answered: Answered,
+    pub(crate) covers: Covers,
     /// Most segments that a photon may have come over.
     pub(crate) max_segments: Option<u32>,
     /// What the radiance here counts with in the picture.
@@ -74,13 +74,13 @@ impl Gathered {
     }
 }
 
-/// What photons answer for where roughness `min_roughness` is enough: all scattering but that of delta lobes, or, where
-/// a lobe is too sharp for them, the Lambertian part. `None` where there is none: rays go on then.
-pub(crate) fn answered(bsdf: &Bsdf, wo: Vec3, min_roughness: f32) -> Option<Answered> {
+/// Which scattering photons cover: all but delta lobes if no lobe is narrower than `min_roughness`, else the Lambertian
+/// part. `None` where there is none: paths continue there.
+pub(crate) fn covers(bsdf: &Bsdf, wo: Vec3, min_roughness: f32) -> Option<Covers> {
     if bsdf.roughness() >= min_roughness {
-        Some(Answered::Rough)
+        Some(Covers::NonDelta)
     } else {
-        bsdf.diffuse_part(wo).map(Answered::Diffuse)
+        bsdf.diffuse_part(wo).map(Covers::Diffuse)
     }
 }
 
@@ -131,9 +131,9 @@ fn gather_where(
 ) -> Gathered {
     let Point { bsdf, wo, surface, .. } = *point;
     let whole = |wi: Vec3| bsdf.f(wo, wi);
-    match point.answered {
+    match point.covers {
         // The one case that is common enough to be told apart.
-        Answered::Rough | Answered::Straight { .. } if bsdf.is_diffuse() => {
+        Covers::NonDelta | Covers::Visible { .. } if bsdf.is_diffuse() => {
             match bsdf.diffuse_part(wo) {
                 Some(part) if part.normal.dot(surface.ns()).abs() > 1.0 - 1e-6 => {
                     let f = part.albedo * gi_core::math::INV_PI;
@@ -145,11 +145,11 @@ fn gather_where(
                 None => Gathered::default(),
             }
         }
-        Answered::Rough | Answered::Straight { .. } => {
+        Covers::NonDelta | Covers::Visible { .. } => {
             sum(grid, point, discs, takes, |a| whole(a.wi))
         }
         // Exactly what the path that goes on leaves out.
-        Answered::Diffuse(part) => sum(grid, point, discs, takes, |a| {
+        Covers::Diffuse(part) => sum(grid, point, discs, takes, |a| {
             let left = bsdf.beside_diffuse(&part, wo, a.wi);
             whole(a.wi) * (Rgb::WHITE - left)
         }),
@@ -173,8 +173,7 @@ fn sum(
     grid.within(point.surface.p, reach, |q, arrival, distance_sq| {
         let too_long = point.max_segments.is_some_and(|most| arrival.segments > most);
         // Where photons answer for a part of the scattering only, light straight from lights is sampled.
-        let sampled =
-            arrival.kind == Kind::Direct && matches!(point.answered, Answered::Diffuse(_));
+        let sampled = arrival.kind == Kind::Direct && matches!(point.covers, Covers::Diffuse(_));
         let lights = arrival.lights(ng);
         out.has_others |= !lights && distance_sq < radius_sq;
         if too_long || sampled || !lights {

@@ -2,15 +2,13 @@
 
 use gi_core::camera::Camera;
 use gi_core::disc::Disc;
-use gi_core::eye::EyeVertex;
 use gi_core::film::PerPixel;
 use gi_core::geometry::Surface;
 use gi_core::math::Rgb;
-use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
 use glam::Vec3;
 
-use crate::gather::{Point, answered, radius_of};
+use crate::gather::{Point, radius_of};
 use crate::grid::Grid;
 use crate::methods::Method;
 use crate::photons::{Photon, SAME_SURFACE};
@@ -88,31 +86,32 @@ struct Nearest {
 fn nearest(look: &Look, at: [usize; 2], grid: &Grid, guess: f32) -> Option<Nearest> {
     let setting = look.setting;
     let pixel = pixel_width(setting.camera);
-    let mut nearest = None;
-    let mut supply = |v: &EyeVertex, _: &mut Sampler| {
-        let answered = answered(v.bsdf, v.wo, look.params.min_roughness)?;
-        if nearest.is_none() {
+    let count = look.params.initial_photons as usize;
+    let mut walk = look.walk(at, PILOT);
+    while let Some(v) = walk.next_vertex() {
+        if let Some(covers) = look.covers(&v) {
             let most = MOST * v.length.min(setting.scene.radius());
             let least = (LEAST_PIXELS * pixel(v.length)).clamp(f32::MIN_POSITIVE, most);
             let point = Point {
-                surface: v.surface,
+                surface: &v.surface,
                 wo: v.wo,
-                bsdf: v.bsdf,
-                answered,
+                bsdf: &v.bsdf,
+                covers,
                 max_segments: None,
                 throughput: Rgb::WHITE,
             };
-            let count = look.params.initial_photons as usize;
-            nearest = radius_of(grid, &point, count, guess, [least, most]).map(|radius| Nearest {
-                radius: on_surface(setting.scene, (v.surface, v.wo), [least, radius]),
-                least,
-                most,
-            });
+            if let Some(radius) = radius_of(grid, &point, count, guess, [least, most]) {
+                let radius = on_surface(setting.scene, (&v.surface, v.wo), [least, radius]);
+                return Some(Nearest { radius, least, most });
+            }
+            walk.add_estimate(&v, look.nothing(covers));
         }
-        Some(look.silence(answered))
-    };
-    let _ = look.path().sample_pixel(setting.camera, setting.seed, at, PILOT, &mut supply);
-    nearest
+        walk.skip_direct(&v);
+        if !walk.scatter(&v) {
+            break;
+        }
+    }
+    None
 }
 
 /// The radius, or a smaller one, whose disc lies on the surface that it is round: past an edge there are no photons for it.

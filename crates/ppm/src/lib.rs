@@ -250,7 +250,7 @@ fn trace(setting: &Setting, params: &Params, emission: &Emission, pass: u32) -> 
     }
     emission.trace(setting.scene, pass, |vertex| {
         !vertex.bsdf.is_delta()
-            && gather::answered(&vertex.bsdf, vertex.wo, params.min_roughness).is_some()
+            && gather::covers(&vertex.bsdf, vertex.wo, params.min_roughness).is_some()
     })
 }
 

@@ -1,7 +1,7 @@
 //! A pixel: what it keeps from pass to pass, and what it does in one.
 
 use gi_core::bsdf::Transport;
-use gi_core::eye::{Answered, EyePath, EyeVertex, Supplied};
+use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
 use gi_core::film::Sample;
 use gi_core::geometry::Surface;
 use gi_core::math::Rgb;
@@ -12,7 +12,7 @@ use glam::Vec3;
 
 use crate::Params;
 use crate::error::Moments;
-use crate::gather::{Discs, Gathered, Point, answered, gather_seen};
+use crate::gather::{Discs, Gathered, Point, covers, gather_seen};
 use crate::grid::Grid;
 use crate::methods::{Method, adaptive_radius, derivative_radius, probabilistic_radius};
 use crate::statistics::Statistics;
@@ -37,12 +37,12 @@ pub(crate) struct Region {
 pub(crate) struct Hit {
     pub(crate) surface: Surface,
     pub(crate) wo: Vec3,
-    pub(crate) answered: Answered,
+    pub(crate) covers: Covers,
     /// What one unit of its radiance adds to the pixel.
     pub(crate) throughput: Rgb,
     pub(crate) segments: u32,
-    /// Scatterings by other than delta lobes before it.
-    pub(crate) rough: u32,
+    /// Number of scatterings before it that were not by delta lobes.
+    pub(crate) non_delta: u32,
     pub(crate) statistics: Statistics,
 }
 
@@ -66,9 +66,9 @@ pub(crate) struct Look<'s, 'a> {
 }
 
 impl<'a> Look<'_, 'a> {
-    pub(crate) fn path(&self) -> EyePath<'a> {
-        let Setting { scene, show, .. } = *self.setting;
-        EyePath { scene, limits: self.params.limits, show }
+    /// The path through a pixel, sample number `index`.
+    pub(crate) fn walk(&self, pixel: [usize; 2], index: u32) -> EyeWalk<'a> {
+        EyeWalk::through_pixel(self.setting, self.params.limits, pixel, index)
     }
 
     /// Most segments that photons may have come over where the eye's path has `segments`.
@@ -77,14 +77,19 @@ impl<'a> Look<'_, 'a> {
     }
 
     /// Whether photons answer for light straight from lights too.
-    fn direct(&self, answered: Answered) -> bool {
-        self.params.direct_by_photons && matches!(answered, Answered::Rough)
+    fn direct(&self, covers: Covers) -> bool {
+        self.params.direct_by_photons && matches!(covers, Covers::NonDelta)
     }
 
-    /// What photons answer for is said elsewhere.
-    pub(crate) fn silence(&self, answered: Answered) -> Supplied {
-        let direct = self.direct(answered).then_some(Rgb::BLACK);
-        Supplied { answered, direct, indirect: Rgb::BLACK, caustic: Some(Rgb::BLACK) }
+    /// Accounts for the light that photons bring, which is added elsewhere. Adds nothing.
+    pub(crate) fn nothing(&self, covers: Covers) -> Estimate {
+        let direct = self.direct(covers).then_some(Rgb::BLACK);
+        Estimate { covers, direct, indirect: Rgb::BLACK, caustic: Some(Rgb::BLACK) }
+    }
+
+    /// What photons cover at a vertex; `None` where paths continue.
+    pub(crate) fn covers(&self, v: &EyeVertex) -> Option<Covers> {
+        if v.wants_estimate() { covers(&v.bsdf, v.wo, self.params.min_roughness) } else { None }
     }
 
     /// Look for what the eye sees through a pixel, and gather there.
@@ -149,29 +154,35 @@ impl<'a> Look<'_, 'a> {
 
     /// Look anew: every point that the path ends in is gathered at, all with the pixel's radius.
     fn anew(&self, at: [usize; 2], region: &Region, grid: &Grid) -> (Sample, Gathered) {
-        let Setting { scene, camera, seed, .. } = *self.setting;
+        let scene = self.setting.scene;
         let radius = region.statistics.radius;
         let (discs, density) = (self.discs(radius, region.initial), per_area(radius));
         let (mut total, mut points) = (Gathered::default(), 0);
-        let mut supply = |v: &EyeVertex<'_, 'a>, _: &mut Sampler| {
-            let answered = answered(v.bsdf, v.wo, self.params.min_roughness)?;
-            let point = Point {
-                surface: v.surface,
-                wo: v.wo,
-                bsdf: v.bsdf,
-                answered,
-                max_segments: self.photon_segments(v.segments),
-                throughput: v.throughput,
-            };
-            let found = gather_seen(scene, grid, &point, discs, self.probes(at, points));
-            points += 1;
-            total.add(&found, v.throughput);
-            let (indirect, caustic) = (found.indirect * density, Some(found.caustic * density));
-            let direct = self.direct(answered).then(|| found.direct * density);
-            Some(Supplied { answered, direct, indirect, caustic })
-        };
-        let sample = self.path().sample_pixel(camera, seed, at, self.index, &mut supply);
-        (sample, total)
+        let mut walk = self.walk(at, self.index);
+        while let Some(v) = walk.next_vertex() {
+            walk.add_emitted(&v);
+            if let Some(covers) = self.covers(&v) {
+                let point = Point {
+                    surface: &v.surface,
+                    wo: v.wo,
+                    bsdf: &v.bsdf,
+                    covers,
+                    max_segments: self.photon_segments(v.segments),
+                    throughput: v.throughput,
+                };
+                let found = gather_seen(scene, grid, &point, discs, self.probes(at, points));
+                points += 1;
+                total.add(&found, v.throughput);
+                let (indirect, caustic) = (found.indirect * density, Some(found.caustic * density));
+                let direct = self.direct(covers).then(|| found.direct * density);
+                walk.add_estimate(&v, Estimate { covers, direct, indirect, caustic });
+            }
+            walk.add_direct(&v);
+            if !walk.scatter(&v) {
+                break;
+            }
+        }
+        (walk.sample(), total)
     }
 
     /// Gather at the pixel's hit points; look anew only for the light that photons do not answer for.
@@ -181,12 +192,19 @@ impl<'a> Look<'_, 'a> {
         region: &mut Region,
         grid: &Grid,
     ) -> (Sample, Gathered) {
-        let Setting { scene, camera, seed, .. } = *self.setting;
-        let mut answer = |v: &EyeVertex<'_, 'a>, _: &mut Sampler| {
-            let answered = answered(v.bsdf, v.wo, self.params.min_roughness)?;
-            Some(self.silence(answered))
-        };
-        let mut sample = self.path().sample_pixel(camera, seed, at, self.index, &mut answer);
+        let scene = self.setting.scene;
+        let mut walk = self.walk(at, self.index);
+        while let Some(v) = walk.next_vertex() {
+            walk.add_emitted(&v);
+            if let Some(covers) = self.covers(&v) {
+                walk.add_estimate(&v, self.nothing(covers));
+            }
+            walk.add_direct(&v);
+            if !walk.scatter(&v) {
+                break;
+            }
+        }
+        let mut sample = walk.sample();
         let mut total = Gathered::default();
         let initial = region.initial;
         for (index, hit) in region.hits.iter_mut().enumerate() {
@@ -195,7 +213,7 @@ impl<'a> Look<'_, 'a> {
                 surface: &hit.surface,
                 wo: hit.wo,
                 bsdf: &bsdf,
-                answered: hit.answered,
+                covers: hit.covers,
                 max_segments: self.photon_segments(hit.segments),
                 throughput: hit.throughput,
             };
@@ -204,9 +222,9 @@ impl<'a> Look<'_, 'a> {
             let found = gather_seen(scene, grid, &point, discs, probes);
             total.add(&found, hit.throughput);
             let factor = hit.throughput * per_area(radius);
-            *sample.radiance.of_path(hit.rough + 1, false) += factor * found.direct;
-            *sample.radiance.of_path(hit.rough + 2, false) += factor * found.indirect;
-            *sample.radiance.of_path(hit.rough + 1, true) += factor * found.caustic;
+            *sample.radiance.of_path(hit.non_delta + 1, false) += factor * found.direct;
+            *sample.radiance.of_path(hit.non_delta + 2, false) += factor * found.indirect;
+            *sample.radiance.of_path(hit.non_delta + 1, true) += factor * found.caustic;
             let mut seen = Gathered::default();
             seen.add(&found, hit.throughput);
             self.progress(&mut hit.statistics, &seen);
@@ -216,23 +234,27 @@ impl<'a> Look<'_, 'a> {
 
     /// The hit points of a pixel: where `count` paths, the picture's first, end in photons.
     pub(crate) fn hit_points(&self, at: [usize; 2], count: u32, radius: f64) -> Vec<Hit> {
-        let Setting { camera, seed, .. } = *self.setting;
         let mut hits = Vec::new();
         for index in 0..count {
-            let mut note = |v: &EyeVertex<'_, 'a>, _: &mut Sampler| {
-                let answered = answered(v.bsdf, v.wo, self.params.min_roughness)?;
-                hits.push(Hit {
-                    surface: *v.surface,
-                    wo: v.wo,
-                    answered,
-                    throughput: v.throughput * (1.0 / count as f32),
-                    segments: v.segments,
-                    rough: v.rough,
-                    statistics: Statistics::new(radius),
-                });
-                Some(self.silence(answered))
-            };
-            self.path().sample_pixel(camera, seed, at, index, &mut note);
+            let mut walk = self.walk(at, index);
+            while let Some(v) = walk.next_vertex() {
+                if let Some(covers) = self.covers(&v) {
+                    hits.push(Hit {
+                        surface: v.surface,
+                        wo: v.wo,
+                        covers,
+                        throughput: v.throughput * (1.0 / count as f32),
+                        segments: v.segments,
+                        non_delta: v.non_delta,
+                        statistics: Statistics::new(radius),
+                    });
+                    walk.add_estimate(&v, self.nothing(covers));
+                }
+                walk.skip_direct(&v);
+                if !walk.scatter(&v) {
+                    break;
+                }
+            }
         }
         hits
     }

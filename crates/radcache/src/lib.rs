@@ -39,7 +39,7 @@ use gi_core::cache::record::{Gradients, Record};
 use gi_core::cache::site::{Query, RELAXED, Site, Sited};
 use gi_core::cache::{Cache, Weighing};
 use gi_core::caustics::FocusedLight;
-use gi_core::eye::{Answered, EyePath, EyeVertex, Supplied};
+use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
 use gi_core::film::{Film, Show};
 use gi_core::math::{Frame, INV_PI, Rgb};
 use gi_core::technique::{Picture, Setting, Technique};
@@ -100,12 +100,22 @@ impl<'a> Technique<'a> for RadianceCaching<'a> {
 
     /// One path a pixel, its indirect light from the caches.
     fn pass(&mut self, index: u32, film: &mut Film) {
-        let Setting { scene, camera, seed, show, .. } = self.setting;
-        let path = EyePath { scene, limits: self.params.limits, show };
-        self.focused.shoot(scene, seed, index);
-        let this = &*self;
+        self.focused.shoot(self.setting.scene, self.setting.seed, index);
         film.add_pass(|pixel| {
-            path.sample_pixel(camera, seed, pixel, index, &mut |v, _| this.supply(v))
+            let mut walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
+            while let Some(v) = walk.next_vertex() {
+                walk.add_emitted(&v);
+                if v.wants_estimate()
+                    && let Some(estimate) = self.with_focused(self.interpolate(&v), &v)
+                {
+                    walk.add_estimate(&v, estimate);
+                }
+                walk.add_direct(&v);
+                if !walk.scatter(&v) {
+                    break;
+                }
+            }
+            walk.sample()
         });
     }
 
@@ -198,30 +208,26 @@ impl<'a> RadianceCaching<'a> {
         }
     }
 
-    /// What the caches know of the indirect light at a vertex.
-    fn supply(&self, v: &EyeVertex) -> Option<Supplied> {
-        self.with_focused(self.known(v), v)
-    }
-
     /// Add the light that mirrors and glass focus.
     pub(crate) fn with_focused(
         &self,
-        supplied: Option<Supplied>,
+        estimate: Option<Estimate>,
         v: &EyeVertex,
-    ) -> Option<Supplied> {
-        self.focused.add_to(supplied, self.setting.scene, v, &self.params.limits)
+    ) -> Option<Estimate> {
+        self.focused.add_to(estimate, self.setting.scene, v, &self.params.limits)
     }
 
-    fn known(&self, v: &EyeVertex) -> Option<Supplied> {
+    /// Indirect light at a vertex, interpolated from the records of the caches.
+    fn interpolate(&self, v: &EyeVertex) -> Option<Estimate> {
         if !self.is_for_cache(v) {
             return None;
         }
-        let (answered, indirect) = match self.surfaces.rule(v) {
+        let (covers, indirect) = match self.surfaces.rule(v) {
             Rule::Path => return None,
             Rule::Diffuse(part) => {
                 let q = Query { p: v.surface.p, n: part.normal };
                 let e = self.relaxing(|slack| self.irradiance(&q, slack))?;
-                (Answered::Diffuse(part), part.albedo * INV_PI * e)
+                (Covers::Diffuse(part), part.albedo * INV_PI * e)
             }
             Rule::Glossy { part, n } => {
                 self.counts.glossy.fetch_add(1, Relaxed);
@@ -233,10 +239,10 @@ impl<'a> RadianceCaching<'a> {
                     Mode::Sh => self.surfaces.glossy(v, &light),
                     Mode::RhoE => self.surfaces.albedo(v) * INV_PI * e,
                 };
-                (Answered::Rough, self.above_zero(diffuse + glossy))
+                (Covers::NonDelta, self.above_zero(diffuse + glossy))
             }
         };
-        Some(Supplied { answered, indirect, direct: None, caustic: None })
+        Some(Estimate { covers, indirect, direct: None, caustic: None })
     }
 
     /// Look up; between the pixels that the overture looked at: what is nearly good enough, or else a path.

@@ -5,7 +5,7 @@ use gi_core::cache::fill::{coarse_to_fine, in_rounds};
 use gi_core::cache::gather::{Gatherer, Place};
 use gi_core::cache::hemisphere::Strata;
 use gi_core::cache::record::Record;
-use gi_core::eye::{Answered, EyePath, EyeVertex, Supplied};
+use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
 use gi_core::film::Show;
 use gi_core::math::Rgb;
 use gi_core::rng::hash_words;
@@ -64,11 +64,9 @@ impl<'a> RadianceCaching<'a> {
         let make = |missing: &Missing| {
             let place = &missing.place;
             if !missing.glossy {
-                return Made::Diffuse(
-                    diffuse.record(place, &mut |v, _| self.with_focused(None, v)),
-                );
+                return Made::Diffuse(diffuse.record(place, &mut |v| self.with_focused(None, v)));
             }
-            let (frame, h) = glossy.look(place, &mut |v, _| self.with_focused(None, v));
+            let (frame, h) = glossy.look(place, &mut |v| self.with_focused(None, v));
             let irradiance = glossy.record_of(place, &frame, &h);
             Made::Glossy(RadianceRecord::new(irradiance, &frame, &h, basis, functions))
         };
@@ -91,34 +89,44 @@ impl<'a> RadianceCaching<'a> {
 
     /// Where the path through a pixel asks for what no record is good for. It is the path of the first pass.
     fn missing_in_pixel(&self, caches: &Caches, [x, y]: [u32; 2]) -> Vec<Missing> {
-        let Setting { scene, camera, seed, .. } = self.setting;
-        let path = EyePath { scene, limits: self.params.limits, show: Show::Indirect };
+        let setting = Setting { show: Show::Indirect, ..self.setting };
+        let stream = y * setting.camera.size()[0] as u32 + x;
+        let pixel = [x as usize, y as usize];
         let mut missing = Vec::new();
-        path.sample_pixel(camera, seed, [x as usize, y as usize], 0, &mut |v, _| {
-            let key = hash_words(&[y * camera.size()[0] as u32 + x, v.segments, v.rough]);
-            self.note_missing(caches, v, key, &mut missing)
-        });
+        let mut walk = EyeWalk::through_pixel(&setting, self.params.limits, pixel, 0);
+        while let Some(v) = walk.next_vertex() {
+            if v.wants_estimate() {
+                let key = hash_words(&[stream, v.segments, v.non_delta]);
+                if let Some(estimate) = self.note_missing(caches, &v, key, &mut missing) {
+                    walk.add_estimate(&v, estimate);
+                }
+            }
+            walk.skip_direct(&v);
+            if !walk.scatter(&v) {
+                break;
+            }
+        }
         missing
     }
 
-    /// A supplier that notes what is missing and ends the path.
+    /// Note the place of `v` if no record is good enough for it. The estimate that is returned ends the path.
     fn note_missing(
         &self,
         caches: &Caches,
         v: &EyeVertex,
         key: u32,
         missing: &mut Vec<Missing>,
-    ) -> Option<Supplied> {
+    ) -> Option<Estimate> {
         if !self.is_for_cache(v) {
             return None;
         }
-        let (answered, n) = match self.surfaces.rule(v) {
+        let (covers, n) = match self.surfaces.rule(v) {
             Rule::Path => return None,
-            Rule::Diffuse(part) => (Answered::Diffuse(part), part.normal),
-            Rule::Glossy { n, .. } => (Answered::Rough, n),
+            Rule::Diffuse(part) => (Covers::Diffuse(part), part.normal),
+            Rule::Glossy { n, .. } => (Covers::NonDelta, n),
         };
-        let glossy = matches!(answered, Answered::Rough);
-        let place = Place { surface: *v.surface, n, segments: v.segments, length: v.length, key };
+        let glossy = matches!(covers, Covers::NonDelta);
+        let place = Place { surface: v.surface, n, segments: v.segments, length: v.length, key };
         let found = if glossy {
             caches.glossy.has(&place.query(), |site| self.sees(site, &place.query()))
         } else {
@@ -127,6 +135,6 @@ impl<'a> RadianceCaching<'a> {
         if !found {
             missing.push(Missing { place, glossy });
         }
-        Some(Supplied { answered, indirect: Rgb::BLACK, direct: None, caustic: None })
+        Some(Estimate { covers, indirect: Rgb::BLACK, direct: None, caustic: None })
     }
 }

@@ -2,8 +2,7 @@
 
 use std::f32::consts::PI;
 
-use crate::eye::{EyePath, EyeVertex, PathLimits, Supplied};
-use crate::film::Show;
+use crate::eye::{Estimate, EyeVertex, EyeWalk, GatherRay, PathLimits};
 use crate::geometry::Surface;
 use crate::math::Frame;
 use crate::ray::Ray;
@@ -58,13 +57,14 @@ pub struct Gatherer<'a> {
 }
 
 impl<'a> Gatherer<'a> {
-    /// Make the record of a place. `supply` answers for light where gather rays end; nothing means that they go on as paths.
+    /// Make the record of a place. `estimate` gives the light at the vertices of gather rays; where it gives none, they
+    /// continue as paths.
     pub fn record(
         &self,
         place: &Place,
-        supply: &mut impl FnMut(&EyeVertex<'_, 'a>, &mut Sampler) -> Option<Supplied>,
+        estimate: &mut impl FnMut(&EyeVertex<'a>) -> Option<Estimate>,
     ) -> Record {
-        let (frame, h) = self.look(place, supply);
+        let (frame, h) = self.look(place, estimate);
         self.record_of(place, &frame, &h)
     }
 
@@ -72,10 +72,10 @@ impl<'a> Gatherer<'a> {
     pub fn look(
         &self,
         place: &Place,
-        supply: &mut impl FnMut(&EyeVertex<'_, 'a>, &mut Sampler) -> Option<Supplied>,
+        estimate: &mut impl FnMut(&EyeVertex<'a>) -> Option<Estimate>,
     ) -> (Frame, Hemisphere) {
         let frame = self.frame(place);
-        let h = self.hemisphere(place, &frame, supply);
+        let h = self.hemisphere(place, &frame, estimate);
         (frame, h)
     }
 
@@ -121,9 +121,8 @@ impl<'a> Gatherer<'a> {
         &self,
         place: &Place,
         frame: &Frame,
-        supply: &mut impl FnMut(&EyeVertex<'_, 'a>, &mut Sampler) -> Option<Supplied>,
+        estimate: &mut impl FnMut(&EyeVertex<'a>) -> Option<Estimate>,
     ) -> Hemisphere {
-        let path = EyePath { scene: self.scene, limits: self.limits, show: Show::Indirect };
         let stream = hash_words(&[place.key, 0x6972_7261]);
         let sampler = |i: usize| Sampler::new(self.seed, stream, i as u32);
         let jitter = |i: usize| sampler(i).next_2d();
@@ -132,8 +131,22 @@ impl<'a> Gatherer<'a> {
             sampler.skip(); // the jitter's
             let wi = frame.to_world(direction);
             let ray = self.scene.spawn(&place.surface, wi);
-            let along = (place.segments + 1, place.length);
-            let found = path.gather(ray, along, &mut sampler, supply);
+            let (segments, length) = (place.segments + 1, place.length);
+            let start = GatherRay { ray, segments, length };
+            let mut walk = EyeWalk::along(self.scene, self.limits, start, sampler);
+            while let Some(v) = walk.next_vertex() {
+                walk.add_emitted(&v);
+                if v.wants_estimate()
+                    && let Some(estimate) = estimate(&v)
+                {
+                    walk.add_estimate(&v, estimate);
+                }
+                walk.add_direct(&v);
+                if !walk.scatter(&v) {
+                    break;
+                }
+            }
+            let found = walk.sample();
             // A bent normal may send rays beneath the surface: what they meet there is no measure of the surroundings.
             let beneath = wi.dot(place.surface.ng) * place.n.dot(place.surface.ng) <= 0.0;
             let distance = if found.depth > 0.0 && !beneath { found.depth } else { f32::INFINITY };

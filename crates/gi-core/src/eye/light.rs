@@ -1,122 +1,109 @@
-//! Light that the eye walk adds up.
+//! The light that the eye walk adds up.
 
 use std::borrow::Cow;
 
-use glam::Vec3;
-
-use super::{Answered, EyePath, Prefix, Supplied, Supplier};
+use super::{Covers, Estimate, EyeVertex, EyeWalk};
 use crate::bsdf::Bsdf;
-use crate::film::{Components, Show};
-use crate::geometry::Surface;
+use crate::film::Show;
 use crate::math::Rgb;
 use crate::nee::{direct_light, direct_light_through_media, emitter_weight};
-use crate::sampler::Sampler;
 
-impl<'a> EyePath<'a> {
-    /// Whether light that is sampled where the path is scattered now is asked for.
+impl<'a> EyeWalk<'a> {
+    /// Add the light that the surface at `v` emits. Next-event estimation may find it too: the power heuristic weights both.
     #[inline]
-    pub(super) fn wants_direct(&self, prefix: &Prefix) -> bool {
+    pub fn add_emitted(&mut self, v: &EyeVertex) {
+        let emitted = self.scene.emitted(&v.surface, v.wo);
+        let left = self.remainder.emitted(self.after_delta);
+        if emitted.is_black() || left.is_black() {
+            return;
+        }
+        let weight = match self.last {
+            Some(last) => {
+                emitter_weight(Some(last.pdf_w), self.scene.light_pdf_w(last.p, &v.surface))
+            }
+            None => 1.0,
+        };
+        *self.sample.radiance.of_path(self.non_delta, self.after_delta) +=
+            self.throughput * left * emitted * weight;
+    }
+
+    /// Add light from infinity, weighted in the same way.
+    #[inline]
+    pub(super) fn add_background(&mut self) {
+        let left = self.remainder.emitted(self.after_delta);
+        if left.is_black() {
+            return;
+        }
+        for (radiance, pdf_light) in self.scene.escaped(self.ray.d) {
+            let weight = emitter_weight(self.last.map(|last| last.pdf_w), pdf_light);
+            *self.sample.radiance.of_path(self.non_delta, self.after_delta) +=
+                self.throughput * left * radiance * weight;
+        }
+    }
+
+    /// Add a technique's estimate at `v`. Call it once per vertex, where [`EyeVertex::wants_estimate`] holds.
+    #[inline]
+    pub fn add_estimate(&mut self, v: &EyeVertex, estimate: Estimate) {
+        let radiance = &mut self.sample.radiance;
+        *radiance.of_path(self.non_delta + 2, false) += v.throughput * estimate.indirect;
+        if let Some(direct) = estimate.direct {
+            *radiance.of_path(self.non_delta + 1, false) += v.throughput * direct;
+        }
+        if let Some(caustic) = estimate.caustic {
+            *radiance.of_path(self.non_delta + 1, true) += v.throughput * caustic;
+        }
+        self.estimate = Some(estimate);
+    }
+
+    /// Next-event estimation: sample a light, and add what `v` scatters of it, unless an estimate has covered it.
+    #[inline]
+    pub fn add_direct(&mut self, v: &EyeVertex<'a>) {
+        if v.is_last {
+            return;
+        }
+        let Some(bsdf) = self.left_for_lights(&v.bsdf) else { return };
+        if !self.wants_direct() || v.remainder.is_black() {
+            return self.sampler.skip();
+        }
+        let direct = if self.knows_media {
+            let place = (&v.surface, self.medium);
+            direct_light_through_media(self.scene, place, &bsdf, v.wo, &mut self.sampler)
+        } else {
+            direct_light(self.scene, &v.surface, &bsdf, v.wo, &mut self.sampler)
+        };
+        *self.sample.radiance.of_path(self.non_delta + 1, false) += v.throughput * direct;
+    }
+
+    /// Instead of [`EyeWalk::add_direct`], for walks that only look: leave out its random numbers.
+    #[inline]
+    pub fn skip_direct(&mut self, v: &EyeVertex<'a>) {
+        if !v.is_last && self.left_for_lights(&v.bsdf).is_some() {
+            self.sampler.skip();
+        }
+    }
+
+    /// Whether light that is sampled at the current vertex is wanted.
+    #[inline]
+    pub(super) fn wants_direct(&self) -> bool {
         match self.show {
             Show::All => true,
-            Show::Direct => prefix.rough == 0,
-            Show::Indirect => prefix.rough > 0,
+            Show::Direct => self.non_delta == 0,
+            Show::Indirect => self.non_delta > 0,
             Show::Caustic => false,
         }
     }
 
-    /// The part of `bsdf` that light straight from lights has not been supplied for.
+    /// The part of `bsdf` for which light straight from lights is not in the estimate.
     #[inline]
-    pub(super) fn left_for_lights<'b>(
-        &self,
-        bsdf: &'b Bsdf<'a>,
-        supplied: Option<&Supplied>,
-    ) -> Option<Cow<'b, Bsdf<'a>>> {
-        match supplied {
-            Some(Supplied { direct: Some(_), answered, .. }) => match *answered {
-                Answered::Straight { min_roughness, .. } if bsdf.is_sharp(min_roughness) => {
+    fn left_for_lights<'b>(&self, bsdf: &'b Bsdf<'a>) -> Option<Cow<'b, Bsdf<'a>>> {
+        match self.estimate {
+            Some(Estimate { direct: Some(_), covers, .. }) => match covers {
+                Covers::Visible { min_roughness, .. } if bsdf.is_sharp(min_roughness) => {
                     Some(Cow::Owned(bsdf.with_broad(min_roughness, Rgb::BLACK)))
                 }
                 _ => None,
             },
             _ => Some(Cow::Borrowed(bsdf)),
         }
-    }
-
-    /// Light that is sampled and scattered here.
-    #[inline]
-    pub(super) fn add_direct<S: Supplier<'a>>(
-        &self,
-        surface: &Surface,
-        bsdf: &Bsdf,
-        wo: Vec3,
-        (prefix, here): (&Prefix, Rgb),
-        sampler: &mut Sampler,
-        out: &mut Components,
-    ) {
-        if !self.wants_direct(prefix) || here.is_black() {
-            return sampler.skip();
-        }
-        let direct = if S::MEDIA {
-            let place = (surface, prefix.medium);
-            direct_light_through_media(self.scene, place, bsdf, wo, sampler)
-        } else {
-            direct_light(self.scene, surface, bsdf, wo, sampler)
-        };
-        *out.of_path(prefix.rough + 1, false) += prefix.throughput * here * direct;
-    }
-
-    /// Light of a surface that the path has met, weighted against having sampled it as a light.
-    #[inline]
-    pub(super) fn add_emitted(
-        &self,
-        surface: &Surface,
-        wo: Vec3,
-        prefix: &Prefix,
-        out: &mut Components,
-    ) {
-        let emitted = self.scene.emitted(surface, wo);
-        let left = prefix.lights_left();
-        if emitted.is_black() || left.is_black() {
-            return;
-        }
-        let weight = match prefix.last {
-            Some((p, pdf_w)) => emitter_weight(Some(pdf_w), self.scene.light_pdf_w(p, surface)),
-            None => 1.0,
-        };
-        *out.of_path(prefix.rough, prefix.after_delta) +=
-            prefix.throughput * left * emitted * weight;
-    }
-
-    /// Light from infinity, where the path has left the scene.
-    #[inline]
-    pub(super) fn add_background(&self, d: Vec3, prefix: &Prefix, out: &mut Components) {
-        let left = prefix.lights_left();
-        if left.is_black() {
-            return;
-        }
-        for (radiance, pdf_light) in self.scene.escaped(d) {
-            let weight = emitter_weight(prefix.last.map(|(_, pdf_w)| pdf_w), pdf_light);
-            *out.of_path(prefix.rough, prefix.after_delta) +=
-                prefix.throughput * left * radiance * weight;
-        }
-    }
-}
-
-/// Add what a technique supplied at a vertex, where `here` was not answered for before.
-#[inline]
-pub(super) fn add_supplied(
-    supplied: Option<&Supplied>,
-    prefix: &Prefix,
-    here: Rgb,
-    out: &mut Components,
-) {
-    let Some(supplied) = supplied else { return };
-    let factor = prefix.throughput * here;
-    *out.of_path(prefix.rough + 2, false) += factor * supplied.indirect;
-    if let Some(direct) = supplied.direct {
-        *out.of_path(prefix.rough + 1, false) += factor * direct;
-    }
-    if let Some(caustic) = supplied.caustic {
-        *out.of_path(prefix.rough + 1, true) += factor * caustic;
     }
 }

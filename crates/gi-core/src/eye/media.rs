@@ -1,158 +1,240 @@
-//! The eye walk in media.
+//! The eye walk in participating media [slide 34].
 
-use super::{Beam, Entrance, EyePath, MAX_SURVIVAL_WITHIN, Prefix, Supplier};
-use crate::bsdf::Scatter;
-use crate::camera::Camera;
+use glam::Vec3;
+
+use super::{EyeVertex, EyeWalk, LastScattering, Remainder};
+use crate::bsdf::{Scatter, Transport};
 use crate::film::Components;
 use crate::geometry::Surface;
 use crate::math::Rgb;
-use crate::medium::{Flight, Medium};
+use crate::medium::Flight;
 use crate::nee::direct_light_within;
-use crate::ray::Ray;
-use crate::sampler::Sampler;
+use crate::ray::{Hit, Ray};
 
-/// What became of a path in a medium.
-pub(super) enum Crossing {
-    /// It goes on behind the medium.
-    Passed,
-    /// It was scattered in the medium, and goes on along a ray from there.
-    Scattered(Ray),
-    /// It has ended.
-    Ended,
+/// Largest survival probability of Russian roulette in media. They scatter light hundreds of times: with the 0.95 of
+/// surfaces, a path that survived a hundred times by chance would weigh as much as a hundred others.
+const MAX_SURVIVAL_WITHIN: f32 = 0.999;
+
+/// What a path in media reaches next.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "one at a time, on the stack; hot loops allocate nothing"
+)]
+pub enum EyeEvent<'a> {
+    /// A surface.
+    Surface(EyeVertex<'a>),
+    /// A point of a medium that scatters the path.
+    Medium(EyeMediumVertex),
 }
 
-/// A flight in a medium whose end is not known yet.
-pub(super) struct TakeOff {
-    /// How far it goes where nothing is in its way, world units.
-    pub(super) t: f32,
-    /// Share of what is scattered that nobody has answered for.
-    here: Rgb,
+/// A point of a medium that scatters a path from the camera.
+#[derive(Clone, Copy, Debug)]
+pub struct EyeMediumVertex {
+    /// The point.
+    pub p: Vec3,
+    /// Unit direction back along the path.
+    pub wo: Vec3,
+    /// The medium, by its index in [`crate::scene::Scene::media`].
+    pub medium: usize,
+    /// Fraction of the scattering here that no estimate has accounted for.
+    remainder: Rgb,
     u_phase: [f32; 2],
     u_roulette: f32,
 }
 
-impl TakeOff {
-    #[inline]
-    fn draw(medium: &Medium, throughput: Rgb, here: Rgb, sampler: &mut Sampler) -> Self {
-        let (u_flight, u_phase, u_roulette) =
-            (sampler.next_2d(), sampler.next_2d(), sampler.next_1d());
-        TakeOff { t: medium.distance(throughput, u_flight), here, u_phase, u_roulette }
-    }
+/// The part of a path's next segment that lies inside a medium.
+#[derive(Clone, Copy, Debug)]
+pub struct Beam {
+    /// From its near end; unit direction.
+    pub ray: Ray,
+    /// Distance to its far end, world units; may be infinite.
+    pub reach: f32,
+    /// The medium, by its index in [`crate::scene::Scene::media`].
+    pub medium: usize,
+    /// Where the path has just entered the medium. `None` if it begins there, or was reflected or scattered inside.
+    pub entered: Option<Entrance>,
+    /// Number of segments from the camera, this one included.
+    pub segments: u32,
+    /// Number of scatterings before that were not by delta lobes.
+    pub non_delta: u32,
+    /// What one unit of estimated radiance adds to the sample.
+    pub throughput: Rgb,
 }
 
-impl<'a> EyePath<'a> {
-    /// The medium that a camera stands in. (One for all pixels: lenses that reach through a boundary are not looked at.)
-    pub fn medium_round(&self, camera: &Camera) -> Option<usize> {
-        let [w, h] = camera.size();
-        let ray = camera.ray([0.5 * w as f32, 0.5 * h as f32], [0.5; 2]);
-        self.scene.medium_at(ray.at(ray.tmin), ray.d)
+/// Where a path has entered a medium.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Entrance {
+    /// The boundary's primitive.
+    pub prim: u32,
+    /// Index of refraction inside over outside of the boundary; 1 if nothing is refracted.
+    pub eta: f32,
+}
+
+/// A distance that was drawn before the end of the segment is known.
+struct FreeFlight {
+    /// World units.
+    t: f32,
+    remainder: Rgb,
+    u_phase: [f32; 2],
+    u_roulette: f32,
+}
+
+impl<'a> EyeWalk<'a> {
+    /// The same path, attenuated and scattered by media. `medium` is the one that it starts in
+    /// ([`crate::technique::Setting::camera_medium`]).
+    #[inline]
+    pub fn through_media(mut self, medium: Option<usize>) -> Self {
+        self.knows_media = true;
+        self.medium = medium;
+        self
     }
 
-    /// Take in which medium the path comes into where `surface` scatters it.
+    /// Follow the path to the next surface, or to the point where a medium scatters it.
     #[inline]
-    pub(super) fn enter(&self, surface: &Surface, scatter: &Scatter, prefix: &mut Prefix) {
-        let medium = self.scene.medium_toward(surface, scatter.wi, prefix.medium);
-        let entrance = Entrance { prim: surface.prim, eta: scatter.eta };
-        prefix.entered = (medium != prefix.medium).then_some(entrance);
-        prefix.medium = medium;
-    }
-
-    /// How much of what the path's medium scatters in the next segment nobody has answered for; `None` where it is only dimmed.
-    #[inline]
-    fn scattered(&self, prefix: &Prefix, sampler: &mut Sampler) -> Option<Rgb> {
-        // What is scattered in the last segment has none left to go on with, and what is answered for is only dimmed.
-        let ends = !self.limits.goes_on(prefix.segments);
-        if ends || self.scene.medium(prefix.medium?).only_absorbs() {
-            return None;
-        }
-        Some(prefix.unanswered_within(sampler)).filter(|here| !here.is_black())
-    }
-
-    /// Draw how far the path flies in its medium if nothing is in its way; `None` where it is only dimmed.
-    #[inline]
-    pub(super) fn take_off(&self, prefix: &Prefix, sampler: &mut Sampler) -> Option<TakeOff> {
-        let here = self.scattered(prefix, sampler)?;
-        Some(TakeOff::draw(self.scene.medium(prefix.medium?), prefix.throughput, here, sampler))
-    }
-
-    /// Cross the medium that the path is in, up to the distance `reach` along `ray`, or be scattered in it: where the
-    /// flight says, if one has been drawn.
-    #[inline]
-    pub(super) fn cross<S: Supplier<'a>>(
-        &self,
-        (ray, reach, flight): (&Ray, f32, Option<TakeOff>),
-        prefix: &mut Prefix,
-        sampler: &mut Sampler,
-        supplier: &mut S,
-        out: &mut Components,
-    ) -> Crossing {
-        let Some(index) = prefix.medium else { return Crossing::Passed };
-        let medium = self.scene.medium(index);
-        // The eye sees nothing before its near plane, media neither.
-        let (near, reach) = (ray.tmin, reach - ray.tmin);
-        let ray = &Ray { o: ray.at(near), tmin: 0.0, ..*ray };
-        let flight = if S::BEAMS {
-            self.ask((ray, reach, index), prefix, sampler, supplier, out)
-        } else {
-            flight
+    pub fn next_event(&mut self) -> Option<EyeEvent<'a>> {
+        let flight = self.draw_flight();
+        // Nothing beyond the point of scattering needs to be found, except the first surface for its layers.
+        let tmax = flight.as_ref().filter(|_| self.is_described).map_or(self.ray.tmax, |f| f.t);
+        let hit = self.scene.closest(&Ray { tmax, ..self.ray });
+        let (Some(index), Some(flight)) = (self.medium, flight) else {
+            self.attenuate(hit);
+            return self.arrive(hit).map(EyeEvent::Surface);
         };
-        let Some(TakeOff { t, here, u_phase, u_roulette }) = flight else {
-            prefix.throughput *= medium.transmittance(reach);
-            return Crossing::Passed;
-        };
-        // What was answered for passes only.
-        let rough = prefix.rough;
-        match medium.flight(t, reach, prefix.throughput) {
+        let reach = self.reach(hit);
+        match self.scene.medium(index).flight(flight.t, reach, self.throughput) {
             Flight::Passed { weight } => {
-                prefix.throughput *= weight;
-                Crossing::Passed
+                self.throughput *= weight;
+                self.arrive(hit).map(EyeEvent::Surface)
             }
             Flight::Scattered { t, weight } => {
-                prefix.throughput *= weight;
-                prefix.length += near + t;
-                let (p, wo) = (ray.at(t), -ray.d);
-                // Sample a light.
-                if self.wants_direct(prefix) {
-                    let direct = direct_light_within(self.scene, index, p, wo, sampler);
-                    *out.of_path(rough + 1, false) += prefix.throughput * here * direct;
-                } else {
-                    sampler.skip();
+                self.throughput *= weight;
+                self.length += self.ray.tmin + t;
+                if let (Some(hit), false) = (hit, self.is_described) {
+                    self.describe(&hit);
                 }
-                // Choose the next direction.
-                let wi = medium.phase.sample(wo, u_phase);
-                prefix.scatter_within(p, medium.phase.eval(wo, wi), here);
-                if self.is_done(prefix) || !self.survives(prefix, MAX_SURVIVAL_WITHIN, u_roulette) {
-                    return Crossing::Ended;
-                }
-                Crossing::Scattered(Ray::new(p, wi))
+                self.is_described = true;
+                let (p, wo) = (self.behind_near_plane().at(t), -self.ray.d);
+                let FreeFlight { remainder, u_phase, u_roulette, .. } = flight;
+                let medium = index;
+                let v = EyeMediumVertex { p, wo, medium, remainder, u_phase, u_roulette };
+                Some(EyeEvent::Medium(v))
             }
         }
     }
 
-    /// Ask the technique for what a medium scatters along a beam; draw a flight if it does not answer.
-    fn ask<S: Supplier<'a>>(
-        &self,
-        (ray, reach, medium): (&Ray, f32, usize),
-        prefix: &Prefix,
-        sampler: &mut Sampler,
-        supplier: &mut S,
-        out: &mut Components,
-    ) -> Option<TakeOff> {
-        let here = self.scattered(prefix, sampler)?;
-        let throughput = prefix.throughput * here;
-        let Prefix { segments, rough, entered, .. } = *prefix;
-        let beam = Beam { ray, reach, medium, entered, segments, rough, throughput };
-        let Some(found) = supplier.beam(&beam, sampler) else {
-            return Some(TakeOff::draw(
-                self.scene.medium(medium),
-                prefix.throughput,
-                here,
-                sampler,
-            ));
-        };
-        *out.of_path(rough + 1, false) += throughput * found.direct;
-        *out.of_path(rough + 1, true) += throughput * found.caustic;
-        *out.of_path(rough + 2, false) += throughput * found.indirect;
-        None
+    /// Next-event estimation in a medium: sample a light, and add what `v` scatters of it.
+    #[inline]
+    pub fn add_direct_within(&mut self, v: &EyeMediumVertex) {
+        if !self.wants_direct() {
+            return self.sampler.skip();
+        }
+        let direct = direct_light_within(self.scene, v.medium, v.p, v.wo, &mut self.sampler);
+        *self.sample.radiance.of_path(self.non_delta + 1, false) +=
+            self.throughput * v.remainder * direct;
+    }
+
+    /// Draw the direction in which the path continues from a point of a medium. Returns whether it does.
+    #[inline]
+    pub fn scatter_within(&mut self, v: &EyeMediumVertex) -> bool {
+        let phase = &self.scene.medium(v.medium).phase;
+        let wi = phase.sample(v.wo, v.u_phase);
+        self.throughput *= v.remainder;
+        self.segments += 1;
+        self.non_delta += 1;
+        (self.after_delta, self.entered) = (false, None);
+        // A phase function is its own density.
+        self.last = Some(LastScattering { p: v.p, pdf_w: phase.eval(v.wo, wi) });
+        self.remainder = Remainder::ALL;
+        self.ray = Ray::new(v.p, wi);
+        !self.is_done() && self.survives(MAX_SURVIVAL_WITHIN, v.u_roulette)
+    }
+
+    /// For techniques that know the light in media: the part of the next segment that lies inside a medium, unless an estimate
+    /// has accounted for the light that is scattered there. The next [`EyeWalk::next_vertex`] then only attenuates the path.
+    #[inline]
+    pub fn beam_ahead(&mut self) -> Option<Beam> {
+        let medium = self.medium?;
+        let hit = self.scene.closest(&self.ray);
+        self.ahead = Some(hit);
+        let remainder = self.scattered_within()?;
+        Some(Beam {
+            ray: self.behind_near_plane(),
+            reach: self.reach(hit),
+            medium,
+            entered: self.entered,
+            segments: self.segments,
+            non_delta: self.non_delta,
+            throughput: self.throughput * remainder,
+        })
+    }
+
+    /// Add an estimate of all light that a medium scatters back along a beam.
+    #[inline]
+    pub fn add_beam(&mut self, beam: &Beam, found: Components) {
+        let radiance = &mut self.sample.radiance;
+        *radiance.of_path(beam.non_delta + 1, false) += beam.throughput * found.direct;
+        *radiance.of_path(beam.non_delta + 1, true) += beam.throughput * found.caustic;
+        *radiance.of_path(beam.non_delta + 2, false) += beam.throughput * found.indirect;
+    }
+
+    /// Attenuate the path by the medium on its next segment, which ends at `hit`.
+    #[inline]
+    pub(super) fn attenuate(&mut self, hit: Option<Hit>) {
+        if let Some(index) = self.medium {
+            self.throughput *= self.scene.medium(index).transmittance(self.reach(hit));
+        }
+    }
+
+    /// Note which medium the path enters where `surface` scatters it.
+    #[inline]
+    pub(super) fn enter(&mut self, surface: &Surface, scatter: &Scatter) {
+        if self.knows_media {
+            let medium = self.scene.medium_toward(surface, scatter.wi, self.medium);
+            let entrance = Entrance { prim: surface.prim, eta: scatter.eta };
+            self.entered = (medium != self.medium).then_some(entrance);
+            self.medium = medium;
+        }
+    }
+
+    /// The next segment beyond the near plane of the camera, which hides media too.
+    #[inline]
+    fn behind_near_plane(&self) -> Ray {
+        Ray { o: self.ray.at(self.ray.tmin), tmin: 0.0, ..self.ray }
+    }
+
+    /// Length of that, if the segment ends at `hit`.
+    #[inline]
+    fn reach(&self, hit: Option<Hit>) -> f32 {
+        hit.map_or(f32::INFINITY, |hit| hit.t) - self.ray.tmin
+    }
+
+    /// Fraction of the light scattered on the next segment that no estimate has accounted for. `None` if the medium only
+    /// attenuates the path.
+    #[inline]
+    fn scattered_within(&mut self) -> Option<Rgb> {
+        let medium = self.scene.medium(self.medium?);
+        // Light that is scattered on the last segment would need another one.
+        if !self.limits.goes_on(self.segments) || medium.only_absorbs() {
+            return None;
+        }
+        Some(self.remainder.within(&mut self.sampler)).filter(|left| !left.is_black())
+    }
+
+    /// Draw how far the path flies in its medium if nothing is in its way. `None` if the medium only attenuates the path.
+    #[inline]
+    fn draw_flight(&mut self) -> Option<FreeFlight> {
+        let remainder = self.scattered_within()?;
+        let (u_flight, u_phase, u_roulette) =
+            (self.sampler.next_2d(), self.sampler.next_2d(), self.sampler.next_1d());
+        let t = self.scene.medium(self.medium?).distance(self.throughput, u_flight);
+        Some(FreeFlight { t, remainder, u_phase, u_roulette })
+    }
+
+    /// Fill in the layers of the first surface, which the path does not reach.
+    fn describe(&mut self, hit: &Hit) {
+        let (surface, wo) = (self.scene.surface(&self.ray, hit), -self.ray.d);
+        let bsdf = self.scene.bsdf(&surface, wo, Transport::Radiance);
+        let first = &mut self.sample;
+        (first.albedo, first.normal, first.depth) = (bsdf.albedo_hint(wo), surface.ns(), hit.t);
     }
 }

@@ -1,38 +1,52 @@
-//! The one eye walk: paths from the eye, to their end or to where a technique answers for the rest.
+//! The eye walk: paths from the camera, vertex by vertex. Its twin is [`crate::walk::LightWalk`].
 //!
-//! A path tracer answers for nothing. Where a technique knows the light that surfaces throw on each other (from a
-//! cache, a photon map, virtual lights), it supplies that at a vertex, and the path goes on only for what
-//! is left: light that comes straight from a light or through mirrors and glass, and lobes that it did not answer for.
+//! Each technique writes the loop itself:
+//!
+//! ```text
+//! let mut walk = EyeWalk::through_pixel(&setting, limits, pixel, index);
+//! while let Some(v) = walk.next_vertex() {
+//!     walk.add_emitted(&v);
+//!     if v.wants_estimate() && let Some(estimate) = self.look_up(&v) {
+//!         walk.add_estimate(&v, estimate);
+//!     }
+//!     walk.add_direct(&v);
+//!     if !walk.scatter(&v) {
+//!         break;
+//!     }
+//! }
+//! walk.sample()
+//! ```
+//!
+//! A path tracer has no estimate. A technique that knows indirect light (from a cache, a photon map or virtual lights) adds
+//! it at a vertex. The path then continues only for the light that the estimate does not cover ([`Covers`]).
 
 mod light;
 mod media;
-mod prefix;
-mod supply;
+mod remainder;
+mod vertex;
 
-use crate::bsdf::Transport;
-use crate::camera::Camera;
+use glam::Vec3;
+
+use crate::bsdf::{Scatter, Transport};
 use crate::film::{Sample, Show};
+use crate::math::Rgb;
 use crate::ray::{Hit, Ray};
 use crate::sampler::Sampler;
 use crate::scene::Scene;
-use light::add_supplied;
-use media::Crossing;
-use prefix::Prefix;
-use supply::OnSurfaces;
-pub use supply::{Answered, Beam, Entrance, EyeVertex, InMedia, Supplied, Supplier, nothing};
+use crate::technique::Setting;
+pub use media::{Beam, Entrance, EyeEvent, EyeMediumVertex};
+use remainder::Remainder;
+pub use vertex::{Covers, Estimate, EyeVertex};
 
-/// Russian roulette lets at least one path in twenty end at a surface, so that no path is endless.
+/// Largest survival probability of Russian roulette at a surface: no path is endless.
 const MAX_SURVIVAL: f32 = 0.95;
-/// In media, which scatter light hundreds of times before they let it go, one in a thousand: a path that survived a hundred
-/// times by chance would weigh as much as a hundred others.
-const MAX_SURVIVAL_WITHIN: f32 = 0.999;
 
 /// How long paths may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PathLimits {
-    /// Most segments of a path; `None` is unbounded.
+    /// Maximum number of segments of a path; `None` is unbounded.
     pub max_depth: Option<u32>,
-    /// Segments after which Russian roulette may end a path.
+    /// Number of segments after which Russian roulette may end a path.
     pub rr_depth: u32,
 }
 
@@ -43,227 +57,274 @@ impl Default for PathLimits {
 }
 
 impl PathLimits {
-    /// Whether a path of this many segments may have another.
+    /// Whether a path of `segments` segments may have another one.
     #[inline]
     pub fn goes_on(&self, segments: u32) -> bool {
         self.max_depth.is_none_or(|most| segments < most)
     }
 }
 
-/// Paths from the eye.
-#[derive(Clone, Copy)]
-pub struct EyePath<'a> {
-    /// The world.
-    pub scene: &'a Scene,
-    /// How long they may be.
-    pub limits: PathLimits,
-    /// What of their light is asked for: the rest may be left out.
-    pub show: Show,
+/// A path from the camera that is being walked, and the light that it has found so far.
+pub struct EyeWalk<'a> {
+    /// The random numbers of this path. Estimates may draw from them too.
+    pub sampler: Sampler,
+    scene: &'a Scene,
+    limits: PathLimits,
+    /// Which components of light are wanted: the walk may skip the others.
+    show: Show,
+    /// The next segment.
+    ray: Ray,
+    /// Product of f cos / pdf over the scatterings so far.
+    throughput: Rgb,
+    /// Fractions of the throughput that no estimate has accounted for.
+    remainder: Remainder,
+    /// Last scattering; `None` at the camera and after delta lobes.
+    last: Option<LastScattering>,
+    /// Number of scatterings so far that were not by delta lobes.
+    non_delta: u32,
+    /// Whether the last scattering was by a delta lobe.
+    after_delta: bool,
+    /// Product of the squared relative indices of refraction, by which refraction has divided the throughput.
+    eta_sq: f32,
+    /// Number of segments, the next one included.
+    segments: u32,
+    /// Length so far, world units.
+    length: f32,
+    /// Whether media scatter the path ([`EyeWalk::through_media`]).
+    knows_media: bool,
+    /// The medium that the next segment starts in.
+    medium: Option<usize>,
+    /// Where the path has just entered that medium.
+    entered: Option<Entrance>,
+    /// The end of the next segment, if it is known already.
+    ahead: Option<Option<Hit>>,
+    /// The estimate at the current vertex.
+    estimate: Option<Estimate>,
+    sample: Sample,
+    /// Whether the layers of the first surface (albedo, normal, depth) are filled in.
+    is_described: bool,
 }
 
-impl<'a> EyePath<'a> {
-    /// One path through a pixel: sample `index` of the picture that `seed` makes. `supply` is asked at every vertex
-    /// that scatters by other than delta lobes and has segments left.
+/// A scattering that was not by a delta lobe.
+#[derive(Clone, Copy)]
+struct LastScattering {
+    p: Vec3,
+    /// Density of the direction that was drawn, per solid angle.
+    pdf_w: f32,
+}
+
+/// Where a gather ray starts: a path that did not begin at the camera.
+#[derive(Clone, Copy)]
+pub struct GatherRay {
+    /// The ray, off the surface that it leaves.
+    pub ray: Ray,
+    /// Number of segments from the camera, this one included.
+    pub segments: u32,
+    /// Length of the path from the camera up to the ray's start, world units.
+    pub length: f32,
+}
+
+impl<'a> EyeWalk<'a> {
+    /// A path through a random point of a pixel: sample number `index` of that pixel.
     #[inline]
-    pub fn sample_pixel(
-        &self,
-        camera: &Camera,
-        seed: u32,
+    pub fn through_pixel(
+        setting: &Setting<'a>,
+        limits: PathLimits,
         [x, y]: [usize; 2],
         index: u32,
-        supply: &mut impl FnMut(&EyeVertex<'_, 'a>, &mut Sampler) -> Option<Supplied>,
-    ) -> Sample {
-        self.through_pixel(camera, seed, [x, y], index, (&mut OnSurfaces(supply), None))
-    }
-
-    /// The same by a supplier, which may know media; `medium` is what the camera stands in (see
-    /// [`EyePath::medium_round`]).
-    #[inline]
-    pub fn sample_pixel_by(
-        &self,
-        camera: &Camera,
-        medium: Option<usize>,
-        seed: u32,
-        pixel: [usize; 2],
-        index: u32,
-        supplier: &mut impl Supplier<'a>,
-    ) -> Sample {
-        self.through_pixel(camera, seed, pixel, index, (supplier, medium))
-    }
-
-    #[inline]
-    fn through_pixel(
-        &self,
-        camera: &Camera,
-        seed: u32,
-        [x, y]: [usize; 2],
-        index: u32,
-        (supplier, medium): (&mut impl Supplier<'a>, Option<usize>),
-    ) -> Sample {
+    ) -> Self {
+        let camera = setting.camera;
         let stream = (y * camera.size()[0] + x) as u32;
-        let mut sampler = Sampler::new(seed, stream, index);
+        let mut sampler = Sampler::new(setting.seed, stream, index);
         let [u, v] = sampler.next_2d();
         let lens = if camera.has_lens() { sampler.next_2d() } else { [0.5; 2] };
         let ray = camera.ray([x as f32 + u, y as f32 + v], lens);
-        let mut sample = Sample { offset: [u - 0.5, v - 0.5], ..Sample::default() };
-        let prefix = Prefix { medium, ..Prefix::EYE };
-        self.follow(ray, prefix, &mut sampler, supplier, &mut sample);
-        sample
+        let mut walk = Self::new(setting.scene, limits, ray, sampler);
+        walk.show = setting.show;
+        walk.sample.offset = [u - 0.5, v - 0.5];
+        walk
     }
 
-    /// Light along a ray that leaves a surface, of which the path had `segments` segments with this one and `length`
-    /// world units without it: only light that was scattered by other than delta lobes on its way counts, and stands in
-    /// [`crate::film::Components::indirect`] of the sample; its depth is the distance to the first surface.
-    #[inline]
-    pub fn gather(
-        &self,
-        ray: Ray,
-        (segments, length): (u32, f32),
-        sampler: &mut Sampler,
-        supply: &mut impl FnMut(&EyeVertex<'_, 'a>, &mut Sampler) -> Option<Supplied>,
-    ) -> Sample {
-        self.gather_by(ray, None, (segments, length), sampler, &mut OnSurfaces(supply))
+    /// Path number `path` through a random pixel, without Russian roulette, for prepasses that look where a
+    /// picture needs light. `stream` separates the random numbers of one use from those of others.
+    pub fn through_picture(setting: &Setting<'a>, stream: u32, path: u32) -> Self {
+        let mut sampler = Sampler::new(setting.seed ^ stream, 0, path);
+        let [w, h] = setting.camera.size().map(|n| n as f32);
+        let [x, y] = sampler.next_2d();
+        let ray = setting.camera.ray([x * w, y * h], sampler.next_2d());
+        let limits = PathLimits { max_depth: None, rr_depth: u32::MAX };
+        Self::new(setting.scene, limits, ray, sampler)
     }
 
-    /// The same by a supplier, which may know media, along a ray that starts in `medium`.
+    /// A path along a gather ray. Only light that was scattered at least once more, not by a delta lobe, counts: it stands
+    /// in [`crate::film::Components::indirect`] of the sample. The sample's depth is the distance to the first surface.
     #[inline]
-    pub fn gather_by(
-        &self,
-        ray: Ray,
-        medium: Option<usize>,
-        (segments, length): (u32, f32),
-        sampler: &mut Sampler,
-        supplier: &mut impl Supplier<'a>,
-    ) -> Sample {
-        let mut sample = Sample::default();
-        let prefix = Prefix { rough: 1, segments, length, medium, ..Prefix::EYE };
-        let path = EyePath { show: Show::Indirect, ..*self };
-        path.follow(ray, prefix, sampler, supplier, &mut sample);
-        sample
+    pub fn along(scene: &'a Scene, limits: PathLimits, start: GatherRay, sampler: Sampler) -> Self {
+        let mut walk = Self::new(scene, limits, start.ray, sampler);
+        walk.show = Show::Indirect;
+        walk.non_delta = 1;
+        (walk.segments, walk.length) = (start.segments, start.length);
+        walk
     }
 
-    /// Follow a path and add up the light that it finds.
     #[inline]
-    fn follow<S: Supplier<'a>>(
-        &self,
-        mut ray: Ray,
-        mut prefix: Prefix,
-        sampler: &mut Sampler,
-        supplier: &mut S,
-        out: &mut Sample,
-    ) {
-        let scene = self.scene;
-        let mut seen = false;
-        loop {
-            // Draw how far the path may fly in a medium: what lies beyond need not be looked for, but to describe what is seen.
-            let flight = if S::MEDIA && !S::BEAMS { self.take_off(&prefix, sampler) } else { None };
-            let tmax = flight.as_ref().filter(|_| seen).map_or(ray.tmax, |f| f.t);
-            // Intersect.
-            let hit = scene.closest(&Ray { tmax, ..ray });
-            // Cross the medium in between, or be scattered by it.
-            if S::MEDIA && prefix.medium.is_some() {
-                let way = (&ray, hit.map_or(f32::INFINITY, |h| h.t), flight);
-                match self.cross(way, &mut prefix, sampler, supplier, &mut out.radiance) {
-                    Crossing::Passed => {}
-                    Crossing::Ended => return,
-                    Crossing::Scattered(next) => {
-                        if let (Some(hit), false) = (hit, seen) {
-                            self.describe(&ray, &hit, out);
-                        }
-                        seen = true;
-                        ray = next;
-                        continue;
-                    }
-                }
-            }
-            let Some(hit) = hit else {
-                self.add_background(ray.d, &prefix, &mut out.radiance);
-                return;
-            };
-            prefix.length += hit.t;
-            let surface = scene.surface(&ray, &hit);
-            let wo = -ray.d;
-            let mut bsdf = scene.bsdf(&surface, wo, Transport::Radiance);
-            if !seen {
-                (out.albedo, out.normal, out.depth) = (bsdf.albedo_hint(wo), surface.ns(), hit.t);
-                seen = true;
-            }
-            // Add the light of an emitter.
-            self.add_emitted(&surface, wo, &prefix, &mut out.radiance);
-            // At the last segment only what passes straight through goes on: it meets nothing here.
-            let ends = !self.limits.goes_on(prefix.segments);
-            if ends && bsdf.straight_through(wo).is_black() {
-                return;
-            }
-            // Ask the technique, for what nobody has answered for.
-            let rough = !bsdf.is_delta();
-            let here = prefix.unanswered_at(&surface, wo, &mut bsdf, sampler);
-            let mut supplied = None;
-            if rough && !ends && !here.is_black() {
-                let vertex = prefix.vertex(&surface, wo, &bsdf, here);
-                supplied = supplier.vertex(&vertex, sampler);
-                add_supplied(supplied.as_ref(), &prefix, here, &mut out.radiance);
-            }
-            // Sample a light, for what was not answered for.
-            if !ends && let Some(left) = self.left_for_lights(&bsdf, supplied.as_ref()) {
-                let to = (&prefix, here);
-                self.add_direct::<S>(&surface, &left, wo, to, sampler, &mut out.radiance);
-            }
-            // Choose the next direction.
-            let (u_choice, u, u_roulette) =
-                (sampler.next_1d(), sampler.next_2d(), sampler.next_1d());
-            let Some(scatter) = bsdf.sample(wo, u_choice, u) else { return };
-            if ends && !scatter.null {
-                return;
-            }
-            if !scatter.null {
-                prefix.scatter(&surface, &bsdf, wo, &scatter, supplied.as_ref(), here);
-            } else {
-                prefix.throughput *= scatter.weight;
-            }
-            if self.is_done(&prefix) || !self.survives(&mut prefix, MAX_SURVIVAL, u_roulette) {
-                return;
-            }
-            if S::MEDIA {
-                self.enter(&surface, &scatter, &mut prefix);
-            }
-            ray = scene.spawn(&surface, scatter.wi);
+    fn new(scene: &'a Scene, limits: PathLimits, ray: Ray, sampler: Sampler) -> Self {
+        EyeWalk {
+            sampler,
+            scene,
+            limits,
+            show: Show::All,
+            ray,
+            throughput: Rgb::WHITE,
+            remainder: Remainder::ALL,
+            last: None,
+            non_delta: 0,
+            after_delta: false,
+            eta_sq: 1.0,
+            segments: 1,
+            length: 0.0,
+            knows_media: false,
+            medium: None,
+            entered: None,
+            ahead: None,
+            estimate: None,
+            sample: Sample::default(),
+            is_described: false,
         }
     }
 
-    /// Note what the first surface is like.
-    fn describe(&self, ray: &Ray, hit: &Hit, out: &mut Sample) {
-        let surface = self.scene.surface(ray, hit);
-        let bsdf = self.scene.bsdf(&surface, -ray.d, Transport::Radiance);
-        (out.albedo, out.normal, out.depth) = (bsdf.albedo_hint(-ray.d), surface.ns(), hit.t);
+    /// Follow the path to the next surface. Where it leaves the scene, add light from infinity and return `None`. A medium
+    /// on the way only attenuates the path.
+    #[inline]
+    pub fn next_vertex(&mut self) -> Option<EyeVertex<'a>> {
+        let hit = match self.ahead.take() {
+            Some(hit) => hit,
+            None => self.scene.closest(&self.ray),
+        };
+        self.attenuate(hit);
+        self.arrive(hit)
     }
 
-    /// Play Russian roulette with what is left, the squeezing by refraction undone; the path survives with a probability of at
-    /// most `most`.
+    /// The end of the segment: a surface, or infinity.
     #[inline]
-    fn survives(&self, prefix: &mut Prefix, most: f32, u: f32) -> bool {
+    fn arrive(&mut self, hit: Option<Hit>) -> Option<EyeVertex<'a>> {
+        let Some(hit) = hit else {
+            self.add_background();
+            return None;
+        };
+        self.length += hit.t;
+        let surface = self.scene.surface(&self.ray, &hit);
+        let wo = -self.ray.d;
+        let mut bsdf = self.scene.bsdf(&surface, wo, Transport::Radiance);
+        if !self.is_described {
+            let first = &mut self.sample;
+            (first.albedo, first.normal, first.depth) = (bsdf.albedo_hint(wo), surface.ns(), hit.t);
+            self.is_described = true;
+        }
+        self.estimate = None;
+        let remainder = self.remainder.at(&surface, wo, &mut bsdf, &mut self.sampler);
+        Some(EyeVertex {
+            surface,
+            wo,
+            bsdf,
+            segments: self.segments,
+            non_delta: self.non_delta,
+            length: self.length,
+            medium: self.medium,
+            throughput: self.throughput * remainder,
+            remainder,
+            is_last: !self.limits.goes_on(self.segments),
+        })
+    }
+
+    /// Draw the direction in which the path continues. Returns whether it does.
+    #[inline]
+    pub fn scatter(&mut self, v: &EyeVertex<'a>) -> bool {
+        // After the last segment only light that passes straight through continues.
+        if v.is_last && v.bsdf.straight_through(v.wo).is_black() || self.covers_all(v) {
+            return false;
+        }
+        let (u_lobe, u, u_roulette) =
+            (self.sampler.next_1d(), self.sampler.next_2d(), self.sampler.next_1d());
+        let Some(scatter) = v.bsdf.sample(v.wo, u_lobe, u) else { return false };
+        if v.is_last && !scatter.null {
+            return false;
+        }
+        self.throughput *= scatter.weight;
+        if !scatter.null {
+            self.turn(v, &scatter);
+        }
+        if self.is_done() || !self.survives(MAX_SURVIVAL, u_roulette) {
+            return false;
+        }
+        self.enter(&v.surface, &scatter);
+        self.ray = self.scene.spawn(&v.surface, scatter.wi);
+        true
+    }
+
+    /// Whether the estimate covers all light that `v` scatters.
+    #[inline]
+    fn covers_all(&self, v: &EyeVertex) -> bool {
+        matches!(
+            self.estimate,
+            Some(Estimate { covers: Covers::Diffuse(_), direct: Some(_), caustic: Some(_), .. })
+        ) && v.bsdf.is_diffuse()
+    }
+
+    /// The path changes its direction at `v`.
+    #[inline]
+    fn turn(&mut self, v: &EyeVertex<'a>, scatter: &Scatter) {
+        self.segments += 1;
+        self.after_delta = scatter.delta;
+        self.eta_sq *= scatter.eta * scatter.eta;
+        self.last = None;
+        if scatter.delta {
+            self.remainder.after_delta();
+        } else {
+            self.throughput *= v.remainder;
+            self.non_delta += 1;
+            self.last = Some(LastScattering { p: v.surface.p, pdf_w: scatter.pdf_w });
+            self.remainder = Remainder::after(self.estimate.as_ref(), v, scatter.wi);
+        }
+    }
+
+    /// Play Russian roulette with the throughput, as if refraction had not divided it. The survival probability is at most
+    /// `most`.
+    #[inline]
+    fn survives(&mut self, most: f32, u: f32) -> bool {
         let mut survival = 1.0;
-        if prefix.segments > self.limits.rr_depth {
-            survival = (prefix.throughput.max() * prefix.eta_sq).min(most);
+        if self.segments > self.limits.rr_depth {
+            survival = (self.throughput.max() * self.eta_sq).min(most);
         }
-        prefix.throughput = prefix.throughput / survival;
+        self.throughput = self.throughput / survival;
         u < survival
     }
 
-    /// Whether nothing that the path can still find is asked for.
+    /// Whether no light that the path can still find is wanted.
     #[inline]
-    fn is_done(&self, prefix: &Prefix) -> bool {
-        // Whatever lies ahead has been answered for.
-        let all_answered = prefix.unanswered.is_black()
-            && prefix.direct_left.is_black()
-            && prefix.caustic_left.is_black()
-            && !prefix.after_delta;
-        prefix.throughput.is_black()
-            || all_answered
+    fn is_done(&self) -> bool {
+        self.throughput.is_black()
+            || (self.remainder.is_black() && !self.after_delta)
             || match self.show {
                 Show::All => false,
-                Show::Direct | Show::Caustic => prefix.rough > 1,
-                Show::Indirect => prefix.rough == 1 && prefix.unanswered.is_black(),
+                Show::Direct | Show::Caustic => self.non_delta > 1,
+                Show::Indirect => self.non_delta == 1 && self.remainder.indirect.is_black(),
             }
+    }
+
+    /// Fraction of the radiance along the next segment that the picture sees.
+    pub fn throughput(&self) -> Rgb {
+        self.throughput
+    }
+
+    /// Number of segments, the next one included. A scattering leaves it as it is where the path passes straight through.
+    pub fn segments(&self) -> u32 {
+        self.segments
+    }
+
+    /// The light that the path has found, and the layers of the first surface.
+    #[inline]
+    pub fn sample(self) -> Sample {
+        self.sample
     }
 }

@@ -105,7 +105,7 @@ impl VolumeMaps {
         let map = &self.maps[self.map_of[beam.medium]];
         // All beams but those from an eye inside the medium begin at a surface.
         let from_surface = beam.entered.is_some() || beam.segments > 1;
-        map.pierced(beam.ray, beam.reach, from_surface, |stored, t, density| {
+        map.pierced(&beam.ray, beam.reach, from_surface, |stored, t, density| {
             if stored.depth > depth {
                 return;
             }

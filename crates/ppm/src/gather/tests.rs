@@ -28,15 +28,9 @@ fn seen(scene: &Scene, photons: Vec<Photon>, max_segments: Option<u32>) -> Gathe
     let (surface, _) = scene.intersect(&ray).expect("the floor");
     let wo = -ray.d;
     let bsdf = scene.bsdf(&surface, wo, Transport::Radiance);
-    let answered = answered(&bsdf, wo, 0.1).expect("rough enough");
-    let point = Point {
-        surface: &surface,
-        wo,
-        bsdf: &bsdf,
-        answered,
-        max_segments,
-        throughput: Rgb::WHITE,
-    };
+    let covers = covers(&bsdf, wo, 0.1).expect("rough enough");
+    let point =
+        Point { surface: &surface, wo, bsdf: &bsdf, covers, max_segments, throughput: Rgb::WHITE };
     let discs = Discs { radius: 0.5, derivative: Some(0.6) };
     gather(&Grid::build(&[photons], 0.5), &point, discs)
 }

@@ -1,0 +1,139 @@
+//! The light that estimates have not accounted for, and that the path must still find.
+
+use glam::Vec3;
+
+use super::{Covers, Estimate, EyeVertex};
+use crate::bsdf::Bsdf;
+use crate::geometry::Surface;
+use crate::math::Rgb;
+use crate::sampler::Sampler;
+
+/// Fractions of the throughput that no estimate has accounted for, by the kind of light that the next vertex sends back.
+pub(super) struct Remainder {
+    /// Light that is scattered there by other than delta lobes.
+    pub(super) indirect: Rgb,
+    /// Light that comes over one or more delta lobes, and over nothing else.
+    caustic: Rgb,
+    /// Light that a light source emits there.
+    direct: Rgb,
+    /// Set if the last estimate covered light from directly visible surfaces ([`Covers::Visible`]). It then replaces
+    /// `indirect` if the next vertex is reached without a delta lobe.
+    visible: Option<Visible>,
+}
+
+impl Remainder {
+    /// No estimate so far.
+    pub(super) const ALL: Remainder =
+        Remainder { indirect: Rgb::WHITE, caustic: Rgb::WHITE, direct: Rgb::WHITE, visible: None };
+
+    /// What is left after a scattering at `v` toward `wi` by other than a delta lobe.
+    #[inline]
+    pub(super) fn after(estimate: Option<&Estimate>, v: &EyeVertex, wi: Vec3) -> Self {
+        let Some(estimate) = estimate else { return Self::ALL };
+        let left = |part: Option<Rgb>| match estimate.covers {
+            _ if part.is_none() => Rgb::WHITE,
+            Covers::Visible { min_roughness, .. } => {
+                v.bsdf.share_broad(min_roughness, v.wo, wi).map(|share| 1.0 - share)
+            }
+            Covers::NonDelta | Covers::Diffuse(_) => Rgb::BLACK,
+        };
+        let indirect = match estimate.covers {
+            // What was covered is known at the next vertex.
+            Covers::Visible { .. } => Rgb::WHITE,
+            Covers::NonDelta => Rgb::BLACK,
+            Covers::Diffuse(part) => v.bsdf.beside_diffuse(&part, v.wo, wi),
+        };
+        Remainder {
+            indirect,
+            caustic: left(estimate.caustic),
+            direct: left(estimate.direct),
+            visible: Visible::new(&estimate.covers, v, wi),
+        }
+    }
+
+    /// After a delta lobe the next surface is not directly visible.
+    #[inline]
+    pub(super) fn after_delta(&mut self) {
+        self.visible = None;
+    }
+
+    /// Whether estimates have accounted for everything.
+    #[inline]
+    pub(super) fn is_black(&self) -> bool {
+        self.indirect.is_black() && self.direct.is_black() && self.caustic.is_black()
+    }
+
+    /// Fraction of emitted light that is left.
+    #[inline]
+    pub(super) fn emitted(&self, after_delta: bool) -> Rgb {
+        if after_delta { self.caustic } else { self.direct }
+    }
+
+    /// Fraction of the scattering at `surface` that is left. Russian roulette rounds small fractions to zero or one. Where
+    /// lobes differ in it, the fraction is multiplied into `bsdf` and the result is white.
+    #[inline]
+    pub(super) fn at(
+        &self,
+        surface: &Surface,
+        wo: Vec3,
+        bsdf: &mut Bsdf,
+        sampler: &mut Sampler,
+    ) -> Rgb {
+        if bsdf.is_delta() {
+            return self.indirect;
+        }
+        let Some(visible) = &self.visible else { return play(self.indirect, sampler) };
+        let broad = play(visible.left(surface, wo), sampler);
+        if !bsdf.is_sharp(visible.min_roughness) {
+            return broad;
+        }
+        *bsdf = bsdf.with_broad(visible.min_roughness, broad);
+        Rgb::WHITE
+    }
+
+    /// Fraction of the scattering in a medium that is left, rounded as on surfaces.
+    #[inline]
+    pub(super) fn within(&self, sampler: &mut Sampler) -> Rgb {
+        play(self.indirect, sampler)
+    }
+}
+
+/// Play Russian roulette for a fraction: it is mostly small.
+#[inline]
+fn play(fraction: Rgb, sampler: &mut Sampler) -> Rgb {
+    if fraction.is_black() || fraction == Rgb::WHITE {
+        return fraction;
+    }
+    let survival = fraction.max().min(1.0);
+    let survives = sampler.next_1d() < survival;
+    if survives { fraction / survival } else { Rgb::BLACK }
+}
+
+/// [`Covers::Visible`] on the way to the next surface.
+#[derive(Clone, Copy)]
+struct Visible {
+    p: Vec3,
+    cos: f32,
+    max_geometry: f32,
+    min_roughness: f32,
+    /// Fraction of the scattering at `p` that was covered.
+    covered: Rgb,
+}
+
+impl Visible {
+    #[inline]
+    fn new(covers: &Covers, v: &EyeVertex, wi: Vec3) -> Option<Self> {
+        let Covers::Visible { max_geometry, min_roughness } = *covers else { return None };
+        let (p, cos) = (v.surface.p, v.surface.ng.dot(wi).abs());
+        let covered = v.bsdf.share_broad(min_roughness, v.wo, wi);
+        Some(Visible { p, cos, max_geometry, min_roughness, covered })
+    }
+
+    /// Fraction of the light from `surface` that the clamped geometry term and narrow lobes left out.
+    fn left(&self, surface: &Surface, wo: Vec3) -> Rgb {
+        let cos = surface.ng.dot(wo).abs();
+        let geometry = self.cos * cos / (surface.p - self.p).length_squared();
+        let kept = if geometry > self.max_geometry { self.max_geometry / geometry } else { 1.0 };
+        self.covered.map(|covered| (1.0 - covered * kept).max(0.0))
+    }
+}
