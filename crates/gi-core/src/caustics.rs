@@ -15,7 +15,7 @@ use crate::math::Rgb;
 use crate::rng::{Pcg, hash_u32, hash_words};
 use crate::sampler::Sampler;
 use crate::scene::Scene;
-use crate::walk::{LightWalk, Roulette, focused};
+use crate::walk::{LightWalk, Photon, Roulette, focused, walk_in_order};
 use glam::{IVec3, Vec3};
 use rayon::prelude::*;
 
@@ -43,20 +43,6 @@ const CHUNK: u32 = 1024;
 const MOST_MET: u32 = 64;
 /// What keeps the numbers of these paths apart from those of others.
 const SALT: u32 = 0x666f_6373;
-
-/// Light that has reached a surface over mirrors and glass alone.
-#[derive(Clone, Copy)]
-struct Photon {
-    p: Vec3,
-    /// Unit geometric normal.
-    n: Vec3,
-    /// Unit direction to where the light came from.
-    wi: Vec3,
-    /// Already divided by the number of paths.
-    power: Rgb,
-    /// Scatterings before.
-    depth: u32,
-}
 
 /// The photons of one set of paths, in a grid for each radius.
 #[derive(Default)]
@@ -141,7 +127,7 @@ impl FocusedLight {
         let sum_where = |counts: &dyn Fn(&Photon) -> bool| {
             let (mut sum, mut farthest) = (Rgb::BLACK, (0.0, p));
             self.map.for_each(level, (p, n), r, self.shrink.to_bits(), |photon, weight| {
-                if photon.depth <= deepest && counts(photon) {
+                if photon.segments <= deepest.saturating_add(1) && counts(photon) {
                     sum += bsdf.f(wo, photon.wi) * photon.power * weight as f32;
                     let d = photon.p.distance_squared(p);
                     farthest = if d > farthest.0 { (d, photon.p) } else { farthest };
@@ -234,20 +220,12 @@ fn radius(largest: f32, level: usize) -> f32 {
 impl Map {
     fn shoot(scene: &Scene, seed: u32, (first, paths): (u32, u32), largest: f32) -> Self {
         let targets = scene.focusing();
-        let chunks: Vec<Vec<Photon>> = (0..paths.div_ceil(CHUNK))
-            .into_par_iter()
-            .with_max_len(1)
-            .map(|c| {
-                let mut photons = Vec::new();
-                for path in c * CHUNK..((c + 1) * CHUNK).min(paths) {
-                    let sampler = Sampler::new(seed, 0, first.wrapping_add(path));
-                    if let Some(walk) = LightWalk::begin_toward(scene, sampler, &targets) {
-                        leave_photons(walk, paths as f32, &mut photons);
-                    }
-                }
-                photons
-            })
-            .collect();
+        let chunks = walk_in_order(paths, CHUNK, |path, photons| {
+            let sampler = Sampler::new(seed, 0, first.wrapping_add(path));
+            if let Some(walk) = LightWalk::begin_toward(scene, sampler, &targets) {
+                leave_photons(walk, paths as f32, photons);
+            }
+        });
         let photons = chunks.concat();
         let grid = |level| Grid::new(&photons, 2.0 * radius(largest, level));
         Map { grids: (0..LEVELS).into_par_iter().map(grid).collect(), photons }
@@ -332,15 +310,13 @@ fn corner_of(corner: i32) -> IVec3 {
 /// Follow a path over delta lobes, and leave a photon wherever it meets a surface that has others too.
 fn leave_photons(mut walk: LightWalk, paths: f32, photons: &mut Vec<Photon>) {
     while let Some(vertex) = walk.next_vertex() {
-        if vertex.rough > 0 || vertex.depth >= MOST_MET {
+        if vertex.non_delta > 0 || vertex.depth >= MOST_MET {
             return;
         }
         if !vertex.bsdf.is_delta() && vertex.depth > 0 {
-            let power = vertex.power / paths;
-            let (p, n) = (vertex.surface.p, vertex.surface.ng);
-            photons.push(Photon { p, n, wi: vertex.wo, power, depth: vertex.depth });
+            photons.push(Photon::at(&vertex, paths));
         }
-        if !walk.scatter(&vertex, Roulette::ByAlbedo { from: 4 }) || walk.rough() > 0 {
+        if !walk.scatter(&vertex, Roulette::ByAlbedo { from: 4 }) || walk.non_delta() > 0 {
             return;
         }
     }

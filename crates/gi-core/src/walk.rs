@@ -12,9 +12,11 @@ use crate::sampler::Sampler;
 use crate::scene::Scene;
 pub use focused::{Focused, focused};
 pub use media::{LightEvent, MediumVertex};
+pub use photon::{Photon, PhotonKind, walk_in_order};
 
 mod focused;
 mod media;
+mod photon;
 mod toward;
 
 /// A surface point that light has reached.
@@ -30,8 +32,8 @@ pub struct LightVertex<'a> {
     pub power: Rgb,
     /// Scatterings before this point, straight passes not counted.
     pub depth: u32,
-    /// Scatterings by other than delta lobes before this point.
-    pub rough: u32,
+    /// Number of scatterings before this point that were not by delta lobes.
+    pub non_delta: u32,
     /// Whether the last scattering, if any, was by a delta lobe.
     pub after_delta: bool,
     /// The medium that the path reached it in, for walks through media.
@@ -50,7 +52,7 @@ pub struct LightWalk<'a> {
     /// Surface points met, straight passes counted: each has dimensions of its own.
     met: u32,
     depth: u32,
-    rough: u32,
+    non_delta: u32,
     after_delta: bool,
     /// Whether media absorb and scatter, and the one that the path is in.
     media: bool,
@@ -88,7 +90,7 @@ impl<'a> LightWalk<'a> {
             power,
             met: 0,
             depth: 0,
-            rough: 0,
+            non_delta: 0,
             after_delta: false,
             media: false,
             medium: None,
@@ -100,9 +102,9 @@ impl<'a> LightWalk<'a> {
         &self.emission
     }
 
-    /// Scatterings by other than delta lobes so far.
-    pub fn rough(&self) -> u32 {
-        self.rough
+    /// Number of scatterings so far that were not by delta lobes.
+    pub fn non_delta(&self) -> u32 {
+        self.non_delta
     }
 
     /// The medium that the path is in, for walks through media.
@@ -135,8 +137,8 @@ impl<'a> LightWalk<'a> {
     fn vertex(&self, surface: Surface) -> LightVertex<'a> {
         let wo = -self.ray.d;
         let bsdf = self.scene.bsdf(&surface, wo, Transport::Power);
-        let LightWalk { power, depth, rough, after_delta, medium, .. } = *self;
-        LightVertex { surface, wo, bsdf, power, depth, rough, after_delta, medium }
+        let LightWalk { power, depth, non_delta, after_delta, medium, .. } = *self;
+        LightVertex { surface, wo, bsdf, power, depth, non_delta, after_delta, medium }
     }
 
     /// Scatter at a vertex that [`LightWalk::next_vertex`] gave. Returns whether the path goes on.
@@ -166,7 +168,7 @@ impl<'a> LightWalk<'a> {
             let Some(survival) = survival else { return false };
             factor = factor / survival;
             self.depth += 1;
-            self.rough += u32::from(!s.delta);
+            self.non_delta += u32::from(!s.delta);
             self.after_delta = s.delta;
         }
         if self.media {

@@ -7,19 +7,18 @@ use gi_core::filter::FilterTable;
 use gi_core::light::Light;
 use gi_core::math::Rgb;
 use gi_core::sampler::Sampler;
-use gi_core::walk::{LightEvent, LightVertex, LightWalk, MediumVertex, Roulette};
+use gi_core::walk::{LightEvent, LightVertex, LightWalk, MediumVertex, Roulette, walk_in_order};
 use glam::Vec3;
-use rayon::prelude::*;
 
 use crate::PathTracer;
 
 /// Paths that one task walks; their splats are joined in order.
-const CHUNK: u64 = 4096;
+const CHUNK: u32 = 4096;
 
 /// Light that falls on a pixel.
 struct Splat {
     pixel: u32,
-    rough: u32,
+    non_delta: u32,
     after_delta: bool,
     power: Rgb,
 }
@@ -29,23 +28,14 @@ impl PathTracer<'_> {
     pub(crate) fn light_pass(&mut self, index: u32, film: &mut Film) {
         let [w, h] = film.size();
         let filter = film.filter();
-        let paths = (w * h) as u64;
-        let chunks: Vec<Vec<Splat>> = (0..paths.div_ceil(CHUNK) as usize)
-            .into_par_iter()
-            .with_max_len(1)
-            .map(|chunk| {
-                let mut splats = Vec::new();
-                let chunk = chunk as u64;
-                for path in chunk * CHUNK..((chunk + 1) * CHUNK).min(paths) {
-                    self.light_path(index, path, filter, &mut splats);
-                }
-                splats
-            })
-            .collect();
+        let paths = (w * h) as u32;
+        let chunks = walk_in_order(paths, CHUNK, |path, splats| {
+            self.light_path(index, path, filter, splats);
+        });
         // Join in the order of the paths: the same sums for any number of threads.
         let mut picture = vec![Components::default(); w * h];
         for splat in chunks.iter().flatten() {
-            *picture[splat.pixel as usize].of_path(splat.rough, splat.after_delta) +=
+            *picture[splat.pixel as usize].of_path(splat.non_delta, splat.after_delta) +=
                 splat.power * (1.0 / paths as f32);
         }
         let medium = self.setting.camera_medium();
@@ -57,14 +47,14 @@ impl PathTracer<'_> {
             sample.radiance.caustic += light.caustic;
             sample
         });
-        self.light_paths += paths;
+        self.light_paths += u64::from(paths);
     }
 
     /// Walk one path and connect its vertices.
-    fn light_path(&self, pass: u32, path: u64, filter: &FilterTable, splats: &mut Vec<Splat>) {
+    fn light_path(&self, pass: u32, path: u32, filter: &FilterTable, splats: &mut Vec<Splat>) {
         let scene = self.setting.scene;
         // Passes are streams; within one, paths are the points of a sequence.
-        let sampler = Sampler::new(self.setting.seed ^ 0x6c69_6768, pass, path as u32);
+        let sampler = Sampler::new(self.setting.seed ^ 0x6c69_6768, pass, path);
         let Some(walk) = LightWalk::begin(scene, sampler) else { return };
         let mut walk = walk.through_media();
         let roulette = Roulette::ByAlbedo { from: self.params.limits.rr_depth };
@@ -81,7 +71,7 @@ impl PathTracer<'_> {
             } else {
                 power * self.visibility(emission.p, emission.ng, walk.medium(), &c)
             };
-            splats.push(Splat { pixel, rough: 0, after_delta: false, power });
+            splats.push(Splat { pixel, non_delta: 0, after_delta: false, power });
         }
         while let Some(event) = walk.next_event() {
             // Segments from the light to here; the connection would be one more.
@@ -121,7 +111,7 @@ impl PathTracer<'_> {
             let power = power * self.visibility(vertex.surface.p, vertex.surface.ng, medium, &c);
             splats.push(Splat {
                 pixel,
-                rough: vertex.rough + 1,
+                non_delta: vertex.non_delta + 1,
                 after_delta: vertex.after_delta,
                 power,
             });
@@ -142,7 +132,7 @@ impl PathTracer<'_> {
         let left = self.visibility(vertex.p, Vec3::ZERO, Some(vertex.medium), &c);
         splats.push(Splat {
             pixel,
-            rough: vertex.rough + 1,
+            non_delta: vertex.non_delta + 1,
             after_delta: vertex.after_delta,
             power: vertex.power * left * (phase * c.importance),
         });

@@ -12,7 +12,7 @@ use gi_core::rng::Pcg;
 use gi_core::warp;
 use glam::Vec3;
 use photonmap::map::{Layout, Order, PhotonMap};
-use photonmap::photon::{Kind, Payload, Photon, Rgbe};
+use photonmap::photon::{Payload, Photon, PhotonKind, Rgbe};
 use photonmap::shoot::Stored;
 
 const K: usize = 50;
@@ -40,7 +40,7 @@ fn point(rng: &mut Pcg, with_caustic: bool) -> Vec3 {
 
 fn photon(p: Vec3) -> Stored {
     let power = Rgbe::nearest(Rgb::new(p.x.abs(), p.y.abs(), p.z.abs()));
-    Stored { photon: Photon::new(p, power, Vec3::Y, Vec3::Y, Kind::Indirect), depth: 1 }
+    Stored { photon: Photon::new(p, power, Vec3::Y, Vec3::Y, PhotonKind::Indirect), depth: 1 }
 }
 
 fn timed<T>(name: &str, work: impl FnOnce() -> T) -> T {

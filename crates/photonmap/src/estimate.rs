@@ -9,7 +9,7 @@ use glam::Vec3;
 
 use crate::kernel::Kernel;
 use crate::map::{Found, PhotonMap};
-use crate::photon::{Kind, Payload};
+use crate::photon::{Payload, PhotonKind};
 use crate::seen::Place;
 
 /// A map with how to read it.
@@ -47,9 +47,9 @@ impl Estimate {
     #[inline]
     fn add(&mut self, photon: &Payload, light: Rgb) {
         match photon.kind() {
-            Kind::Direct => self.direct += light,
-            Kind::Caustic => self.caustic += light,
-            Kind::Indirect => self.indirect += light,
+            PhotonKind::Direct => self.direct += light,
+            PhotonKind::Caustic => self.caustic += light,
+            PhotonKind::Indirect => self.indirect += light,
         }
     }
 

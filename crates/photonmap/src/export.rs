@@ -5,7 +5,7 @@ use std::fmt::Write;
 use glam::Vec3;
 
 use crate::map::PhotonMap;
-use crate::photon::{Kind, Photon};
+use crate::photon::{Photon, PhotonKind};
 use crate::volume::VolumeMaps;
 
 /// A photon of any map.
@@ -43,11 +43,11 @@ fn all<'m>(
     })
 }
 
-fn kind_name(kind: Kind) -> &'static str {
+fn kind_name(kind: PhotonKind) -> &'static str {
     match kind {
-        Kind::Direct => "direct",
-        Kind::Caustic => "caustic",
-        Kind::Indirect => "indirect",
+        PhotonKind::Direct => "direct",
+        PhotonKind::Caustic => "caustic",
+        PhotonKind::Indirect => "indirect",
     }
 }
 

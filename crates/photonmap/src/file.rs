@@ -217,13 +217,13 @@ fn stored(b: &[u8]) -> Stored {
 mod tests {
     use super::*;
     use crate::map::Order;
-    use crate::photon::Kind;
+    use crate::photon::PhotonKind;
     use gi_core::math::Rgb;
     use gi_core::medium::{Medium, Phase};
     use glam::Vec3;
 
     fn some() -> Vec<Stored> {
-        let kinds = [Kind::Direct, Kind::Caustic, Kind::Indirect];
+        let kinds = [PhotonKind::Direct, PhotonKind::Caustic, PhotonKind::Indirect];
         (0..9u8)
             .map(|k| {
                 let p = Vec3::splat(f32::from(k) + 0.1);

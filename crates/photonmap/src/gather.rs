@@ -11,7 +11,7 @@ use glam::Vec3;
 
 use crate::estimate::facing;
 use crate::guide::Guide;
-use crate::photon::Kind;
+use crate::photon::PhotonKind;
 use crate::shoot::is_near_specular;
 use crate::{Gather, PhotonMapping};
 
@@ -103,7 +103,7 @@ impl<'a> PhotonMapping<'a> {
         let (n, depth) = (facing(&v.surface, v.wo), self.photon_depth(v.segments)?);
         let mut photons = Vec::with_capacity(self.params.lookup);
         self.global.visit(v.surface.p, n, depth, |photon| {
-            if photon.kind() == Kind::Indirect {
+            if photon.kind() == PhotonKind::Indirect {
                 photons.push((photon.direction(), photon.power.to_rgb().luminance()));
             }
         });

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use crate::Params;
 use crate::estimate::{Estimator, SAME_SIDE};
 use crate::map::{Layout, Order, PhotonMap};
-use crate::photon::{Kind, Payload, Photon, Rgbe};
+use crate::photon::{Payload, Photon, PhotonKind, Rgbe};
 use crate::seen::Place;
 use crate::shoot::Stored;
 
@@ -33,7 +33,7 @@ pub(crate) fn count(photons: usize) -> usize {
 
 /// Irradiance where gather rays end.
 pub(crate) struct IrradianceMap {
-    /// Places, with the irradiance for the power, the radius of its estimate for the direction, and [`Kind::Direct`] where
+    /// Places, with the irradiance for the power, the radius of its estimate for the direction, and [`PhotonKind::Direct`] where
     /// all of the estimate's disc is seen.
     map: PhotonMap,
     radius_sq: f32,
@@ -62,7 +62,7 @@ impl IrradianceMap {
         let radius = from_half(u16::from_le_bytes([payload.phi, payload.theta]));
         let distance = p.distance(q);
         // Within half of a disc that is seen whole there is no wall.
-        let is_clear = payload.kind() == Kind::Direct && 2.0 * distance < radius;
+        let is_clear = payload.kind() == PhotonKind::Direct && 2.0 * distance < radius;
         let is_seen = is_clear || Disc::new(scene, p, n, distance, SAME_SIDE).sees(q);
         is_seen.then(|| (payload.power.to_rgb(), radius))
     }
@@ -86,7 +86,7 @@ fn at(setting: &Setting, from: &Estimator, (p, n): Place, depth: u8, index: u32)
     };
     let (e, is_clear) = from.estimate_seen(setting.scene, (p, n, depth), share, |_| Rgb::WHITE);
     let dither = [0, 1, 2].map(|c| bits_to_unit(hash_words(&[setting.seed, index, c, 7])));
-    let kind = if is_clear { Kind::Direct } else { Kind::Indirect };
+    let kind = if is_clear { PhotonKind::Direct } else { PhotonKind::Indirect };
     let photon = Photon::new(p, Rgbe::dithered(e.all(), dither), n, n, kind);
     let [phi, theta] = half(e.found.radius_sq.sqrt()).to_le_bytes();
     Stored {

@@ -200,7 +200,7 @@ impl PhotonMap {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::photon::{Kind, Rgbe};
+    use crate::photon::{PhotonKind, Rgbe};
     use gi_core::math::Rgb;
     use gi_core::rng::Pcg;
 
@@ -222,7 +222,7 @@ mod tests {
                     Rgbe::nearest(Rgb::WHITE),
                     Vec3::from_array([u, v, 0.1]).normalize(),
                     n,
-                    Kind::Indirect,
+                    PhotonKind::Indirect,
                 );
                 Stored { photon, depth: (k % 5) as u8 }
             })

@@ -4,6 +4,7 @@ use std::f32::consts::PI;
 use std::sync::LazyLock;
 
 use gi_core::math::Rgb;
+pub use gi_core::walk::PhotonKind;
 use glam::Vec3;
 
 /// Light that has arrived at a surface.
@@ -26,26 +27,14 @@ pub struct Payload {
     pub phi: u8,
     /// See `phi`.
     pub theta: u8,
-    /// Bits 0 and 1: the split axis in the left-balanced tree. Bits 2 and 3: the [`Kind`]. Bits 4 to 15: angles of the
+    /// Bits 0 and 1: the split axis in the left-balanced tree. Bits 2 and 3: the [`PhotonKind`]. Bits 4 to 15: angles of the
     /// surface's normal on the side that the light came from.
     pub flags: u16,
 }
 
-/// What a photon's path has met on its way from the light; the kinds are those of [`gi_core::film::Components`], as
-/// seen from the photon's surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// Nothing: L D.
-    Direct,
-    /// Delta lobes only: L S+ D.
-    Caustic,
-    /// A rough surface at least: L .* D .* D.
-    Indirect,
-}
-
 impl Photon {
     /// A photon at `p` that came from `wo` (unit), on the side of the unit normal `n`.
-    pub fn new(p: Vec3, power: Rgbe, wo: Vec3, n: Vec3, kind: Kind) -> Self {
+    pub fn new(p: Vec3, power: Rgbe, wo: Vec3, n: Vec3, kind: PhotonKind) -> Self {
         let [phi, theta] = angles::<256>(wo);
         let [n_phi, n_theta] = angles::<64>(n);
         let flags = (kind as u16) << 2 | (u16::from(n_phi) << 4) | (u16::from(n_theta) << 10);
@@ -75,11 +64,11 @@ impl Payload {
 
     /// What the path met.
     #[inline]
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> PhotonKind {
         match self.flags >> 2 & 3 {
-            0 => Kind::Direct,
-            1 => Kind::Caustic,
-            _ => Kind::Indirect,
+            0 => PhotonKind::Direct,
+            1 => PhotonKind::Caustic,
+            _ => PhotonKind::Indirect,
         }
     }
 
@@ -216,9 +205,9 @@ mod tests {
         let random: Vec<Vec3> = (0..100_000).map(|_| warp::sphere(rng.next_2d())).collect();
         let mut worst = [0f32; 2];
         for d in corners.into_iter().chain(random) {
-            let photon = Photon::new(Vec3::ZERO, Rgbe::default(), d, d, Kind::Caustic);
+            let photon = Photon::new(Vec3::ZERO, Rgbe::default(), d, d, PhotonKind::Caustic);
             let payload = photon.payload.with_axis(2);
-            assert_eq!((payload.kind(), payload.axis()), (Kind::Caustic, 2));
+            assert_eq!((payload.kind(), payload.axis()), (PhotonKind::Caustic, 2));
             let off = |e: Vec3| e.cross(d).length().atan2(e.dot(d)).to_degrees();
             worst = [worst[0].max(off(payload.direction())), worst[1].max(off(payload.normal()))];
         }

@@ -13,8 +13,8 @@ use crate::PhotonMapping;
 use crate::estimate::{Estimator, facing};
 use crate::gather::Rays;
 use crate::maps::source;
-use crate::photon::Kind;
-use crate::shoot::{Step, Wanted, kind};
+use crate::photon::PhotonKind;
+use crate::shoot::{Step, Wanted};
 use crate::volume::VolumeMaps;
 
 /// What can be drawn.
@@ -44,11 +44,11 @@ const PIXELS_PER_DOT: usize = 16;
 const GROUND: f32 = 0.35;
 
 /// Colours of the kinds: yellow, orange-red, blue.
-fn colour(kind: Kind) -> Rgb {
+fn colour(kind: PhotonKind) -> Rgb {
     match kind {
-        Kind::Direct => Rgb::new(1.0, 0.8, 0.2),
-        Kind::Caustic => Rgb::new(1.0, 0.2, 0.05),
-        Kind::Indirect => Rgb::new(0.15, 0.45, 1.0),
+        PhotonKind::Direct => Rgb::new(1.0, 0.8, 0.2),
+        PhotonKind::Caustic => Rgb::new(1.0, 0.2, 0.05),
+        PhotonKind::Indirect => Rgb::new(0.15, 0.45, 1.0),
     }
 }
 
@@ -119,7 +119,7 @@ impl PhotonMapping<'_> {
             let mut from = None;
             source.walk(Wanted::Global, path, &mut |Step { start, event, .. }| {
                 let a = from.unwrap_or(start);
-                self.line(&mut canvas, a, event.p(), 0.8, colour(kind(event)));
+                self.line(&mut canvas, a, event.p(), 0.8, colour(event.kind()));
                 from = Some(event.p());
             });
         }
@@ -144,7 +144,7 @@ impl PhotonMapping<'_> {
             let (p, back) = (stored.photon.p(), stored.photon.payload.direction());
             let o = scene.tree().offset_origin(p, stored.photon.payload.normal(), back);
             let from = scene.intersect(&Ray::new(o, back)).map_or(p, |(s, _)| s.p);
-            self.line(&mut canvas, from, p, 0.7, colour(Kind::Caustic));
+            self.line(&mut canvas, from, p, 0.7, colour(PhotonKind::Caustic));
         }
         self.dot(&mut canvas, surface.p);
         canvas
@@ -158,7 +158,7 @@ impl PhotonMapping<'_> {
         for k in 0..count {
             let wi = frame.to_world(warp::cosine_hemisphere(rays.direction(k, count)));
             if let Some((met, _)) = scene.intersect(&scene.spawn(surface, wi)) {
-                self.line(&mut canvas, surface.p, met.p, 0.7, colour(Kind::Indirect));
+                self.line(&mut canvas, surface.p, met.p, 0.7, colour(PhotonKind::Indirect));
                 self.dot(&mut canvas, met.p);
             }
         }

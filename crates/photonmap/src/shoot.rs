@@ -2,15 +2,14 @@
 
 use gi_core::bsdf::Bsdf;
 use gi_core::light::Targets;
-use gi_core::math::Rgb;
 use gi_core::rng::{bits_to_unit, hash_words};
 use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
-use gi_core::walk::{LightEvent, LightVertex, LightWalk, Roulette};
+use gi_core::walk::{self, LightEvent, LightWalk, Roulette};
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::photon::{Kind, Photon, Rgbe};
+use crate::photon::{Photon, Rgbe};
 
 /// A photon and the number of segments of its path, 255 standing for more.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,16 +64,6 @@ const ROUND: u64 = 16;
 /// Paths per wanted photon that are tried whatever they bring, and after which a scene is taken to give no more.
 const FEWEST_PATHS: u64 = 8;
 const MOST_PATHS: u64 = 256;
-
-/// A photon before it is packed: its power is not yet divided by the number of paths.
-struct Hit {
-    p: Vec3,
-    n: Vec3,
-    wo: Vec3,
-    power: Rgb,
-    kind: Kind,
-    depth: u8,
-}
 
 /// Hits of the paths of a chunk, and after which hit each path ended.
 pub(crate) struct Chunk<T> {
@@ -175,7 +164,7 @@ impl Source<'_> {
     }
 
     /// Divide powers by the number of paths and pack the photons.
-    fn pack(&self, chunks: Vec<Vec<Hit>>, emitted: u64) -> Vec<Stored> {
+    fn pack(&self, chunks: Vec<Vec<walk::Photon>>, emitted: u64) -> Vec<Stored> {
         let share = (1.0 / emitted.max(1) as f64) as f32;
         let mut firsts = Vec::with_capacity(chunks.len());
         let total = chunks.iter().fold(0, |first, chunk| {
@@ -186,10 +175,10 @@ impl Source<'_> {
             .into_par_iter()
             .zip(firsts)
             .map(|(hits, first)| {
-                let pack = |(k, hit): (usize, &Hit)| {
+                let pack = |(k, hit): (usize, &walk::Photon)| {
                     let power = Rgbe::dithered(hit.power * share, dither(self.seed, first + k));
-                    let photon = Photon::new(hit.p, power, hit.wo, hit.n, hit.kind);
-                    Stored { photon, depth: hit.depth }
+                    let photon = Photon::new(hit.p, power, hit.wi, hit.n, hit.kind);
+                    Stored { photon, depth: hit.segments.min(255) as u8 }
                 };
                 hits.iter().enumerate().map(pack).collect()
             })
@@ -199,7 +188,7 @@ impl Source<'_> {
         photons
     }
 
-    fn chunk(&self, wanted: Wanted, chunk: u64) -> Chunk<Hit> {
+    fn chunk(&self, wanted: Wanted, chunk: u64) -> Chunk<walk::Photon> {
         let mut out = Chunk { hits: Vec::new(), ends: Vec::with_capacity(CHUNK as usize) };
         for path in paths(chunk) {
             self.walk(wanted, path, &mut |Step { event, focused, .. }| {
@@ -207,13 +196,16 @@ impl Source<'_> {
                 let asked_for = match wanted {
                     Wanted::Caustic(_) => {
                         event.depth() > 0
-                            && event.rough() == focused
+                            && event.non_delta() == focused
                             && has_diffuse_part(&vertex.bsdf, vertex.wo)
                     }
                     _ => true,
                 };
                 if asked_for && !vertex.bsdf.is_delta() {
-                    out.hits.extend(hit(event, vertex));
+                    let hit = walk::Photon::at(vertex, 1.0);
+                    if hit.power.is_finite() && !hit.power.is_black() {
+                        out.hits.push(hit);
+                    }
                 }
             });
             out.ends.push(out.hits.len() as u32);
@@ -256,34 +248,13 @@ impl Source<'_> {
             if let LightEvent::Surface(vertex) = &event
                 && is_near_specular(&vertex.bsdf, vertex.wo)
             {
-                focused += walk.rough() - event.rough();
+                focused += walk.non_delta() - event.non_delta();
             }
-            if !goes_on || (matches!(wanted, Wanted::Caustic(_)) && walk.rough() > focused) {
+            if !goes_on || (matches!(wanted, Wanted::Caustic(_)) && walk.non_delta() > focused) {
                 return;
             }
         }
     }
-}
-
-/// What the path to an event has met before.
-pub(crate) fn kind(event: &LightEvent) -> Kind {
-    match (event.rough(), event.depth()) {
-        (0, 0) => Kind::Direct,
-        (0, _) => Kind::Caustic,
-        _ => Kind::Indirect,
-    }
-}
-
-/// The hit that a vertex is; `None` along the surface, where it brings nothing.
-fn hit(event: &LightEvent, vertex: &LightVertex) -> Option<Hit> {
-    let (surface, wo) = (&vertex.surface, vertex.wo);
-    let (cos_s, cos_g) = (wo.dot(surface.ns()).abs(), wo.dot(surface.ng));
-    let n = if cos_g < 0.0 { -surface.ng } else { surface.ng };
-    // Photons measure light by the geometric normal's cosine, paths scatter it by that of the shading normal.
-    let power = vertex.power * (cos_s / cos_g.abs());
-    let depth = (vertex.depth + 1).min(255) as u8;
-    let hit = Hit { p: surface.p, n, wo, power, kind: kind(event), depth };
-    (power.is_finite() && !power.is_black()).then_some(hit)
 }
 
 #[cfg(test)]

@@ -12,8 +12,9 @@ use glam::Vec3;
 
 use crate::error::laplacian_kernel;
 use crate::grid::Grid;
-use crate::photons::{Arrival, Kind, SAME_SURFACE};
+use crate::photons::{Arrival, SAME_SURFACE};
 use crate::statistics::Pass;
+use gi_core::walk::PhotonKind;
 
 /// Where and how light is gathered.
 pub(crate) struct Point<'p, 'a> {
@@ -173,7 +174,8 @@ fn sum(
     grid.within(point.surface.p, reach, |q, arrival, distance_sq| {
         let too_long = point.max_segments.is_some_and(|most| arrival.segments > most);
         // Where photons answer for a part of the scattering only, light straight from lights is sampled.
-        let sampled = arrival.kind == Kind::Direct && matches!(point.covers, Covers::Diffuse(_));
+        let sampled =
+            arrival.kind == PhotonKind::Direct && matches!(point.covers, Covers::Diffuse(_));
         let lights = arrival.lights(ng);
         out.has_others |= !lights && distance_sq < radius_sq;
         if too_long || sampled || !lights {
@@ -190,9 +192,9 @@ fn sum(
                 out.farthest = Some((q, side, distance_sq));
             }
             match arrival.kind {
-                Kind::Direct => out.direct += flux,
-                Kind::Caustic => out.caustic += flux,
-                Kind::Indirect => out.indirect += flux,
+                PhotonKind::Direct => out.direct += flux,
+                PhotonKind::Caustic => out.caustic += flux,
+                PhotonKind::Indirect => out.indirect += flux,
             }
         }
         if let Some(h_sq) = derivative_sq.filter(|h_sq| distance_sq < *h_sq) {

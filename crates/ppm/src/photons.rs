@@ -4,12 +4,11 @@ use gi_core::light::Targets;
 use gi_core::math::Rgb;
 use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
-use gi_core::walk::{LightVertex, LightWalk, Roulette};
+use gi_core::walk::{self, LightVertex, LightWalk, PhotonKind, Roulette, walk_in_order};
 use glam::Vec3;
-use rayon::prelude::*;
 
 /// Paths that one task walks; their photons are joined in the order of the paths.
-const CHUNK: u64 = 4096;
+const CHUNK: u32 = 4096;
 
 /// Makes the numbers of light paths differ from those of eye paths.
 const PHOTONS: u32 = 0x7068_6f74;
@@ -33,22 +32,10 @@ pub struct Arrival {
     pub wi: Vec3,
     /// Geometric normal of what was hit, on the side of `wi`, in 127ths.
     pub(crate) normal: [i8; 3],
-    /// The kind of path.
-    pub kind: Kind,
+    /// What the path has met.
+    pub kind: PhotonKind,
     /// Segments from the light to here.
     pub segments: u32,
-}
-
-/// Paths from a light to a photon, in the notation of light paths (L light, S delta lobe, D any other).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Kind {
-    /// L: straight from a light.
-    Direct,
-    /// L S+: focused by mirrors and glass.
-    Caustic,
-    /// L .* D .*: scattered by another lobe on the way.
-    #[default]
-    Indirect,
 }
 
 /// Cosine of the largest angle between the normal where light is gathered and that where a photon lies: across a
@@ -58,20 +45,10 @@ pub(crate) const SAME_SURFACE: f32 = 0.5;
 impl Arrival {
     /// What `vertex` receives of a pass of `paths` paths.
     pub(crate) fn at(vertex: &LightVertex, paths: u32) -> Self {
-        let (wi, ng) = (vertex.wo, vertex.surface.ng);
-        let cos = wi.dot(ng);
-        let share = shading_correction(wi, ng, vertex.surface.ns()) / paths as f32;
-        Arrival {
-            power: vertex.power * share,
-            wi,
-            normal: (ng * 127f32.copysign(cos)).to_array().map(|v| v.round() as i8),
-            kind: match (vertex.depth, vertex.rough) {
-                (0, _) => Kind::Direct,
-                (_, 0) => Kind::Caustic,
-                _ => Kind::Indirect,
-            },
-            segments: vertex.depth + 1,
-        }
+        let walk::Photon { n, wi, power, kind, segments, .. } =
+            walk::Photon::at(vertex, paths as f32);
+        let normal = (n * 127.0).to_array().map(|v| v.round() as i8);
+        Arrival { power, wi, normal, kind, segments }
     }
 
     /// Whether this lit the surface of normal `ng` on the side of `wi`, and not another one that runs into it.
@@ -81,17 +58,6 @@ impl Arrival {
         let cos = normal.dot(ng) * 1f32.copysign(self.wi.dot(ng));
         cos >= SAME_SURFACE * 127.0
     }
-}
-
-/// |wi . ns| / |wi . ng|: irradiance is meant with the shading normal, photons land by the geometric one
-/// [Veach97, 5.3.2].
-#[inline]
-fn shading_correction(wi: Vec3, ng: Vec3, ns: Vec3) -> f32 {
-    if ns == ng {
-        return 1.0;
-    }
-    let cos = wi.dot(ng).abs();
-    if cos > 0.0 { wi.dot(ns).abs() / cos } else { 0.0 }
 }
 
 /// What a pass of photons is made with.
@@ -117,19 +83,9 @@ impl Emission {
         pass: u32,
         gathers: impl Fn(&LightVertex) -> bool + Sync,
     ) -> Vec<Vec<Photon>> {
-        let paths = u64::from(self.paths);
-        (0..paths.div_ceil(CHUNK) as usize)
-            .into_par_iter()
-            .with_max_len(1)
-            .map(|chunk| {
-                let first = chunk as u64 * CHUNK;
-                let mut photons = Vec::with_capacity(CHUNK as usize);
-                for path in first..(first + CHUNK).min(paths) {
-                    self.walk(scene, pass, path as u32, &gathers, &mut photons);
-                }
-                photons
-            })
-            .collect()
+        walk_in_order(self.paths, CHUNK, |path, photons| {
+            self.walk(scene, pass, path, &gathers, photons);
+        })
     }
 
     /// Walk one path and leave photons.

@@ -3,7 +3,8 @@
 use glam::Vec3;
 
 use super::{
-    EMISSION_DIMENSIONS, LightVertex, LightWalk, Roulette, SCATTER_DIMENSIONS, VERTEX_DIMENSIONS,
+    EMISSION_DIMENSIONS, LightVertex, LightWalk, PhotonKind, Roulette, SCATTER_DIMENSIONS,
+    VERTEX_DIMENSIONS,
 };
 use crate::math::Rgb;
 use crate::medium::Flight;
@@ -38,11 +39,16 @@ impl LightEvent<'_> {
         }
     }
 
-    /// Scatterings by other than delta lobes before.
-    pub fn rough(&self) -> u32 {
+    /// What the path has met before.
+    pub fn kind(&self) -> PhotonKind {
+        PhotonKind::after(self.depth(), self.non_delta())
+    }
+
+    /// Number of scatterings before that were not by delta lobes.
+    pub fn non_delta(&self) -> u32 {
         match self {
-            LightEvent::Surface(v) => v.rough,
-            LightEvent::Medium(v) => v.rough,
+            LightEvent::Surface(v) => v.non_delta,
+            LightEvent::Medium(v) => v.non_delta,
         }
     }
 }
@@ -61,8 +67,8 @@ pub struct MediumVertex {
     pub power: Rgb,
     /// Scatterings before this point, straight passes not counted.
     pub depth: u32,
-    /// Scatterings by other than delta lobes before this point; media scatter like rough surfaces.
-    pub rough: u32,
+    /// Number of scatterings before this point that were not by delta lobes. Those in media count.
+    pub non_delta: u32,
     /// Whether the last scattering, if any, was by a delta lobe.
     pub after_delta: bool,
     /// Share of the power that is scattered.
@@ -100,9 +106,10 @@ impl<'a> LightWalk<'a> {
         match (medium.flight(t, reach, self.power), met) {
             (Flight::Scattered { t, weight }, _) => {
                 let (p, wo, power) = (self.ray.at(t), -self.ray.d, self.power * weight);
-                let LightWalk { depth, rough, after_delta, .. } = *self;
+                let LightWalk { depth, non_delta, after_delta, .. } = *self;
                 let (medium, left) = (index, weight);
-                let vertex = MediumVertex { p, wo, medium, power, depth, rough, after_delta, left };
+                let vertex =
+                    MediumVertex { p, wo, medium, power, depth, non_delta, after_delta, left };
                 Some(LightEvent::Medium(vertex))
             }
             (Flight::Passed { weight }, Some((surface, _))) => {
@@ -122,7 +129,7 @@ impl<'a> LightWalk<'a> {
         let survival = roulette.survival(u_roulette, vertex.left, vertex.depth);
         let Some(survival) = survival else { return false };
         self.depth += 1;
-        self.rough += 1;
+        self.non_delta += 1;
         self.after_delta = false;
         let wi = self.scene.medium(vertex.medium).phase.sample(vertex.wo, u);
         self.power = vertex.power / survival;

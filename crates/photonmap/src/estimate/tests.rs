@@ -21,7 +21,7 @@ fn strewn(kernel: Kernel, k: usize) -> Estimator {
     let power = Rgbe::nearest(Rgb::grey(3.0 * 4.0 / n as f32));
     let photons = (0..n).map(|_| {
         let [x, z] = rng.next_2d().map(|u| 2.0 * u - 1.0);
-        let photon = Photon::new(Vec3::new(x, 0.0, z), power, Vec3::Y, Vec3::Y, Kind::Direct);
+        let photon = Photon::new(Vec3::new(x, 0.0, z), power, Vec3::Y, Vec3::Y, PhotonKind::Direct);
         Stored { photon, depth: 1 }
     });
     let photons = photons.collect();

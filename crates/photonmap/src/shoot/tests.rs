@@ -1,5 +1,6 @@
 use super::*;
 use crate::test_scenes::{glass_over_floor, lit_sphere};
+use gi_core::walk::PhotonKind;
 use gi_stats::{Running, welch_t_test};
 
 fn source(scene: &Scene, seed: u32) -> Source<'_> {
@@ -12,7 +13,7 @@ fn first_hits_in_a_closed_scene_carry_the_emitted_power_and_all_hits_its_geometr
     let scene = lit_sphere();
     let shot = source(&scene, 1).shoot(Wanted::Global, 100_000);
     let sum = |first: bool| -> f64 {
-        let counts = |s: &&Stored| !first || s.photon.payload.kind() == Kind::Direct;
+        let counts = |s: &&Stored| !first || s.photon.payload.kind() == PhotonKind::Direct;
         let power = |s: &Stored| f64::from(s.photon.payload.power.to_rgb().g);
         shot.photons.iter().filter(counts).map(power).sum()
     };
@@ -85,7 +86,7 @@ fn aimed_paths_bring_the_power_that_blind_ones_bring_and_more_photons() {
     for seed in 0..48 {
         for (k, wanted) in [Wanted::Caustic(&targets), Wanted::Global].into_iter().enumerate() {
             let shot = source(&scene, seed).shoot(wanted, [4000, 40_000][k]);
-            let caustic = |s: &&Stored| s.photon.payload.kind() == Kind::Caustic;
+            let caustic = |s: &&Stored| s.photon.payload.kind() == PhotonKind::Caustic;
             let sums = |weight: fn(Vec3) -> f32| -> f64 {
                 let power = |s: &Stored| s.photon.payload.power.to_rgb().g * weight(s.photon.p());
                 shot.photons.iter().filter(caustic).map(|s| f64::from(power(s))).sum()

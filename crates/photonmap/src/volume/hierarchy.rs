@@ -162,7 +162,7 @@ fn meets(bounds: &Bounds, o: Vec3, inverse: Vec3, reach: f32) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::photon::{Kind, Photon, Rgbe};
+    use crate::photon::{Photon, PhotonKind, Rgbe};
     use gi_core::rng::Pcg;
     use gi_core::warp;
 
@@ -170,7 +170,7 @@ mod tests {
         let mut rng = Pcg::new(4, 2);
         let mut photon = |_| {
             let p = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32() * 0.5);
-            let photon = Photon::new(p, Rgbe::BLACK, Vec3::X, Vec3::X, Kind::Indirect);
+            let photon = Photon::new(p, Rgbe::BLACK, Vec3::X, Vec3::X, PhotonKind::Indirect);
             VolumePhoton { photon, depth: 2 }
         };
         (0..n).map(&mut photon).collect()

@@ -20,7 +20,7 @@ use gi_core::medium::{Medium, first_equal};
 
 use crate::Params;
 use crate::map::Order;
-use crate::photon::{Kind, Photon};
+use crate::photon::{Photon, PhotonKind};
 use crate::shoot::Source;
 use hierarchy::Hierarchy;
 pub(crate) use shoot::VolumeShot;
@@ -113,7 +113,7 @@ impl VolumeMaps {
             let phase = medium.phase.eval(payload.direction(), wi);
             let found = medium.transmittance(t) * payload.power.to_rgb() * (phase * density);
             match payload.kind() {
-                Kind::Caustic => out.caustic += found,
+                PhotonKind::Caustic => out.caustic += found,
                 _ => out.indirect += found,
             }
         });

@@ -5,8 +5,8 @@ use gi_core::rng::{bits_to_unit, hash_words};
 use gi_core::walk::{LightEvent, MediumVertex};
 
 use super::VolumePhoton;
-use crate::photon::{Kind, Photon, Rgbe};
-use crate::shoot::{Chunk, Hits, Source, Step, Wanted, collect, dither, kind, paths};
+use crate::photon::{Photon, PhotonKind, Rgbe};
+use crate::shoot::{Chunk, Hits, Source, Step, Wanted, collect, dither, paths};
 
 /// Photons that a path which scatters in media stores on average, at most. A path in marble is scattered hundreds of times: kept
 /// all, so many photons would come of few paths, which all share their noise.
@@ -28,7 +28,7 @@ pub(crate) struct VolumeShot {
 #[derive(Clone, Copy)]
 struct Scattering {
     vertex: MediumVertex,
-    kind: Kind,
+    kind: PhotonKind,
 }
 
 /// Shoot until `count` photons are there: scatterings of all light but what comes straight from a light. `map_of` says for
@@ -72,11 +72,11 @@ fn chunk(
     for path in paths(chunk) {
         source.walk(Wanted::Volume, path, &mut |Step { event, .. }| {
             let LightEvent::Medium(vertex) = event else { return };
-            let kind = kind(event);
+            let kind = event.kind();
             let words = [source.seed ^ 0x6b65_6570, path as u32, (path >> 32) as u32, vertex.depth];
             let is_light = vertex.power != Rgb::BLACK && vertex.power.is_finite();
             let is_light = is_light && is_wanted(vertex.medium);
-            if kind != Kind::Direct && is_light && bits_to_unit(hash_words(&words)) < keep {
+            if kind != PhotonKind::Direct && is_light && bits_to_unit(hash_words(&words)) < keep {
                 out.hits.push(Scattering { vertex: *vertex, kind });
             }
         });

@@ -36,7 +36,7 @@ fn seen(scene: &Scene, photons: Vec<Photon>, max_segments: Option<u32>) -> Gathe
 }
 
 /// A photon of power 2 that came from `wi` and lies on a surface of normal `ng`.
-fn photon(p: Vec3, wi: Vec3, ng: Vec3, kind: Kind) -> Photon {
+fn photon(p: Vec3, wi: Vec3, ng: Vec3, kind: PhotonKind) -> Photon {
     let wi = wi.normalize();
     let normal = (ng * 127f32.copysign(wi.dot(ng))).to_array().map(|v| v.round() as i8);
     let arrival = Arrival { power: Rgb::grey(2.0), wi, normal, kind, segments: 2 };
@@ -48,7 +48,7 @@ fn photons_count_by_their_kind_with_the_brdf() {
     let near = |kind| photon(Vec3::X * 0.4, Vec3::new(0.3, 1.0, 0.2), Vec3::Y, kind);
     let found = seen(
         &floor(grey(0.5)),
-        vec![near(Kind::Caustic), near(Kind::Indirect), near(Kind::Indirect)],
+        vec![near(PhotonKind::Caustic), near(PhotonKind::Indirect), near(PhotonKind::Indirect)],
         None,
     );
     assert_eq!(found.photons, 3);
@@ -58,7 +58,8 @@ fn photons_count_by_their_kind_with_the_brdf() {
 
 #[test]
 fn photons_from_behind_change_neither_number_nor_flux() {
-    let below = |x: f32, y: f32| photon(Vec3::new(x, y, 0.0), -Vec3::Y, Vec3::Y, Kind::Indirect);
+    let below =
+        |x: f32, y: f32| photon(Vec3::new(x, y, 0.0), -Vec3::Y, Vec3::Y, PhotonKind::Indirect);
     // On the other side of a sheet without thickness, and on the far side of a thin slab.
     let behind = vec![below(0.1, 0.0), below(-0.2, 0.0), below(0.0, -0.01)];
     for material in [grey(0.5), plastic()] {
@@ -70,7 +71,7 @@ fn photons_from_behind_change_neither_number_nor_flux() {
 
 #[test]
 fn photons_that_the_surface_swallows_or_of_another_one_do_not_count() {
-    let up = |p, ng| photon(p, Vec3::new(0.4, 1.0, 0.0), ng, Kind::Indirect);
+    let up = |p, ng| photon(p, Vec3::new(0.4, 1.0, 0.0), ng, PhotonKind::Indirect);
     assert_eq!(seen(&floor(grey(0.0)), vec![up(Vec3::X * 0.2, Vec3::Y)], None).photons, 0);
     // Of a wall that stands on the floor; out of reach; of too long a path.
     let wall = up(Vec3::new(0.1, 0.1, 0.0), Vec3::X);
@@ -99,7 +100,7 @@ fn no_number_of_photons_is_too_many() {
     let photons: Vec<Photon> = (0..100_000)
         .map(|_| {
             let [x, z] = rng.next_2d().map(|u| 0.3 * (u - 0.5));
-            photon(Vec3::new(x, 0.0, z), Vec3::Y, Vec3::Y, Kind::Caustic)
+            photon(Vec3::new(x, 0.0, z), Vec3::Y, Vec3::Y, PhotonKind::Caustic)
         })
         .collect();
     assert_eq!(seen(&floor(grey(0.5)), photons, None).photons, 100_000);
