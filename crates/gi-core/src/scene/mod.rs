@@ -11,10 +11,10 @@ mod solids;
 mod surface;
 mod winding;
 
+use gi_bvh::Bvh;
 use glam::{Affine3A, Mat3, Vec3};
 
 use crate::bsdf::{Bsdf, PreparedMaterial, Transport};
-use crate::bvh::Bvh;
 use crate::geometry::{Shape, Surface};
 use crate::light::Lights;
 use crate::math::Bounds;
