@@ -10,7 +10,7 @@ techniques="pathtrace irrcache radcache photonmap ppm instant-radiosity lightcut
 # Packages of the project that a manifest's section names.
 names() { # manifest section
     awk -v section="[$2]" '$0 == section { on = 1; next } /^\[/ { on = 0 } on' "$1" |
-        grep -oE '^(gi-[a-z]+|vpl|compare|pathtrace|irrcache|radcache|photonmap|ppm|instant-radiosity|lightcuts)\b' || true
+        grep -oE '^(gi-[a-z]+|lightcache|vpl|compare|pathtrace|irrcache|radcache|photonmap|ppm|instant-radiosity|lightcuts)\b' || true
 }
 allow() { # crate allowed...: in its dependencies, whatever its tests name
     local crate=$1 manifest=crates/$1/Cargo.toml name
@@ -27,9 +27,14 @@ allow gi-core gi-bvh
 allow gi-scene gi-core
 allow gi-cli gi-core gi-scene
 allow vpl gi-core
+allow lightcache gi-core
 for technique in $techniques; do
-    # The library names gi-core and vpl; the program besides it gi-cli.
-    allow "$technique" gi-core gi-cli vpl
+    # The library names gi-core and one of the two that techniques share; the program names gi-cli besides.
+    case $technique in
+        irrcache | radcache) allow "$technique" gi-core gi-cli lightcache ;;
+        instant-radiosity | lightcuts) allow "$technique" gi-core gi-cli vpl ;;
+        *) allow "$technique" gi-core gi-cli ;;
+    esac
     if [ -d "crates/$technique/src" ] && grep -rlE '\bgi_cli\b' "crates/$technique/src" | grep -v '/main\.rs$'; then
         complain "$technique: only main.rs may name gi_cli"
     fi

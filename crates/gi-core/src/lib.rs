@@ -15,7 +15,6 @@
 
 pub mod bsdf;
 pub mod bytes;
-pub mod cache;
 pub mod camera;
 pub mod canvas;
 pub mod caustics;

@@ -2,14 +2,14 @@
 
 use std::f32::consts::PI;
 
-use crate::eye::{EyePath, EyeVertex, PathLimits, Supplied};
-use crate::film::Show;
-use crate::geometry::Surface;
-use crate::math::Frame;
-use crate::ray::Ray;
-use crate::rng::{bits_to_unit, hash_u32, hash_words};
-use crate::sampler::Sampler;
-use crate::scene::Scene;
+use gi_core::eye::{EyePath, EyeVertex, PathLimits, Supplied};
+use gi_core::film::Show;
+use gi_core::geometry::Surface;
+use gi_core::math::Frame;
+use gi_core::ray::Ray;
+use gi_core::rng::{bits_to_unit, hash_u32, hash_words};
+use gi_core::sampler::Sampler;
+use gi_core::scene::Scene;
 use glam::Vec3;
 
 use super::control::Control;
