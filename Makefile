@@ -35,7 +35,7 @@ scenes:
 # lights against bare shadow rays; cuts against all lights, from 10 to a million.
 bench:
 	$(CARGO) bench -p ppm --bench passes
-	$(CARGO) bench -p gi-core --bench rays $(if $(EMBREE_LIB),--features embree) -- $(BENCH_ARGS)
+	$(CARGO) bench -p gi-bvh --bench rays $(if $(EMBREE_LIB),--features embree) -- $(BENCH_ARGS)
 	$(CARGO) bench -p photonmap --bench search --features rivals
 	$(CARGO) bench -p vpl --bench connections
 	$(CARGO) bench -p lightcuts --bench scaling

@@ -10,9 +10,9 @@ techniques="pathtrace irrcache radcache photonmap ppm instant-radiosity lightcut
 # Packages of the project that a manifest's section names.
 names() { # manifest section
     awk -v section="[$2]" '$0 == section { on = 1; next } /^\[/ { on = 0 } on' "$1" |
-        grep -oE '^(gi-[a-z]+|vpl|compare|pathtrace|irrcache|radcache|photonmap|ppm|instant-radiosity|lightcuts)\b' || true
+        grep -oE '^(gi-[a-z]+|lightcache|vpl|compare|pathtrace|irrcache|radcache|photonmap|ppm|instant-radiosity|lightcuts)\b' || true
 }
-allow() { # crate allowed...
+allow() { # crate allowed...: in its dependencies, whatever its tests name
     local crate=$1 manifest=crates/$1/Cargo.toml name
     shift
     [ -f "$manifest" ] || return 0
@@ -21,13 +21,20 @@ allow() { # crate allowed...
     done
 }
 allow gi-stats
-allow gi-core
+allow gi-bvh
+[ -z "$(names crates/gi-bvh/Cargo.toml dev-dependencies)" ] || complain "tests of gi-bvh may name nothing of the project"
+allow gi-core gi-bvh
 allow gi-scene gi-core
 allow gi-cli gi-core gi-scene
 allow vpl gi-core
+allow lightcache gi-core
 for technique in $techniques; do
-    # The library names gi-core and vpl; the program besides it gi-cli.
-    allow "$technique" gi-core gi-cli vpl
+    # The library names gi-core and one of the two that techniques share; the program names gi-cli besides.
+    case $technique in
+        irrcache | radcache) allow "$technique" gi-core gi-cli lightcache ;;
+        instant-radiosity | lightcuts) allow "$technique" gi-core gi-cli vpl ;;
+        *) allow "$technique" gi-core gi-cli ;;
+    esac
     if [ -d "crates/$technique/src" ] && grep -rlE '\bgi_cli\b' "crates/$technique/src" | grep -v '/main\.rs$'; then
         complain "$technique: only main.rs may name gi_cli"
     fi
@@ -44,7 +51,8 @@ only() { # package path-pattern
     hits=$(grep -rnE "\b$1::" crates/*/src --include='*.rs' | grep -vE "^[^:]*($2)[^:]*:" | grep -vE ':[0-9]+:\s*//' || true)
     [ -z "$hits" ] || complain "$1 is named outside of $2:"$'\n'"$hits"
 }
-only obvhs 'gi-core/src/bvh/'
+only obvhs 'gi-bvh/src/'
+only gi_bvh 'gi-bvh/src/|gi-core/src/'
 only tobj 'gi-scene/src/.*obj'
 only roxmltree 'gi-scene/src/document'
 only annotate_snippets 'gi-scene/src/diagnostics'
@@ -59,5 +67,14 @@ only colorous 'gi-core/src/canvas|compare/src/page/'
 only flate2 'gi-scene/src/|compare/src/planes'
 only base64 'compare/src/planes'
 only half 'compare/src/planes'
+
+# Unsafe code is in gi-bvh alone. The compiler forbids it elsewhere, in every crate that takes the workspace's lints.
+if grep -rnw unsafe crates tests scripts --include='*.rs' | grep -v '^crates/gi-bvh/'; then
+    complain "unsafe code outside of gi-bvh"
+fi
+for manifest in crates/*/Cargo.toml tests/Cargo.toml scripts/*/Cargo.toml; do
+    [ "$manifest" = crates/gi-bvh/Cargo.toml ] || grep -A1 -Fx '[lints]' "$manifest" | grep -qFx 'workspace = true' ||
+        complain "$manifest does not take the workspace's lints"
+done
 
 exit $fail

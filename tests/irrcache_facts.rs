@@ -1,7 +1,5 @@
 //! Irradiance caching against the truth and against itself.
 
-use gi_core::cache::control::ErrorControl;
-use gi_core::cache::record::Gradients;
 use gi_core::camera::CameraSpec;
 use gi_core::eye::PathLimits;
 use gi_core::film::{Film, Show};
@@ -15,6 +13,8 @@ use gi_tests::{World, cube_inside, furnace, grey, mean_and_variance, polygon};
 use glam::Vec3;
 use irrcache::file::SavedCache;
 use irrcache::{IrradianceCaching, Params};
+use lightcache::control::ErrorControl;
+use lightcache::record::Gradients;
 use pathtrace::PathTracer;
 
 const CONTROLS: [ErrorControl; 4] = [

@@ -14,9 +14,7 @@
 //! [`sampler::Sampler`], and implements [`technique::Technique`].
 
 pub mod bsdf;
-pub mod bvh;
 pub mod bytes;
-pub mod cache;
 pub mod camera;
 pub mod canvas;
 pub mod caustics;
@@ -32,7 +30,6 @@ pub mod material;
 pub mod math;
 pub mod medium;
 pub mod nee;
-pub mod ray;
 pub mod rng;
 pub mod sampler;
 pub mod scene;
@@ -40,3 +37,5 @@ pub mod technique;
 pub mod texture;
 pub mod walk;
 pub mod warp;
+
+pub use gi_bvh::ray;

@@ -1,10 +1,10 @@
 //! The cache as a file: its records, level by level.
 
-use gi_core::cache::file::{Body, Reader, Writer};
-use gi_core::cache::record::Record;
+use lightcache::file::{Body, Reader, Writer};
+use lightcache::record::Record;
 
 /// A cache as it was saved.
-pub type SavedCache = gi_core::cache::file::SavedCache<Levels>;
+pub type SavedCache = lightcache::file::SavedCache<Levels>;
 
 /// Records of each level.
 #[derive(Clone, Debug, PartialEq)]

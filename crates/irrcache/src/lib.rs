@@ -23,15 +23,15 @@ mod params;
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-use gi_core::cache::gather::sees;
-use gi_core::cache::record::Record;
-use gi_core::cache::site::{Query, RELAXED, Site};
-use gi_core::cache::{Cache, Weighing};
 use gi_core::caustics::FocusedLight;
 use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
 use gi_core::film::{Film, Show};
 use gi_core::math::{INV_PI, Rgb};
 use gi_core::technique::{Picture, Setting, Technique};
+use lightcache::gather::sees;
+use lightcache::record::Record;
+use lightcache::site::{Query, RELAXED, Site};
+use lightcache::{Cache, Weighing};
 
 use file::{Levels, SavedCache};
 pub use params::Params;

@@ -8,14 +8,14 @@ use gi_cli::{
     Caustics, Common, Program, check_points_file, check_spacings, is_table, parse_accuracy,
     parse_spacing, read_input,
 };
-use gi_core::cache::Weights;
-use gi_core::cache::control::{ErrorControl, SphereRadius};
-use gi_core::cache::export::{to_csv, to_ply};
-use gi_core::cache::figures::Figure;
-use gi_core::cache::record::Gradients;
 use gi_core::eye::PathLimits;
 use irrcache::file::SavedCache;
 use irrcache::{IrradianceCaching, Params};
+use lightcache::Weights;
+use lightcache::control::{ErrorControl, SphereRadius};
+use lightcache::export::{to_csv, to_ply};
+use lightcache::figures::Figure;
+use lightcache::record::Gradients;
 
 /// Irradiance caching: indirect light of diffuse surfaces from few records of irradiance [slides 5-14].
 ///

@@ -9,12 +9,12 @@ use rayon::prelude::*;
 
 use crate::IrradianceCaching;
 use crate::params::Params;
-use gi_core::cache::Cache;
-use gi_core::cache::control::Control;
-use gi_core::cache::fill::{coarse_to_fine, in_rounds, scattered};
-use gi_core::cache::gather::{Gatherer, Place};
-use gi_core::cache::hemisphere::Strata;
-use gi_core::cache::record::Record;
+use lightcache::Cache;
+use lightcache::control::Control;
+use lightcache::fill::{coarse_to_fine, in_rounds, scattered};
+use lightcache::gather::{Gatherer, Place};
+use lightcache::hemisphere::Strata;
+use lightcache::record::Record;
 
 impl<'a> IrradianceCaching<'a> {
     /// How records of a level are made. Each level is seen through the one before, and may be coarser by as much: half the

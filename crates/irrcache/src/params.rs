@@ -3,10 +3,10 @@
 use gi_core::eye::PathLimits;
 
 use crate::file::SavedCache;
-use gi_core::cache::Weights;
-use gi_core::cache::control::{ErrorControl, SphereRadius};
-use gi_core::cache::figures::Figure;
-use gi_core::cache::record::Gradients;
+use lightcache::Weights;
+use lightcache::control::{ErrorControl, SphereRadius};
+use lightcache::figures::Figure;
+use lightcache::record::Gradients;
 
 /// The knobs.
 #[derive(Clone, Debug, PartialEq)]

@@ -35,6 +35,7 @@ pub mod photon;
 mod pictures;
 mod seen;
 pub mod shoot;
+mod solids;
 #[cfg(test)]
 mod test_scenes;
 pub mod volume;

@@ -6,11 +6,11 @@ use gi_core::math::Rgb;
 use gi_core::medium::{Medium, equiangular, equiangular_pdf};
 use gi_core::nee::all_direct_light_within;
 use gi_core::sampler::Sampler;
-use gi_core::scene::Solids;
 use gi_core::technique::Setting;
 
 use crate::dipole::Dipoles;
 use crate::shoot::Source;
+use crate::solids::Solids;
 use crate::volume::VolumeMaps;
 use crate::{Params, PhotonMapping, Subsurface};
 
@@ -42,7 +42,7 @@ pub(crate) fn check(setting: &Setting, params: &Params) -> Result<(), String> {
         return Ok(());
     }
     let scene = setting.scene;
-    let solids = scene.solids();
+    let solids = Solids::of(scene);
     if !params.knows_media(scene) || !(0..scene.media().len()).any(|m| solids.is_dark(m)) {
         return Err(NO_SOLID.into());
     }
@@ -53,7 +53,7 @@ pub(crate) fn check(setting: &Setting, params: &Params) -> Result<(), String> {
 impl MediaMaps {
     /// Shoot photons, but for those in `saved`.
     pub(crate) fn shoot(source: &Source, params: &Params, saved: Option<VolumeMaps>) -> Self {
-        let solids = source.scene.solids();
+        let solids = Solids::of(source.scene);
         let by_dipole = params.subsurface == Subsurface::Dipole;
         let dipoles = by_dipole.then(|| Dipoles::shoot(source, &solids, params.volume_photons));
         let is_wanted = |m| !(by_dipole && solids.is_dark(m));

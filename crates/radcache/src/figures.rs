@@ -2,7 +2,6 @@
 
 use std::f32::consts::{PI, TAU};
 
-use gi_core::cache::figures::Figure;
 use gi_core::canvas::Canvas;
 use gi_core::film::Film;
 use gi_core::math::Rgb;
@@ -10,6 +9,7 @@ use gi_core::sampler::Sampler;
 use gi_core::technique::Picture;
 use gi_core::warp;
 use glam::{Vec2, Vec3};
+use lightcache::figures::Figure;
 
 use crate::RadianceCaching;
 use crate::brdf::BrdfTable;

@@ -1,14 +1,14 @@
 //! The caches as a file.
 
-use gi_core::cache::file::{Body, Reader, Writer};
-use gi_core::cache::record::Record;
 use glam::Vec3A;
+use lightcache::file::{Body, Reader, Writer};
+use lightcache::record::Record;
 
 use crate::record::RadianceRecord;
 use crate::sh::MAX_FUNCTIONS;
 
 /// Caches as they were saved.
-pub type SavedCache = gi_core::cache::file::SavedCache<Records>;
+pub type SavedCache = lightcache::file::SavedCache<Records>;
 
 /// Records of both kinds.
 #[derive(Clone, Debug, PartialEq)]

@@ -33,17 +33,17 @@ mod test_scenes;
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-use gi_core::cache::control::{Control, ErrorControl};
-use gi_core::cache::gather::sees;
-use gi_core::cache::record::{Gradients, Record};
-use gi_core::cache::site::{Query, RELAXED, Site, Sited};
-use gi_core::cache::{Cache, Weighing};
 use gi_core::caustics::FocusedLight;
 use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
 use gi_core::film::{Film, Show};
 use gi_core::math::{Frame, INV_PI, Rgb};
 use gi_core::technique::{Picture, Setting, Technique};
 use glam::Vec3A;
+use lightcache::control::{Control, ErrorControl};
+use lightcache::gather::sees;
+use lightcache::record::{Gradients, Record};
+use lightcache::site::{Query, RELAXED, Site, Sited};
+use lightcache::{Cache, Weighing};
 
 use file::{Records, SavedCache};
 pub use params::{Mode, Params};

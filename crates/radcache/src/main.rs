@@ -8,8 +8,8 @@ use gi_cli::{
     Caustics, Common, Program, check_points_file, check_spacings, is_table, parse_accuracy,
     parse_spacing, read_input,
 };
-use gi_core::cache::export::{to_csv, to_ply};
 use gi_core::eye::PathLimits;
+use lightcache::export::{to_csv, to_ply};
 use radcache::figures::Show;
 use radcache::file::SavedCache;
 use radcache::sh::{Basis, MAX_ORDER, Window};

@@ -1,15 +1,15 @@
 //! The overture: filling both caches before the picture, from coarse to fine.
 
-use gi_core::cache::control::{Control, ErrorControl};
-use gi_core::cache::fill::{coarse_to_fine, in_rounds};
-use gi_core::cache::gather::{Gatherer, Place};
-use gi_core::cache::hemisphere::Strata;
-use gi_core::cache::record::Record;
 use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
 use gi_core::film::Show;
 use gi_core::math::Rgb;
 use gi_core::rng::hash_words;
 use gi_core::technique::Setting;
+use lightcache::control::{Control, ErrorControl};
+use lightcache::fill::{coarse_to_fine, in_rounds};
+use lightcache::gather::{Gatherer, Place};
+use lightcache::hemisphere::Strata;
+use lightcache::record::Record;
 use rayon::prelude::*;
 
 use crate::params::Params;

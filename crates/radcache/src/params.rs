@@ -1,8 +1,8 @@
 //! The knobs.
 
-use gi_core::cache::Weights;
-use gi_core::cache::control::{ErrorControl, SphereRadius};
 use gi_core::eye::PathLimits;
+use lightcache::Weights;
+use lightcache::control::{ErrorControl, SphereRadius};
 
 use crate::figures::Show;
 use crate::file::SavedCache;

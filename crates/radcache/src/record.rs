@@ -3,11 +3,11 @@
 
 use std::f32::consts::PI;
 
-use gi_core::cache::hemisphere::{Hemisphere, Strata};
-use gi_core::cache::record::Record;
-use gi_core::cache::site::{Query, RELAXED, Site, Sited};
 use gi_core::math::Frame;
 use glam::{Vec2, Vec3, Vec3A};
+use lightcache::hemisphere::{Hemisphere, Strata};
+use lightcache::record::Record;
+use lightcache::site::{Query, RELAXED, Site, Sited};
 
 use crate::rotate::about_z;
 use crate::sh::{Basis, Coefficients, MAX_FUNCTIONS};
@@ -194,10 +194,10 @@ mod tests {
     use super::*;
     use crate::sh::index;
     use crate::sh::tests::gauss_legendre;
-    use gi_core::cache::gradients::Gradient;
-    use gi_core::cache::hemisphere::Seen;
     use gi_core::math::Rgb;
     use gi_core::rng::Pcg;
+    use lightcache::gradients::Gradient;
+    use lightcache::hemisphere::Seen;
 
     const ORDER: usize = 5;
 

@@ -64,11 +64,6 @@ impl Toward {
         Cone { axis: self.middle * inverse.sqrt(), sin: sin_sq.sqrt(), cos: (1.0 - sin_sq).sqrt() }
     }
 
-    /// All directions.
-    pub fn anywhere() -> Self {
-        Toward::new(Vec3::ZERO, &Bounds { min: Vec3::NEG_ONE, max: Vec3::ONE })
-    }
-
     /// Least squared distance to the box.
     #[inline]
     pub fn min_distance_sq(&self) -> f32 {

@@ -1,11 +1,10 @@
-//! Vectors come from `glam`; here stands what a renderer adds to them: radiance, orthonormal frames, boxes.
+//! Vectors come from `glam`; what a renderer adds to them is here: radiance, orthonormal frames, boxes.
 
-mod bounds;
 mod frame;
 mod rgb;
 
-pub use bounds::Bounds;
 pub use frame::Frame;
+pub use gi_bvh::Bounds;
 pub use rgb::Rgb;
 
 /// 1 / pi.

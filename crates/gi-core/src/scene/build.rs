@@ -2,11 +2,11 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
+use gi_bvh::{BuildError, Bvh, Solid, Triangle};
 use glam::{Mat3, Vec3};
 
 use super::{PreparedInstance, Scene, SceneParts};
 use crate::bsdf::{MAX_COMPONENTS, PreparedMaterial, check_children, component_count};
-use crate::bvh::{BuildError, Bvh, Solid, Triangle};
 use crate::geometry::{Geometry, Instance, Shape};
 use crate::light::Lights;
 use crate::math::Bounds;

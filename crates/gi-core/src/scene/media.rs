@@ -111,7 +111,7 @@ impl Scene {
 
     /// The medium that light of light number `light` starts in.
     #[inline]
-    pub(crate) fn medium_round_light(&self, light: usize) -> Option<usize> {
+    pub fn medium_round_light(&self, light: usize) -> Option<usize> {
         self.light_media.get(light).copied().flatten()
     }
 

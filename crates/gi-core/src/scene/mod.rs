@@ -7,14 +7,13 @@ mod media;
 mod media_check;
 mod parts;
 mod recentre;
-mod solids;
 mod surface;
 mod winding;
 
+use gi_bvh::Bvh;
 use glam::{Affine3A, Mat3, Vec3};
 
 use crate::bsdf::{Bsdf, PreparedMaterial, Transport};
-use crate::bvh::Bvh;
 use crate::geometry::{Shape, Surface};
 use crate::light::Lights;
 use crate::math::Bounds;
@@ -22,7 +21,6 @@ use crate::medium::Medium;
 use crate::ray::{Hit, Ray};
 pub use build::SceneError;
 pub use parts::SceneParts;
-pub use solids::{Bodies, Solids};
 
 /// A scene ready for rays. It does not change once made.
 pub struct Scene {
@@ -60,6 +58,16 @@ impl Scene {
     /// All shapes, those of groups after the others.
     pub fn shapes(&self) -> &[Shape] {
         &self.shapes
+    }
+
+    /// Number of a shape's first primitive, as in [`Surface::prim`]. Primitives are counted through all shapes.
+    pub fn first_primitive(&self, shape: usize) -> u32 {
+        self.first_primitive[shape]
+    }
+
+    /// Whether a material refracts, and nothing passes straight through it.
+    pub fn refracts(&self, material: usize) -> bool {
+        self.materials[material].refracts
     }
 
     /// All lights.

@@ -25,12 +25,13 @@ use std::collections::BTreeMap;
 use gi_core::eye::{Beam, Entrance};
 use gi_core::math::Rgb;
 use gi_core::medium::first_equal;
-use gi_core::scene::{Bodies, Scene, Solids};
+use gi_core::scene::Scene;
 use gi_core::walk::LightEvent;
 use glam::Vec3;
 
 use crate::photon::Rgbe;
 use crate::shoot::{Chunk, Hits, Source, Step, Wanted, collect, dither, paths};
+use crate::solids::{Bodies, Solids};
 use entries::{Entries, Entry};
 use profile::Dipole;
 
@@ -57,7 +58,7 @@ fn body(scene: &Scene, bodies: &Bodies, prim: u32, medium: usize) -> Body {
 impl Dipoles {
     /// Shoot photons until `count` have entered a solid in which no light stands.
     pub(crate) fn shoot(source: &Source, solids: &Solids, count: usize) -> Self {
-        let (scene, bodies) = (source.scene, source.scene.bodies());
+        let (scene, bodies) = (source.scene, Bodies::of(source.scene));
         let Hits { chunks, emitted, gave_up } = collect(count, |k| chunk(source, solids, k));
         let share = (1.0 / emitted.max(1) as f64) as f32;
         let mut entries: BTreeMap<Body, Vec<Entry>> = BTreeMap::new();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{Affine3A, Mat3A, Vec3};
 
 use super::{BuildError, Bvh};
-use crate::math::{Bounds, safe_sqrt};
+use crate::bounds::Bounds;
 use crate::ray::{Hit, Ray};
 
 /// A primitive that is no triangle.
@@ -149,8 +149,9 @@ fn disk(center: Vec3, du: Vec3, dv: Vec3) -> Placement {
 fn cylinder(p0: Vec3, p1: Vec3, radius: f32) -> Placement {
     let (radius, height) = (radius.abs(), (p1 - p0).length());
     let axis = (p1 - p0) / height;
-    let reach =
-        Vec3::from_array(std::array::from_fn(|k| radius * safe_sqrt(1.0 - axis[k] * axis[k])));
+    let reach = Vec3::from_array(std::array::from_fn(|k| {
+        radius * (1.0 - axis[k] * axis[k]).max(0.0).sqrt()
+    }));
     let bounds = Bounds { min: p0.min(p1) - reach, max: p0.max(p1) + reach };
     let holds_points = radius != 0.0 && height != 0.0;
     holds_points.then_some((Shape::Cylinder { foot: p0, axis, height, radius }, bounds))

@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use crate::math::Rgb;
+use gi_core::math::Rgb;
 use glam::Vec3;
 
 use super::gradients::Gradient;

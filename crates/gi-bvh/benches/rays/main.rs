@@ -1,6 +1,6 @@
 //! Single rays through generated meshes: this tree against others, as ratios from one run.
 //!
-//! `cargo bench -p gi-core --bench rays -- [MESH [RAYS]]`; with `--features embree` and `EMBREE_LIB=path[:path]` also
+//! `cargo bench -p gi-bvh --bench rays -- [MESH [RAYS]]`; with `--features embree` and `EMBREE_LIB=path[:path]` also
 //! against Embree 3 or 4, which then is what the ratios refer to.
 //!
 //! For every chunk of rays all tracers run in turn, each after an untimed run over the neighbouring chunk, so that it
@@ -10,12 +10,14 @@
 #[cfg(feature = "embree")]
 mod embree;
 mod meshes;
+#[path = "../../src/random.rs"]
+mod random;
 mod rivals;
 
 use std::time::Instant;
 
-use gi_core::bvh::Bvh;
-use gi_core::ray::Ray;
+use gi_bvh::Bvh;
+use gi_bvh::ray::Ray;
 use meshes::{Rays, Scene};
 use obvhs::{bvh2::Bvh2, cwbvh::CwBvh};
 use rivals::Obvhs;

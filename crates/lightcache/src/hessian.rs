@@ -3,7 +3,7 @@
 
 use std::f32::consts::PI;
 
-use crate::math::Rgb;
+use gi_core::math::Rgb;
 use glam::{DMat2, DVec2, DVec3, Vec3};
 
 use super::gradients::Gradient;
@@ -215,8 +215,8 @@ pub fn eigen(h: Hessian) -> ([f64; 2], DVec2) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cache::hemisphere::Strata;
-    use crate::cache::hemisphere::tests::hemisphere;
+    use crate::hemisphere::Strata;
+    use crate::hemisphere::tests::hemisphere;
 
     #[test]
     fn edge_derivatives_are_finite_differences() {

@@ -3,7 +3,6 @@
 use rayon::prelude::*;
 
 use super::*;
-use crate::math::Frame;
 
 /// A ray from inside the sphere of radius `room` round `center`, aimed at a point of an edge or at a corner.
 fn aimed(rng: &mut Pcg, triangles: &[Triangle], center: Vec3, room: f32) -> Ray {
@@ -109,8 +108,8 @@ fn bounces_that_stay(bvh: &Bvh, triangles: &[Triangle], center: Vec3, rays: u32)
         let p = a + (b - a) * hit.u + (c - a) * hit.v;
         let [u, v] = rng.next_2d();
         let (s, c) = (v * std::f32::consts::TAU).sin_cos();
-        let local = Vec3::new(u.sqrt() * c, u.sqrt() * s, (1.0 - u).sqrt());
-        let d = Frame::from_normal(ng).to_world(local);
+        let (x, y) = ng.any_orthonormal_pair();
+        let d = x * (u.sqrt() * c) + y * (u.sqrt() * s) + ng * (1.0 - u).sqrt();
         let before = hit.prim;
         ray = Ray::new(bvh.offset_origin(p, ng, d), d);
         stay += u32::from(bvh.closest(&ray).is_some_and(|h| h.prim == before));

@@ -1,71 +1,66 @@
-//! Which media fill solid bodies, and which surfaces bound the same one.
+//! Solid bodies of a translucent medium: which media fill them, and which surfaces bound the same one.
 
 use std::collections::HashMap;
 
+use gi_core::geometry::{Geometry, Shape};
+use gi_core::scene::Scene;
 use glam::Vec3;
 
-use super::Scene;
-use crate::geometry::{Geometry, Shape};
-
-/// Corners are one that are as near as this, in units of the largest coordinate; lids fit that are, in units of the cylinder's radius.
+/// Corners closer than this, in units of the largest coordinate, are one corner.
 const SAME_CORNER: f32 = 1e-6;
+/// A disk is the lid of a cylinder if it fits to this, in units of the cylinder's radius.
 const SAME_RIM: f32 = 1e-3;
 
-/// Which media of a scene fill solid bodies: those behind boundaries that all refract.
-pub struct Solids {
-    /// By medium: whether it is bounded by refracting surfaces only.
+/// Which media of a scene fill solid bodies: those whose boundaries all refract.
+pub(crate) struct Solids {
+    /// By medium: whether only refracting surfaces bound it.
     solid: Vec<bool>,
-    /// By medium: whether lights stand in it.
+    /// By medium: whether it contains lights.
     lit: Vec<bool>,
 }
 
-/// Which boundaries of media belong to one body.
-///
-/// Triangles that share a corner, to rounding, bound one body; so do cylinders and the disks that are their lids. Each of the others,
-/// a cavity in a body, and all copies of an instanced body together count as one of their own.
-pub struct Bodies {
-    /// By primitive: the number of the body, that of its first primitive.
-    body_of: Vec<u32>,
-}
-
 impl Solids {
-    /// Whether a medium fills solid bodies only, and no point of it is reached by light straight from a light.
-    pub fn is_dark(&self, medium: usize) -> bool {
-        self.solid[medium] && !self.lit[medium]
-    }
-}
-
-impl Bodies {
-    /// The body that a primitive bounds.
-    pub fn body(&self, prim: u32) -> u32 {
-        self.body_of[prim as usize]
-    }
-}
-
-impl Scene {
     /// Find the media that fill solid bodies.
-    pub fn solids(&self) -> Solids {
-        let is_it =
-            |m: usize, side: Option<usize>| side.is_some_and(|s| self.media[s] == self.media[m]);
+    pub(crate) fn of(scene: &Scene) -> Self {
+        let media = scene.media();
+        let is_it = |m: usize, side: Option<usize>| side.is_some_and(|s| media[s] == media[m]);
         let bounds = |shape: &Shape, m| is_it(m, shape.interior) || is_it(m, shape.exterior);
-        let all = 0..self.media.len();
-        let lit = all.clone().map(|m| self.light_media.iter().any(|&round| is_it(m, round)));
-        let solid = all.clone().map(|m| {
-            let mut boundaries = self.shapes.iter().filter(|shape| bounds(shape, m)).peekable();
-            boundaries.peek().is_some()
-                && boundaries.all(|shape| self.materials[shape.material].refracts)
+        let lights = 0..scene.lights().all().len();
+        let lit = (0..media.len())
+            .map(|m| lights.clone().any(|light| is_it(m, scene.medium_round_light(light))));
+        let solid = (0..media.len()).map(|m| {
+            let mut boundaries = scene.shapes().iter().filter(|shape| bounds(shape, m)).peekable();
+            boundaries.peek().is_some() && boundaries.all(|shape| scene.refracts(shape.material))
         });
         Solids { solid: solid.collect(), lit: lit.collect() }
     }
 
-    /// Find which boundaries hang together.
-    pub fn bodies(&self) -> Bodies {
-        let mut joined = Joined::new(self.shape_of.len());
+    /// Whether a medium fills solid bodies only, and no point of it is reached by light straight from a light.
+    pub(crate) fn is_dark(&self, medium: usize) -> bool {
+        self.solid[medium] && !self.lit[medium]
+    }
+}
+
+/// Which boundaries of media belong to one body.
+///
+/// Triangles that share a corner, to rounding, bound one body. So do cylinders and the disks that are their lids. Every other
+/// boundary counts as a body of its own: a cavity in a body, for instance, and all copies of an instanced body together.
+pub(crate) struct Bodies {
+    /// By primitive: the number of the body, that of its first primitive.
+    body_of: Vec<u32>,
+}
+
+impl Bodies {
+    /// Find which boundaries are connected.
+    pub(crate) fn of(scene: &Scene) -> Self {
+        let shapes = scene.shapes();
+        let count: usize = shapes.iter().map(|shape| shape.geometry.primitive_count()).sum();
+        let mut joined = Joined::new(count);
         let mut at: HashMap<[i64; 3], u32> = HashMap::new();
         let boundaries: Vec<usize> =
-            (0..self.shapes.len()).filter(|&k| self.shapes[k].is_boundary()).collect();
-        let meshes = boundaries.iter().filter_map(|&k| match &self.shapes[k].geometry {
-            Geometry::Mesh(mesh) => Some((self.first_primitive[k], mesh)),
+            (0..shapes.len()).filter(|&k| shapes[k].is_boundary()).collect();
+        let meshes = boundaries.iter().filter_map(|&k| match &shapes[k].geometry {
+            Geometry::Mesh(mesh) => Some((scene.first_primitive(k), mesh)),
             _ => None,
         });
         let largest = meshes.clone().fold(0.0f32, |largest, (_, mesh)| {
@@ -81,22 +76,25 @@ impl Scene {
             }
         }
         for &k in &boundaries {
-            let Geometry::Cylinder { p0, p1, radius } = self.shapes[k].geometry else { continue };
+            let Geometry::Cylinder { p0, p1, radius } = shapes[k].geometry else { continue };
             for &lid in &boundaries {
-                let Geometry::Disk { center, du, .. } = self.shapes[lid].geometry else { continue };
+                let Geometry::Disk { center, du, .. } = shapes[lid].geometry else { continue };
                 let near = |p: Vec3| p.distance(center) < SAME_RIM * radius;
                 if (near(p0) || near(p1)) && (du.length() - radius).abs() < SAME_RIM * radius {
-                    joined.join(self.first_primitive[k], self.first_primitive[lid]);
+                    joined.join(scene.first_primitive(k), scene.first_primitive(lid));
                 }
             }
         }
-        let body_of = (0..self.shape_of.len() as u32).map(|prim| joined.first(prim)).collect();
-        Bodies { body_of }
+        Bodies { body_of: (0..count as u32).map(|prim| joined.first(prim)).collect() }
+    }
+
+    /// The body that a primitive bounds.
+    pub(crate) fn body(&self, prim: u32) -> u32 {
+        self.body_of[prim as usize]
     }
 }
 
-/// The cells of a grid, four times as wide as `reach`, that the cube of so much to each side of a point reaches into; one of
-/// them mostly.
+/// The grid cells, four times as wide as `reach`, that overlap the cube of half width `reach` around a point. Mostly one.
 fn cells(p: Vec3, reach: f32) -> impl Iterator<Item = [i64; 3]> {
     let cell = |x: f32| (f64::from(x) / f64::from(4.0 * reach)).floor() as i64;
     let [low, high] = [p - reach, p + reach].map(|q| q.to_array().map(cell));
@@ -105,7 +103,7 @@ fn cells(p: Vec3, reach: f32) -> impl Iterator<Item = [i64; 3]> {
     })
 }
 
-/// Sets that are joined two by two; each is known by its first member.
+/// Disjoint sets. Each is known by its smallest member.
 struct Joined(Vec<u32>);
 
 impl Joined {
@@ -115,7 +113,7 @@ impl Joined {
 
     fn first(&mut self, mut k: u32) -> u32 {
         while self.0[k as usize] != k {
-            // Halve the way for those who come later.
+            // Path halving: later calls take fewer steps.
             self.0[k as usize] = self.0[self.0[k as usize] as usize];
             k = self.0[k as usize];
         }
@@ -131,12 +129,12 @@ impl Joined {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Mesh;
-    use crate::material::Material;
-    use crate::math::Rgb;
-    use crate::medium::{Medium, Phase};
-    use crate::scene::SceneParts;
-    use crate::texture::Texture;
+    use gi_core::geometry::Mesh;
+    use gi_core::material::Material;
+    use gi_core::math::Rgb;
+    use gi_core::medium::{Medium, Phase};
+    use gi_core::scene::SceneParts;
+    use gi_core::texture::Texture;
 
     /// Some faces of a tetrahedron with its first corner at `p`.
     fn tetrahedron(p: Vec3, faces: &[[u32; 3]]) -> Mesh {
@@ -184,10 +182,10 @@ mod tests {
             ..SceneParts::default()
         };
         let scene = Scene::new(parts).expect("a scene");
-        let solids = scene.solids();
+        let solids = Solids::of(&scene);
         assert_eq!(solids.solid, [true, false, false]);
         assert!(solids.is_dark(0) && !solids.is_dark(1));
-        let found = scene.bodies();
+        let found = Bodies::of(&scene);
         let bodies: Vec<u32> = (0..13).map(|prim| found.body(prim)).collect();
         assert_eq!(bodies, [0, 0, 0, 3, 3, 3, 3, 7, 7, 7, 10, 10, 12]);
     }

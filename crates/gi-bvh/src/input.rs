@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::layout::MAX_LEAF_INDEX;
 use super::solid::PlacedSolid;
 use super::{BuildError, Solid, Triangle};
-use crate::math::Bounds;
+use crate::bounds::Bounds;
 
 /// Coordinates beyond this overflow the products of the triangle test.
 const LARGEST: f32 = 1e12;

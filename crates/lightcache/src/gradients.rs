@@ -3,7 +3,7 @@
 
 use std::f32::consts::PI;
 
-use crate::math::{Frame, Rgb};
+use gi_core::math::{Frame, Rgb};
 use glam::Vec3;
 
 use super::hemisphere::{Hemisphere, Strata};
@@ -109,7 +109,7 @@ pub fn translational(h: &Hemisphere) -> Gradient {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cache::hemisphere::tests::hemisphere;
+    use crate::hemisphere::tests::hemisphere;
 
     /// Mean and standard error of the mean of a component of a gradient over independent hemispheres.
     fn mean_and_error(values: &[f64]) -> (f64, f64) {

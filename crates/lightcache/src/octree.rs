@@ -3,7 +3,7 @@
 //! Every leaf holds fewer than three items. Every node knows the box that the influence of its items reaches, so that a
 //! lookup goes down only where something may reach the point: what it finds is what a scan of all items would find.
 
-use crate::math::Bounds;
+use gi_core::math::Bounds;
 use glam::Vec3;
 
 /// Number of an item: they are counted in the order of insertion.
@@ -274,7 +274,7 @@ impl Octree {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rng::Pcg;
+    use gi_core::rng::Pcg;
 
     /// Points of a few clusters with radii, and a tree of them.
     fn tree(n: usize, seed: u64) -> (Octree, Vec<(Vec3, f32)>) {

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::math::Bounds;
+use crate::bounds::Bounds;
 use crate::ray::Ray;
 
 /// Directions whose largest component lies outside [1 / this, this] are rescaled.

@@ -2,14 +2,13 @@
 
 use std::f32::consts::PI;
 
-use crate::canvas::{Canvas, seen_at, viridis};
-use crate::film::Film;
-use crate::math::{Bounds, Rgb};
-use crate::technique::{Picture, Setting};
+use gi_core::canvas::{Canvas, seen_at, viridis};
+use gi_core::film::Film;
+use gi_core::math::{Bounds, Rgb};
+use gi_core::technique::{Picture, Setting};
 use glam::{Vec2, Vec3};
 
 use super::Cache;
-
 use super::site::{Query, Site, Sited};
 
 /// Pictures that may be asked for.

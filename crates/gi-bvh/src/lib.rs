@@ -1,4 +1,5 @@
 //! Rays against geometry: an 8-wide bounding volume hierarchy of full-precision boxes over blocks of four triangles.
+//! It is the only crate of the project that contains unsafe code: the vector kernels.
 //!
 //! Built once: binned surface-area splits (`sah`), large triangles cut and subtrees reinserted (`optimise`),
 //! collapsed to eight children by dynamic programming (`collapse`) and written out (`emit`). Walked by a kernel
@@ -8,6 +9,7 @@
 //! Spheres, disks, cylinders and instances are leaves of the same tree; a scene of triangles does not pay for them.
 
 mod bins;
+mod bounds;
 mod collapse;
 mod dispatch;
 mod emit;
@@ -19,6 +21,9 @@ mod offset;
 mod optimise;
 #[cfg_attr(target_arch = "x86_64", allow(dead_code))]
 mod portable;
+#[cfg(test)]
+mod random;
+pub mod ray;
 mod sah;
 mod solid;
 mod tame;
@@ -30,13 +35,13 @@ use std::fmt;
 
 use glam::Vec3;
 
+pub use bounds::Bounds;
 pub use solid::Solid;
 
-use crate::math::Bounds;
-use crate::ray::{Hit, Ray};
 use dispatch::Kernel;
 use input::Input;
 use layout::{Block, MAX_DEPTH, Node, Tree};
+use ray::{Hit, Ray};
 use sah::Method;
 use tame::{REACH, Tamed, is_tame};
 

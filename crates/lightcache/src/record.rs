@@ -1,6 +1,6 @@
 //! What is kept of a point: its irradiance, and how that changes.
 
-use crate::math::Rgb;
+use gi_core::math::Rgb;
 use glam::Vec3;
 
 use super::gradients::Gradient;

@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use crate::math::{Rgb, safe_sqrt};
+use gi_core::math::{Rgb, safe_sqrt};
 use glam::Vec3;
 
 /// A hemisphere cut into M rings and N sectors that hold equal shares of the cosine-weighted solid angle. Directions are
@@ -136,7 +136,7 @@ impl Hemisphere {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::rng::Pcg;
+    use gi_core::rng::Pcg;
 
     /// A hemisphere over what `look` says of a direction: radiance, distance, normal.
     pub(crate) fn hemisphere(
@@ -195,8 +195,8 @@ pub(crate) mod tests {
 
     #[test]
     fn a_record_reaches_as_far_whether_or_not_a_ray_met_a_spark() {
-        use crate::cache::control::{Control, ErrorControl, SphereRadius};
-        use crate::cache::gradients::translational;
+        use crate::control::{Control, ErrorControl, SphereRadius};
+        use crate::gradients::translational;
         let room = |spark: f32| {
             let mut rng = Pcg::new(5, 11);
             let look = |i: usize, w: Vec3| {

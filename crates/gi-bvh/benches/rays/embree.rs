@@ -3,7 +3,7 @@
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::time::Instant;
 
-use gi_core::ray::Ray;
+use gi_bvh::ray::Ray;
 
 use crate::meshes::Mesh;
 

@@ -1,9 +1,9 @@
 //! Caches of light that changes slowly from place to place [slides 7-14]: what irradiance and radiance caching share.
 //!
-//! Here is the cache itself: records in an octree, and those near enough to a point weighed [slide 11]. It knows where
-//! records stand, not what they hold. Round it stand how records are made ([`gather`], [`hemisphere`], [`gradients`]), how
-//! far they are good for ([`control`], [`hessian`]), the irradiance record ([`record`]), how caches are filled
-//! ([`fill`]), kept ([`mod@file`]) and shown ([`figures`]).
+//! [`Cache`] keeps records in an octree and computes the weighted mean of those near a point [slide 11]. It knows where
+//! records are ([`site`]), not what they hold. The other modules make records ([`gather`], [`hemisphere`], [`gradients`]),
+//! decide how far a record is valid ([`control`], [`hessian`]), define the irradiance record ([`record`]), fill caches
+//! ([`fill`]), save them ([`mod@file`], [`export`]) and draw them ([`figures`]).
 
 pub mod control;
 pub mod export;
@@ -18,7 +18,7 @@ pub mod octree;
 pub mod record;
 pub mod site;
 
-use crate::math::{Bounds, Rgb};
+use gi_core::math::{Bounds, Rgb};
 
 use octree::Octree;
 use record::{Gradients, Record};
@@ -157,7 +157,7 @@ const HOME: f32 = 1e-6;
 mod tests {
     use super::gradients::Gradient;
     use super::*;
-    use crate::rng::Pcg;
+    use gi_core::rng::Pcg;
     use glam::Vec3;
 
     fn record(p: Vec3, e: Rgb, radius: f32) -> Record {

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use gi_core::ray::Ray;
+use gi_bvh::ray::Ray;
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2_from_tris};
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh_from_tris};

@@ -175,7 +175,7 @@ fn checksum(bytes: &[u8]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cache::record::Record;
+    use crate::record::Record;
 
     #[derive(Clone, Debug, PartialEq)]
     struct Records(Vec<Record>);

@@ -9,7 +9,14 @@ use glam::{Affine3A, Mat3, Vec3};
 
 use super::dispatch::{Isa, Kernel};
 use super::*;
-use crate::rng::Pcg;
+use crate::random::Pcg;
+
+impl Pcg {
+    /// Uniform in 0..n (n > 0), with a bias too small to matter below 2^24.
+    fn next_below(&mut self, n: u32) -> u32 {
+        ((u64::from(self.next_u32()) * u64::from(n)) >> 32) as u32
+    }
+}
 
 /// Uniform in the cube from -1 to 1.
 fn in_cube(rng: &mut Pcg) -> Vec3 {

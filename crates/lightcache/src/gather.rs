@@ -2,13 +2,13 @@
 
 use std::f32::consts::PI;
 
-use crate::eye::{Estimate, EyeVertex, EyeWalk, GatherRay, PathLimits};
-use crate::geometry::Surface;
-use crate::math::Frame;
-use crate::ray::Ray;
-use crate::rng::{bits_to_unit, hash_u32, hash_words};
-use crate::sampler::Sampler;
-use crate::scene::Scene;
+use gi_core::eye::{Estimate, EyeVertex, EyeWalk, GatherRay, PathLimits};
+use gi_core::geometry::Surface;
+use gi_core::math::Frame;
+use gi_core::ray::Ray;
+use gi_core::rng::{bits_to_unit, hash_u32, hash_words};
+use gi_core::sampler::Sampler;
+use gi_core::scene::Scene;
 use glam::Vec3;
 
 use super::control::Control;

@@ -3,11 +3,11 @@
 use std::collections::HashMap;
 use std::f32::consts::TAU;
 
-use gi_core::bvh::{Bvh, Triangle};
-use gi_core::math::Frame;
-use gi_core::ray::Ray;
-use gi_core::rng::Pcg;
+use gi_bvh::ray::Ray;
+use gi_bvh::{Bvh, Triangle};
 use glam::{Mat3, Vec3};
+
+use crate::random::Pcg;
 
 /// Vertices and faces.
 #[derive(Clone, Default)]
@@ -272,11 +272,8 @@ pub(crate) fn rays(scene: &Scene, bvh: &Bvh, count: usize) -> Rays {
             }
             let [x, y] = rng.next_2d();
             let (s, c) = (y * TAU).sin_cos();
-            let d = Frame::from_normal(ng).to_world(Vec3::new(
-                x.sqrt() * c,
-                x.sqrt() * s,
-                (1.0 - x).sqrt(),
-            ));
+            let (side, up) = ng.any_orthonormal_pair();
+            let d = side * (x.sqrt() * c) + up * (x.sqrt() * s) + ng * (1.0 - x).sqrt();
             ray = Ray::new(bvh.offset_origin(p, ng, d), d);
             bounce.push(ray);
         }

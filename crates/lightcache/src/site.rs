@@ -1,6 +1,6 @@
 //! Where a record stands and how far it is good for: what records of any kind have, whatever they hold.
 
-use crate::math::safe_sqrt;
+use gi_core::math::safe_sqrt;
 use glam::Vec3;
 
 /// A place with its reach.
