@@ -16,15 +16,15 @@ impl<'a> Bsdf<'a> {
     /// The same with a factor on all that is scattered but by delta lobes and by lobes narrower than `min_roughness`, of
     /// which the diffuse part counts as broad. Directions are drawn as before.
     pub fn with_broad(&self, min_roughness: f32, factor: Rgb) -> Self {
-        self.weighed(min_roughness, factor, Rgb::WHITE)
+        self.clone().weighed(min_roughness, factor, Rgb::WHITE)
     }
 
     /// What is scattered neither by delta lobes nor by lobes narrower than `min_roughness`; `None` where there is nothing.
     pub fn broad(&self, wo: Vec3, min_roughness: f32) -> Option<Self> {
         let broad = if self.is_sharp(min_roughness) {
-            self.weighed(min_roughness, Rgb::WHITE, Rgb::BLACK)
+            self.clone().weighed(min_roughness, Rgb::WHITE, Rgb::BLACK)
         } else {
-            *self
+            self.clone()
         };
         broad.components().iter().any(|c| c.scatters(wo)).then_some(broad)
     }
@@ -34,7 +34,7 @@ impl<'a> Bsdf<'a> {
         if !self.is_sharp(min_roughness) {
             return Rgb::WHITE;
         }
-        let broad = self.weighed(min_roughness, Rgb::WHITE, Rgb::BLACK);
+        let broad = self.clone().weighed(min_roughness, Rgb::WHITE, Rgb::BLACK);
         self.f_cos(wo, wi).zip(broad.f_cos(wo, wi), |all, f| if all > 0.0 { f / all } else { 1.0 })
     }
 
@@ -42,9 +42,7 @@ impl<'a> Bsdf<'a> {
         let weigh = |c: &mut Component<'a>| *c = c.weighed(min_roughness, broad, sharp);
         match &mut self.parts {
             Parts::One(component) => weigh(component),
-            Parts::Blend { components, count, .. } => {
-                components[..*count].iter_mut().for_each(weigh)
-            }
+            Parts::Blend { components, .. } => components.iter_mut().for_each(weigh),
         }
         self
     }

@@ -98,21 +98,17 @@ fn share_left(whole: f32, part: f32) -> f32 {
 }
 
 /// The BSDF at a point. Made by [`crate::scene::Scene::bsdf`].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Bsdf<'a> {
     parts: Parts<'a>,
     way: Way,
 }
 
-/// Nearly all materials are one lobe; blends are kept apart so that they cost the others nothing.
-#[derive(Clone, Copy, Debug)]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "hot loops allocate nothing, and only blends fill the large one"
-)]
+/// Nearly all materials are one lobe. Blends are on the heap, so that a vertex is small and cheap to move.
+#[derive(Clone, Debug)]
 enum Parts<'a> {
     One(Component<'a>),
-    Blend { components: [Component<'a>; MAX_COMPONENTS], count: usize, total: f32 },
+    Blend { components: Box<[Component<'a>]>, total: f32 },
 }
 
 impl<'a> Bsdf<'a> {
@@ -120,7 +116,7 @@ impl<'a> Bsdf<'a> {
     fn components(&self) -> &[Component<'a>] {
         match &self.parts {
             Parts::One(component) => std::slice::from_ref(component),
-            Parts::Blend { components, count, .. } => &components[..*count],
+            Parts::Blend { components, .. } => components,
         }
     }
 

@@ -62,8 +62,7 @@ impl<'a> Bsdf<'a> {
             0 => Parts::One(EMPTY),
             1 => Parts::One(components[0]),
             _ => Parts::Blend {
-                components,
-                count,
+                components: components[..count].into(),
                 total: components[..count].iter().map(|c| c.weight).sum(),
             },
         };
