@@ -90,15 +90,15 @@ fn answered_by_nested_paths(world: &World, whole: bool, passes: u32) -> Film {
     for pass in 0..passes {
         film.add_pass(|pixel| {
             let mut walk = EyeWalk::through_pixel(&setting, limits, pixel, pass);
-            while let Some(v) = walk.next_vertex() {
-                walk.add_emitted(&v);
+            while let Some(v) = &walk.next_vertex() {
+                walk.add_emitted(v);
                 if v.wants_estimate()
-                    && let Some(estimate) = nested_estimate(scene, &v, whole, &mut walk.sampler)
+                    && let Some(estimate) = nested_estimate(scene, v, whole, &mut walk.sampler)
                 {
-                    walk.add_estimate(&v, estimate);
+                    walk.add_estimate(v, estimate);
                 }
-                walk.add_direct(&v);
-                if !walk.scatter(&v) {
+                walk.add_direct(v);
+                if !walk.scatter(v) {
                     break;
                 }
             }
@@ -128,10 +128,10 @@ fn nested_estimate(
     let ray = scene.spawn(&v.surface, wi);
     let start = GatherRay { ray, segments: v.segments + 1, length: v.length };
     let mut walk = EyeWalk::along(scene, PathLimits::default(), start, sampler.clone());
-    while let Some(v) = walk.next_vertex() {
-        walk.add_emitted(&v);
-        walk.add_direct(&v);
-        if !walk.scatter(&v) {
+    while let Some(v) = &walk.next_vertex() {
+        walk.add_emitted(v);
+        walk.add_direct(v);
+        if !walk.scatter(v) {
             break;
         }
     }

@@ -129,15 +129,15 @@ impl<'a> Technique<'a> for InstantRadiosity<'a> {
         let lights = Prepared::new(&self.vpls, self.setting.scene);
         film.add_pass(|pixel| {
             let mut walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
-            while let Some(v) = walk.next_vertex() {
-                walk.add_emitted(&v);
+            while let Some(v) = &walk.next_vertex() {
+                walk.add_emitted(v);
                 if v.wants_estimate()
-                    && let Some(estimate) = self.gather(&v, &lights, most, &mut walk.sampler)
+                    && let Some(estimate) = self.gather(v, &lights, most, &mut walk.sampler)
                 {
-                    walk.add_estimate(&v, estimate);
+                    walk.add_estimate(v, estimate);
                 }
-                walk.add_direct(&v);
-                if !walk.scatter(&v) {
+                walk.add_direct(v);
+                if !walk.scatter(v) {
                     break;
                 }
             }

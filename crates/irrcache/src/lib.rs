@@ -70,15 +70,15 @@ impl<'a> Technique<'a> for IrradianceCaching<'a> {
         self.focused.shoot(self.setting.scene, self.setting.seed, index);
         film.add_pass(|pixel| {
             let mut walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
-            while let Some(v) = walk.next_vertex() {
-                walk.add_emitted(&v);
+            while let Some(v) = &walk.next_vertex() {
+                walk.add_emitted(v);
                 if v.wants_estimate()
-                    && let Some(estimate) = self.estimate(&v)
+                    && let Some(estimate) = self.estimate(v)
                 {
-                    walk.add_estimate(&v, estimate);
+                    walk.add_estimate(v, estimate);
                 }
-                walk.add_direct(&v);
-                if !walk.scatter(&v) {
+                walk.add_direct(v);
+                if !walk.scatter(v) {
                     break;
                 }
             }

@@ -53,15 +53,15 @@ impl<'a> IrradianceCaching<'a> {
         let pixel = [x as usize, y as usize];
         let mut missing = Vec::new();
         let mut walk = EyeWalk::through_pixel(&setting, self.params.limits, pixel, 0);
-        while let Some(v) = walk.next_vertex() {
+        while let Some(v) = &walk.next_vertex() {
             if v.wants_estimate() {
                 let key = hash_words(&[stream, v.segments, v.non_delta]);
-                if let Some(estimate) = self.note_missing(cache, &v, 0, key, &mut missing) {
-                    walk.add_estimate(&v, estimate);
+                if let Some(estimate) = self.note_missing(cache, v, 0, key, &mut missing) {
+                    walk.add_estimate(v, estimate);
                 }
             }
-            walk.skip_direct(&v);
-            if !walk.scatter(&v) {
+            walk.skip_direct(v);
+            if !walk.scatter(v) {
                 break;
             }
         }

@@ -134,15 +134,15 @@ impl<'a> Gatherer<'a> {
             let (segments, length) = (place.segments + 1, place.length);
             let start = GatherRay { ray, segments, length };
             let mut walk = EyeWalk::along(self.scene, self.limits, start, sampler);
-            while let Some(v) = walk.next_vertex() {
-                walk.add_emitted(&v);
+            while let Some(v) = &walk.next_vertex() {
+                walk.add_emitted(v);
                 if v.wants_estimate()
-                    && let Some(estimate) = estimate(&v)
+                    && let Some(estimate) = estimate(v)
                 {
-                    walk.add_estimate(&v, estimate);
+                    walk.add_estimate(v, estimate);
                 }
-                walk.add_direct(&v);
-                if !walk.scatter(&v) {
+                walk.add_direct(v);
+                if !walk.scatter(v) {
                     break;
                 }
             }

@@ -197,17 +197,17 @@ impl<'a> Lightcuts<'a> {
         corners: impl Fn(&EyeVertex) -> Option<Corners<'s>>,
     ) -> gi_core::film::Sample {
         let mut walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
-        while let Some(v) = walk.next_vertex() {
-            walk.add_emitted(&v);
+        while let Some(v) = &walk.next_vertex() {
+            walk.add_emitted(v);
             if v.wants_estimate() {
-                let corners = corners(&v);
-                if let Some(estimate) = self.gather(lights, &v, corners.as_ref(), &mut walk.sampler)
+                let corners = corners(v);
+                if let Some(estimate) = self.gather(lights, v, corners.as_ref(), &mut walk.sampler)
                 {
-                    walk.add_estimate(&v, estimate);
+                    walk.add_estimate(v, estimate);
                 }
             }
-            walk.add_direct(&v);
-            if !walk.scatter(&v) {
+            walk.add_direct(v);
+            if !walk.scatter(v) {
                 break;
             }
         }

@@ -107,10 +107,10 @@ impl PathTracer<'_> {
     #[inline]
     fn path(&self, pixel: [usize; 2], index: u32) -> Sample {
         let mut walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
-        while let Some(v) = walk.next_vertex() {
-            walk.add_emitted(&v);
-            walk.add_direct(&v);
-            if !walk.scatter(&v) {
+        while let Some(v) = &walk.next_vertex() {
+            walk.add_emitted(v);
+            walk.add_direct(v);
+            if !walk.scatter(v) {
                 break;
             }
         }
@@ -121,8 +121,8 @@ impl PathTracer<'_> {
     fn path_in_media(&self, pixel: [usize; 2], index: u32, medium: Option<usize>) -> Sample {
         let walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
         let mut walk = walk.through_media(medium);
-        while let Some(event) = walk.next_event() {
-            let continues = match &event {
+        while let Some(event) = &walk.next_event() {
+            let continues = match event {
                 EyeEvent::Surface(v) => {
                     walk.add_emitted(v);
                     walk.add_direct(v);

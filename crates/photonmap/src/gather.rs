@@ -124,8 +124,8 @@ impl<'a> PhotonMapping<'a> {
         let mut focused = 0;
         loop {
             self.add_medium(&mut walk);
-            let Some(w) = walk.next_vertex() else { break };
-            walk.add_emitted(&w);
+            let Some(w) = &walk.next_vertex() else { break };
+            walk.add_emitted(w);
             if w.wants_estimate() {
                 // The caustic map holds the light of sources that is seen over nearly specular surfaces alone.
                 let is_focused = self.caustic.is_some()
@@ -135,14 +135,14 @@ impl<'a> PhotonMapping<'a> {
                     focused += 1;
                     Some(NO_LIGHTS)
                 } else {
-                    self.precomputed(&w, w.length - v.length, &mut walk.sampler)
+                    self.precomputed(w, w.length - v.length, &mut walk.sampler)
                 };
                 if let Some(estimate) = estimate {
-                    walk.add_estimate(&w, estimate);
+                    walk.add_estimate(w, estimate);
                 }
             }
-            walk.add_direct(&w);
-            if !walk.scatter(&w) {
+            walk.add_direct(w);
+            if !walk.scatter(w) {
                 break;
             }
         }

@@ -215,15 +215,15 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
             }
             loop {
                 self.add_medium(&mut walk);
-                let Some(v) = walk.next_vertex() else { break };
-                walk.add_emitted(&v);
+                let Some(v) = &walk.next_vertex() else { break };
+                walk.add_emitted(v);
                 if v.wants_estimate()
-                    && let Some(estimate) = self.estimate(&v, &mut walk.sampler, &rays)
+                    && let Some(estimate) = self.estimate(v, &mut walk.sampler, &rays)
                 {
-                    walk.add_estimate(&v, estimate);
+                    walk.add_estimate(v, estimate);
                 }
-                walk.add_direct(&v);
-                if !walk.scatter(&v) {
+                walk.add_direct(v);
+                if !walk.scatter(v) {
                     break;
                 }
             }

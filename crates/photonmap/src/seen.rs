@@ -59,8 +59,8 @@ fn walk(setting: &Setting, gather: Gather, path: u32) -> Walk {
     let (mut met, mut ends, mut answered) = (Vec::new(), Vec::new(), 0);
     let mut walk = EyeWalk::through_picture(setting, STREAM, path);
     for _ in 0..MOST_MET {
-        let Some(v) = walk.next_vertex() else { break };
-        if !walk.scatter(&v) {
+        let Some(v) = &walk.next_vertex() else { break };
+        if !walk.scatter(v) {
             break;
         }
         let point = (v.surface.p, walk.throughput().luminance());
@@ -100,14 +100,14 @@ fn place(setting: &Setting, gather: Gather, path: u32) -> Option<Place> {
     let mut walk = EyeWalk::through_picture(setting, STREAM ^ 1, path);
     let mut answered = 0;
     for _ in 0..MOST_MET {
-        let v = walk.next_vertex()?;
+        let v = &walk.next_vertex()?;
         if gather.answers(&v.bsdf, v.wo) {
             if answered == gather.skipped() {
                 return Some((v.surface.p, facing(&v.surface, v.wo)));
             }
             answered += 1;
         }
-        if !walk.scatter(&v) {
+        if !walk.scatter(v) {
             break;
         }
     }

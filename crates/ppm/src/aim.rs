@@ -40,8 +40,8 @@ fn walk(setting: &Setting, params: &Params, path: u32) -> Walk {
     let mut gathered = params.direct_by_photons;
     let mut walk = EyeWalk::through_picture(setting, STREAM, path);
     for _ in 0..MOST_MET {
-        let Some(v) = walk.next_vertex() else { break };
-        if !walk.scatter(&v) {
+        let Some(v) = &walk.next_vertex() else { break };
+        if !walk.scatter(v) {
             break;
         }
         let point = (v.surface.p, walk.throughput().luminance());

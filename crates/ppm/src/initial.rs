@@ -88,8 +88,8 @@ fn nearest(look: &Look, at: [usize; 2], grid: &Grid, guess: f32) -> Option<Neare
     let pixel = pixel_width(setting.camera);
     let count = look.params.initial_photons as usize;
     let mut walk = look.walk(at, PILOT);
-    while let Some(v) = walk.next_vertex() {
-        if let Some(covers) = look.covers(&v) {
+    while let Some(v) = &walk.next_vertex() {
+        if let Some(covers) = look.covers(v) {
             let most = MOST * v.length.min(setting.scene.radius());
             let least = (LEAST_PIXELS * pixel(v.length)).clamp(f32::MIN_POSITIVE, most);
             let point = Point {
@@ -104,10 +104,10 @@ fn nearest(look: &Look, at: [usize; 2], grid: &Grid, guess: f32) -> Option<Neare
                 let radius = on_surface(setting.scene, (&v.surface, v.wo), [least, radius]);
                 return Some(Nearest { radius, least, most });
             }
-            walk.add_estimate(&v, look.nothing(covers));
+            walk.add_estimate(v, look.nothing(covers));
         }
-        walk.skip_direct(&v);
-        if !walk.scatter(&v) {
+        walk.skip_direct(v);
+        if !walk.scatter(v) {
             break;
         }
     }

@@ -159,9 +159,9 @@ impl<'a> Look<'_, 'a> {
         let (discs, density) = (self.discs(radius, region.initial), per_area(radius));
         let (mut total, mut points) = (Gathered::default(), 0);
         let mut walk = self.walk(at, self.index);
-        while let Some(v) = walk.next_vertex() {
-            walk.add_emitted(&v);
-            if let Some(covers) = self.covers(&v) {
+        while let Some(v) = &walk.next_vertex() {
+            walk.add_emitted(v);
+            if let Some(covers) = self.covers(v) {
                 let point = Point {
                     surface: &v.surface,
                     wo: v.wo,
@@ -175,10 +175,10 @@ impl<'a> Look<'_, 'a> {
                 total.add(&found, v.throughput);
                 let (indirect, caustic) = (found.indirect * density, Some(found.caustic * density));
                 let direct = self.direct(covers).then(|| found.direct * density);
-                walk.add_estimate(&v, Estimate { covers, direct, indirect, caustic });
+                walk.add_estimate(v, Estimate { covers, direct, indirect, caustic });
             }
-            walk.add_direct(&v);
-            if !walk.scatter(&v) {
+            walk.add_direct(v);
+            if !walk.scatter(v) {
                 break;
             }
         }
@@ -194,13 +194,13 @@ impl<'a> Look<'_, 'a> {
     ) -> (Sample, Gathered) {
         let scene = self.setting.scene;
         let mut walk = self.walk(at, self.index);
-        while let Some(v) = walk.next_vertex() {
-            walk.add_emitted(&v);
-            if let Some(covers) = self.covers(&v) {
-                walk.add_estimate(&v, self.nothing(covers));
+        while let Some(v) = &walk.next_vertex() {
+            walk.add_emitted(v);
+            if let Some(covers) = self.covers(v) {
+                walk.add_estimate(v, self.nothing(covers));
             }
-            walk.add_direct(&v);
-            if !walk.scatter(&v) {
+            walk.add_direct(v);
+            if !walk.scatter(v) {
                 break;
             }
         }
@@ -237,8 +237,8 @@ impl<'a> Look<'_, 'a> {
         let mut hits = Vec::new();
         for index in 0..count {
             let mut walk = self.walk(at, index);
-            while let Some(v) = walk.next_vertex() {
-                if let Some(covers) = self.covers(&v) {
+            while let Some(v) = &walk.next_vertex() {
+                if let Some(covers) = self.covers(v) {
                     hits.push(Hit {
                         surface: v.surface,
                         wo: v.wo,
@@ -248,10 +248,10 @@ impl<'a> Look<'_, 'a> {
                         non_delta: v.non_delta,
                         statistics: Statistics::new(radius),
                     });
-                    walk.add_estimate(&v, self.nothing(covers));
+                    walk.add_estimate(v, self.nothing(covers));
                 }
-                walk.skip_direct(&v);
-                if !walk.scatter(&v) {
+                walk.skip_direct(v);
+                if !walk.scatter(v) {
                     break;
                 }
             }

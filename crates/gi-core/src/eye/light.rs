@@ -10,7 +10,7 @@ use crate::nee::{direct_light, direct_light_through_media, emitter_weight};
 
 impl<'a> EyeWalk<'a> {
     /// Add the light that the surface at `v` emits. Next-event estimation may find it too: the power heuristic weights both.
-    #[inline]
+    #[inline(always)]
     pub fn add_emitted(&mut self, v: &EyeVertex) {
         let emitted = self.scene.emitted(&v.surface, v.wo);
         let left = self.remainder.emitted(self.after_delta);
@@ -56,7 +56,7 @@ impl<'a> EyeWalk<'a> {
     }
 
     /// Next-event estimation: sample a light, and add what `v` scatters of it, unless an estimate has covered it.
-    #[inline]
+    #[inline(always)]
     pub fn add_direct(&mut self, v: &EyeVertex<'a>) {
         if v.is_last {
             return;

@@ -90,7 +90,7 @@ impl<'a> EyeWalk<'a> {
     }
 
     /// Follow the path to the next surface, or to the point where a medium scatters it.
-    #[inline]
+    #[inline(always)]
     pub fn next_event(&mut self) -> Option<EyeEvent<'a>> {
         let flight = self.draw_flight();
         // Nothing beyond the point of scattering needs to be found, except the first surface for its layers.
@@ -178,7 +178,7 @@ impl<'a> EyeWalk<'a> {
     }
 
     /// Attenuate the path by the medium on its next segment, which ends at `hit`.
-    #[inline]
+    #[inline(always)]
     pub(super) fn attenuate(&mut self, hit: Option<Hit>) {
         if let Some(index) = self.medium {
             self.throughput *= self.scene.medium(index).transmittance(self.reach(hit));
@@ -186,7 +186,7 @@ impl<'a> EyeWalk<'a> {
     }
 
     /// Note which medium the path enters where `surface` scatters it.
-    #[inline]
+    #[inline(always)]
     pub(super) fn enter(&mut self, surface: &Surface, scatter: &Scatter) {
         if self.knows_media {
             let medium = self.scene.medium_toward(surface, scatter.wi, self.medium);
