@@ -40,7 +40,7 @@ fn without_error_it_is_brute_force_and_instant_radiosity() {
         [("cornell-box.xml", [24, 24]), ("gallery.xml", [24, 18]), ("patio.xml", [24, 18])]
     {
         let world = World::load(scene, size, &[]);
-        let cut = Limits { error: 0.0, rule: Rule::Whole, max_cut: u32::MAX };
+        let cut = Limits { error: 0.0, rule: Rule::Whole, max_cut: Some(u32::MAX) };
         let exact = Params { cut, ..few_lights() };
         let by_cuts = render(&world, &exact, 2, 5, Show::All);
         let all = Params { method: Method::All, ..exact.clone() };
@@ -73,7 +73,7 @@ fn errors_stay_below_the_threshold_and_cuts_shrink_as_it_rises() {
         let brute = render(&world, &all, 1, 5, Show::All);
         let mut last = f64::INFINITY;
         for error in [0.01, 0.02, 0.08] {
-            let cut = Limits { error, rule: Rule::Whole, max_cut: 3000 };
+            let cut = Limits { error, rule: Rule::Whole, max_cut: Some(3000) };
             let with = Params { cut, ..params.clone() };
             let (technique, film) = world.run::<Lightcuts>(&with, 1, 5, Show::All);
             let errors = relative_errors(&film, &brute);
@@ -151,7 +151,7 @@ fn a_furnace_cut_at_k_bounces_reads_the_geometric_sum() {
     let world = World::new(parts, &camera);
     for depth in [2u32, 3, 4] {
         let limits = PathLimits { max_depth: Some(depth), ..PathLimits::default() };
-        let cut = Limits { error: 0.001, rule: Rule::Whole, max_cut: 10_000 };
+        let cut = Limits { error: 0.001, rule: Rule::Whole, max_cut: Some(10_000) };
         let mut params = Params { limits, cut, clamp: 3.0, vpls: 300, ..Params::default() };
         params.lights.total = 300;
         // Lights without extent near the walls that they lie on: direct light by points has no mean error there, only noise.
@@ -191,7 +191,7 @@ fn reconstruction_saves_rays_and_leaves_corners_as_light_as_they_are() {
         }
     };
     let world = World::load_with("gallery.xml", [48, 36], &[("lights", "1024")], near);
-    let cut = Limits { max_cut: 5000, ..Params::default().cut };
+    let cut = Limits { max_cut: Some(5000), ..Params::default().cut };
     let mut params = Params { vpls: 3000, compensation: false, cut, ..Params::default() };
     params.lights.total = 1024;
     let run = |params: &Params| {

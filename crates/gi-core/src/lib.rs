@@ -32,6 +32,7 @@ pub mod material;
 pub mod math;
 pub mod medium;
 pub mod nee;
+pub mod options;
 pub mod ray;
 pub mod rng;
 pub mod sampler;

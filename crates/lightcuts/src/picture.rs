@@ -9,7 +9,7 @@ use vpl::MIN_ROUGHNESS;
 
 use crate::light::Lights;
 use crate::reconstruct::{Corners, Sample};
-use crate::{Lightcuts, Reconstruction};
+use crate::Lightcuts;
 
 /// The blocks of a pass.
 struct Blocks {
@@ -40,11 +40,10 @@ impl Blocks {
 pub(crate) fn add_pass(
     technique: &Lightcuts,
     lights: &Lights,
-    how: Reconstruction,
     index: u32,
     film: &mut Film,
 ) {
-    let side = how.block as f32;
+    let side = technique.params.reconstruction.block as f32;
     let seed = technique.setting.seed;
     let shift = |axis| side * bits_to_unit(hash_words(&[seed, index, axis]));
     let blocks = Blocks { side, offset: [shift(0), shift(1)] };

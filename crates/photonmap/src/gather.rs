@@ -1,7 +1,7 @@
 //! Final gather: indirect light at the first diffuse surface, photons at the second [slides 28, 31].
 
 use gi_core::bsdf::{DiffusePart, Transport};
-use gi_core::eye::{Answered, EyePath, EyeVertex, PathLimits, Supplied};
+use gi_core::eye::{Answered, EyePath, EyeVertex, Supplied};
 use gi_core::film::Show;
 use gi_core::math::{Frame, INV_PI, Rgb};
 use gi_core::rng::hash_words;
@@ -152,7 +152,7 @@ impl<'a> PhotonMapping<'a> {
             }
             self.precomputed(w, w.length - start, sampler)
         };
-        let limits = PathLimits { max_depth: self.params.max_depth, ..PathLimits::default() };
+        let limits = self.params.limits;
         let path = EyePath { scene: self.setting.scene, limits, show: Show::Indirect };
         let along = (v.segments + 1, v.length);
         let found = match &self.media {
@@ -196,7 +196,7 @@ impl<'a> PhotonMapping<'a> {
 
     /// Most segments of a photon's path that a path of `segments` from the eye may be joined to; `None` if there are none.
     pub(crate) fn photon_depth(&self, segments: u32) -> Option<u8> {
-        let Some(most) = self.params.max_depth else { return Some(u8::MAX) };
+        let Some(most) = self.params.limits.max_depth else { return Some(u8::MAX) };
         let left = most.saturating_sub(segments);
         (left > 0).then_some(left.min(255) as u8)
     }

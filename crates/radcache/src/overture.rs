@@ -4,6 +4,7 @@ use gi_core::cache::control::{Control, ErrorControl};
 use gi_core::cache::fill::{coarse_to_fine, in_rounds};
 use gi_core::cache::gather::{Gatherer, Place};
 use gi_core::cache::hemisphere::Strata;
+use gi_core::cache::options::ReachOptions;
 use gi_core::cache::record::Record;
 use gi_core::eye::{Answered, EyePath, EyeVertex, Supplied};
 use gi_core::film::Show;
@@ -41,7 +42,8 @@ impl<'a> RadianceCaching<'a> {
     }
 
     fn gatherer(&self, rays: u32, error: ErrorControl, accuracy: f32) -> Gatherer<'a> {
-        let Params { radius, min_spacing, max_spacing, limits, .. } = self.params;
+        let Params { radius, reach, limits, .. } = self.params;
+        let ReachOptions { min_spacing, max_spacing, .. } = reach;
         let Setting { scene, seed, camera, .. } = self.setting;
         let pixel = camera.pixel_width();
         let most = if max_spacing > 0.0 { max_spacing * pixel } else { f32::INFINITY };

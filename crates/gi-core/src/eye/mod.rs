@@ -12,6 +12,7 @@ mod supply;
 use crate::bsdf::Transport;
 use crate::camera::Camera;
 use crate::film::{Sample, Show};
+pub use crate::options::PathLimits;
 use crate::ray::{Hit, Ray};
 use crate::sampler::Sampler;
 use crate::scene::Scene;
@@ -26,29 +27,6 @@ const MAX_SURVIVAL: f32 = 0.95;
 /// In media, which scatter light hundreds of times before they let it go, one in a thousand: a path that survived a hundred
 /// times by chance would weigh as much as a hundred others.
 const MAX_SURVIVAL_WITHIN: f32 = 0.999;
-
-/// How long paths may be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PathLimits {
-    /// Most segments of a path; `None` is unbounded.
-    pub max_depth: Option<u32>,
-    /// Segments after which Russian roulette may end a path.
-    pub rr_depth: u32,
-}
-
-impl Default for PathLimits {
-    fn default() -> Self {
-        PathLimits { max_depth: None, rr_depth: 5 }
-    }
-}
-
-impl PathLimits {
-    /// Whether a path of this many segments may have another.
-    #[inline]
-    pub fn goes_on(&self, segments: u32) -> bool {
-        self.max_depth.is_none_or(|most| segments < most)
-    }
-}
 
 /// Paths from the eye.
 #[derive(Clone, Copy)]

@@ -18,7 +18,8 @@ use crate::image_io::Layers;
 use crate::math::Rgb;
 use kept::{Kept, RADIANCE, keep};
 use pixel::Pixel;
-pub use sample::{Components, Sample, Show};
+pub use crate::options::Show;
+pub use sample::{Components, Sample};
 pub use tiles::PerPixel;
 use tiles::{AREA, TILE, Tiles};
 

@@ -18,23 +18,7 @@ use crate::light::{At, Lights};
 pub use bounds::bounds_csv;
 pub use cuts::cuts_csv;
 
-/// Pictures that may be asked for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Figure {
-    /// Clusters in the cut of each pixel, in false colour [slide 61].
-    CutSize,
-    /// Bounds of errors against errors, of the clusters of some pixels' cuts.
-    Bounds,
-    /// The lights over the picture, coloured by cluster, at four levels of the trees [slides 55, 56].
-    Clusters,
-    /// The tree and the cut of a pixel in it [slides 57, 58].
-    Tree {
-        /// The pixel; the middle one if `None`.
-        pixel: Option<[usize; 2]>,
-    },
-    /// Of a few lights all cuts: the picture by each, and its error [slides 59, 60].
-    Cuts,
-}
+pub use crate::params::Figure;
 
 impl Figure {
     /// Draw.
@@ -48,7 +32,7 @@ impl Figure {
             Figure::CutSize => vec![cut_size(technique, lights, film)],
             Figure::Bounds => vec![bounds::picture(technique, lights, film)],
             Figure::Clusters => clusters::clusters(technique, lights, film),
-            Figure::Tree { pixel } => vec![clusters::tree(technique, lights, film, pixel)],
+            Figure::Tree => vec![clusters::tree(technique, lights, film)],
             Figure::Cuts => cuts::pictures(technique, lights, film),
         }
     }
