@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use gi_core::camera::Camera;
 use gi_core::film::Film;
 use gi_core::image_io::Layers;
-use gi_core::scene::Scene;
 use gi_core::options::Parameters;
+use gi_core::scene::Scene;
 use gi_core::technique::{Picture, Setting, Technique};
 use gi_core::walk::{Focused, focused};
 use gi_scene::{ExportError, Loaded};
@@ -73,8 +73,8 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<(), Failure> {
     camera.to_world.translation += Vec3A::from(parts.recentre());
     check_film(camera.size)?;
     let clock = Instant::now();
-    let scene = Scene::new(parts)
-        .map_err(|e| input_error(format!("{}: {e}", common.scene.display())))?;
+    let scene =
+        Scene::new(parts).map_err(|e| input_error(format!("{}: {e}", common.scene.display())))?;
     let build_time = clock.elapsed();
     let mut about_light = media_warnings(&scene, params.simulates_media());
     if !params.finds_focused_light() {
@@ -84,8 +84,13 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<(), Failure> {
     warnings.extend(about_light);
     let camera = Camera::new(&camera);
     say_scene(common, &scene, camera.size());
-    let setting =
-        Setting { scene: &scene, world, camera: &camera, seed: common.seed, show: common.component };
+    let setting = Setting {
+        scene: &scene,
+        world,
+        camera: &camera,
+        seed: common.seed,
+        show: common.component,
+    };
     let mut film = Film::new(camera.size(), filter, common.component);
 
     let clock = Instant::now();

@@ -31,7 +31,9 @@ use gi_core::film::Film;
 use gi_core::math::Rgb;
 use gi_core::sampler::Sampler;
 use gi_core::technique::{Picture, Setting, Technique};
-use vpl::{Direct, Energy, MIN_ROUGHNESS, Pilot, Prepared, Receiver, Shooting, Vpls, shoot, to_file};
+use vpl::{
+    Direct, Energy, MIN_ROUGHNESS, Pilot, Prepared, Receiver, Shooting, Vpls, shoot, to_file,
+};
 
 pub use params::{Figure, Params};
 use sphere::Spheres;
@@ -147,7 +149,8 @@ impl InstantRadiosity<'_> {
     /// The bound of a pass, per squared world unit.
     fn bound(&self, index: u32) -> f32 {
         let radius = self.setting.scene.radius();
-        self.params.bound.clamp * (index as f32 + 1.0).powf(self.params.relaxation) / (radius * radius)
+        self.params.bound.clamp * (index as f32 + 1.0).powf(self.params.relaxation)
+            / (radius * radius)
     }
 
     /// Light a vertex by all lights [slide 50].

@@ -50,7 +50,7 @@ pub struct Params {
     #[arg(long, value_name = "FILE.ply|.csv", value_parser = points_file)]
     pub vpls_out: Option<PathBuf>,
     /// Pictures of the lights to draw, separated by commas; each becomes OUT.NAME.png and layers of the EXR
-    #[arg(long = "show", value_enum, value_delimiter = ',')]
+    #[arg(long = "show", value_name = "SHOW", value_enum, value_delimiter = ',')]
     pub figures: Vec<Figure>,
     /// Pixel whose connections --show connections draws [default: the middle of the picture]
     #[arg(long, value_name = "X,Y", value_parser = pixel)]

@@ -44,7 +44,7 @@ pub struct Params {
     #[command(flatten)]
     pub files: CacheFiles,
     /// Pictures of the cache to draw, separated by commas; each becomes OUT.NAME.png and layers of the EXR
-    #[arg(long = "show", value_enum, value_delimiter = ',')]
+    #[arg(long = "show", value_name = "SHOW", value_enum, value_delimiter = ',')]
     pub figures: Vec<Figure>,
 }
 

@@ -118,7 +118,7 @@ fn measure(scene: &Scene, seen: &[Point], number: u32, asked: &Asked) -> (f64, f
     let prepared = Prepared::new(&set, scene);
     let lights = Lights { scene, prepared: &prepared, forest: &forest };
     let radius = scene.radius();
-    let most = Params::default().clamp / (radius * radius);
+    let most = Params::default().bound.clamp / (radius * radius);
     let with = |p: &Point, by_cut: bool| {
         let (surface, wo, bsdf) = p;
         let receiver = Receiver::new(surface, *wo, bsdf);

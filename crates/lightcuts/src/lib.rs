@@ -43,10 +43,11 @@ use gi_core::eye::{Answered, EyePath, EyeVertex, Supplied};
 use gi_core::film::{Film, Show};
 use gi_core::sampler::Sampler;
 use gi_core::technique::{Picture, Setting, Technique};
-use vpl::{Direct, MIN_ROUGHNESS, Pilot, Prepared, Receiver, Shooting, Termination, Vpls, points, shoot, to_file};
+use vpl::{
+    Direct, MIN_ROUGHNESS, Pilot, Prepared, Receiver, Shooting, Termination, Vpls, points, shoot,
+};
 
 use bound::Site;
-use figures::{bounds_csv, cuts_csv};
 use light::{At, Lights};
 use reconstruct::Corners;
 use tally::Tally;
@@ -109,7 +110,7 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
     /// Passes do not build on each other: what is kept are counts.
     fn save_state(&self) -> Option<Vec<u8>> {
         let mut w = Writer::default();
-        w.text(&self.same());
+        w.text(&self.params.identity());
         self.tally.save(&mut w);
         Some(w.into_bytes())
     }
@@ -117,7 +118,7 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
     fn restore(&mut self, state: &[u8]) -> Result<(), String> {
         let mut r = Reader::new(state);
         let params = r.text()?;
-        if params != self.same() {
+        if params != self.params.identity() {
             return Err(format!("it was made with other parameters: {params}"));
         }
         self.tally.restore(&mut r)?;
@@ -152,24 +153,11 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
     }
 
     fn export(&self, path: &Path) -> Vec<u8> {
-        let Params { bounds_out, cuts_out, .. } = &self.params;
-        if bounds_out.as_deref() == Some(path) {
-            return bounds_csv(self).into_bytes();
-        }
-        if cuts_out.as_deref() == Some(path) {
-            return cuts_csv(self).into_bytes();
-        }
-        to_file(path, &self.vpls.lights, self.setting.scene.origin())
+        self.file(path)
     }
 }
 
 impl<'a> Lightcuts<'a> {
-    /// The parameters that must be the same for a run to continue: all that change pixels or figures. Names of files may differ.
-    fn same(&self) -> String {
-        let (lights_out, bounds_out, cuts_out) = (None, None, None);
-        format!("{:?}", Params { lights_out, bounds_out, cuts_out, ..self.params.clone() })
-    }
-
     /// All illumination becomes point lights, and they become trees [slide 61].
     fn make_lights(&mut self, index: u32) {
         let Setting { scene, seed, .. } = self.setting;

@@ -45,7 +45,7 @@ pub enum Figure {
 }
 
 /// Maximum number of clusters in a cut if `--max-cut` does not set it and `--error` is not 0.
-pub const MAX_CUT: u32 = 1000;
+const MAX_CUT: u32 = 1000;
 
 /// When the refinement of a cut ends.
 #[derive(Args, Clone, Copy, Debug, PartialEq)]
@@ -136,11 +136,19 @@ pub struct Params {
     #[arg(long, value_name = "FILE.csv")]
     pub cuts_out: Option<PathBuf>,
     /// Pictures of cuts and trees to draw, separated by commas; each becomes OUT.NAME.png and layers of the EXR
-    #[arg(long = "show", value_enum, value_delimiter = ',')]
+    #[arg(long = "show", value_name = "SHOW", value_enum, value_delimiter = ',')]
     pub figures: Vec<Figure>,
     /// Pixel whose cut --show tree marks [default: the middle of the picture]
     #[arg(long, value_name = "X,Y", value_parser = pixel)]
     pub pixel: Option<[usize; 2]>,
+}
+
+impl Params {
+    /// The parameters as text, without the names of files. A run continues from a checkpoint only if the text is the same.
+    pub(crate) fn identity(&self) -> String {
+        let (lights_out, bounds_out, cuts_out) = (None, None, None);
+        format!("{:?}", Params { lights_out, bounds_out, cuts_out, ..self.clone() })
+    }
 }
 
 impl Default for Params {

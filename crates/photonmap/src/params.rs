@@ -123,7 +123,7 @@ pub struct Params {
     #[arg(long, value_name = "X,Y", value_parser = pixel)]
     pub probe: Option<[usize; 2]>,
     /// How photons are stored in memory [slide 25]; the picture is the same
-    #[arg(long = "photon-layout", value_enum, default_value_t = Layout::Fast)]
+    #[arg(long = "photon-layout", value_name = "PHOTON_LAYOUT", value_enum, default_value_t = Layout::Fast)]
     pub layout: Layout,
 }
 

@@ -9,13 +9,13 @@ use gi_core::technique::{Picture, Setting};
 use gi_core::warp;
 use glam::{Vec2, Vec3};
 
-use crate::{PhotonMapping, Show};
 use crate::estimate::{Estimator, facing};
 use crate::gather::Rays;
 use crate::maps::source;
 use crate::photon::Kind;
 use crate::shoot::{Step, Wanted, kind};
 use crate::volume::VolumeMaps;
+use crate::{PhotonMapping, Show};
 
 /// Paths that are drawn.
 const PATHS: u64 = 200;
@@ -60,7 +60,9 @@ impl PhotonMapping<'_> {
                 Show::Cells => push("cells", self.cells(ground())),
                 Show::Gathering => {
                     let [w, h] = film.size();
-                    let Some(seen) = self.seen(self.params.probe.unwrap_or([w / 2, h / 2])) else { continue };
+                    let Some(seen) = self.seen(self.params.probe.unwrap_or([w / 2, h / 2])) else {
+                        continue;
+                    };
                     push("caustic-gather", self.caustic_gather(ground(), &seen));
                     push("final-gather", self.gather_rays(ground(), &seen));
                 }

@@ -48,7 +48,7 @@ pub struct Params {
     /// Number of photons of a pilot pass within the initial radius; more photons give less noise and more blur
     #[arg(long, value_name = "K", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..))]
     pub initial_photons: u32,
-    // Of the few photons in a disc, hardly one arrives within a sharper lobe. Few materials have a roughness of exactly 0.35.
+    // A disc holds few photons, and hardly one of them arrives within a sharper lobe. Few materials have exactly this roughness.
     /// Minimum roughness (microfacet alpha) of the sharpest lobe where photons are gathered; rays follow sharper lobes
     #[arg(long, value_name = "ALPHA", default_value_t = 0.35, value_parser = number("a roughness, 0 or more", |a: &f32| *a >= 0.0))]
     pub min_roughness: f32,

@@ -3,8 +3,8 @@
 use gi_core::canvas::viridis;
 use gi_core::technique::Picture;
 
+use crate::Ppm;
 use crate::params::Shown;
-use crate::{Ppm};
 use crate::region::Region;
 
 /// The statistics of a pixel after every pass [slides 40 to 42].

@@ -111,7 +111,7 @@ pub struct Params {
     #[command(flatten)]
     pub files: CacheFiles,
     /// Pictures of the caches and of the basis to draw, separated by commas; each becomes OUT.NAME.png and layers of the EXR
-    #[arg(long = "show", value_enum, value_delimiter = ',')]
+    #[arg(long = "show", value_name = "SHOW", value_enum, value_delimiter = ',')]
     pub figures: Vec<Show>,
 }
 

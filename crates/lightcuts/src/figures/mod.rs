@@ -4,16 +4,18 @@ mod bounds;
 mod clusters;
 mod cuts;
 
+use std::path::Path;
+
 use gi_core::bsdf::Transport;
 use gi_core::canvas::{Canvas, viridis};
 use gi_core::film::Film;
 use gi_core::math::Rgb;
 use gi_core::technique::Picture;
 use rayon::prelude::*;
-use vpl::MIN_ROUGHNESS;
+use vpl::{MIN_ROUGHNESS, to_file};
 
-use crate::Lightcuts;
 use crate::light::{At, Lights};
+use crate::{Lightcuts, Params};
 
 pub use bounds::bounds_csv;
 pub use cuts::cuts_csv;
@@ -39,6 +41,18 @@ impl Figure {
 }
 
 impl<'a> Lightcuts<'a> {
+    /// The contents of a file that the parameters ask for.
+    pub(crate) fn file(&self, path: &Path) -> Vec<u8> {
+        let Params { bounds_out, cuts_out, .. } = &self.params;
+        if bounds_out.as_deref() == Some(path) {
+            return bounds_csv(self).into_bytes();
+        }
+        if cuts_out.as_deref() == Some(path) {
+            return cuts_csv(self).into_bytes();
+        }
+        to_file(path, &self.vpls.lights, self.setting.scene.origin())
+    }
+
     /// What `look` says of the point that the middle of a pixel shows; `None` where there is nothing to light.
     pub(crate) fn looking_at<T>(
         &self,

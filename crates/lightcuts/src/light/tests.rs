@@ -41,7 +41,8 @@ fn without_error_it_is_brute_force() {
     let mut some = 0;
     at_points(300, 150, |lights, at| {
         let exact = lights.light_by_all(at);
-        let lit = lights.light(at, &Limits { error: 0.0, rule: Rule::Whole, max_cut: Some(u32::MAX) });
+        let lit =
+            lights.light(at, &Limits { error: 0.0, rule: Rule::Whole, max_cut: Some(u32::MAX) });
         assert!(close(lit.direct, exact.direct), "{lit:?} is not {exact:?}");
         assert!(close(lit.indirect, exact.indirect), "{lit:?} is not {exact:?}");
         assert!(!lit.at_most);
