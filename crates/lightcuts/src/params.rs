@@ -10,7 +10,7 @@ use vpl::{BoundOptions, Direct, LightNumbers};
 /// What `--error` bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Rule {
-    /// The error of each cluster alone, as in the lecture [slide 61]; the errors of many clusters add up to more
+    /// The error of each cluster alone, as in the lecture [slide 61] (Walter05); the errors of many clusters add up to more
     Cluster,
     /// The error of each cluster, and for about 99 of 100 points the error of all clusters together
     Whole,
@@ -23,9 +23,9 @@ pub enum Method {
     Cuts,
     /// By every light: brute force
     All,
-    /// By one light sampled from each of --samples clusters: stochastic lightcuts
+    /// By one light sampled from each of --samples clusters: stochastic lightcuts (Yuksel19)
     Stochastic,
-    /// By --samples lights sampled from the trees by importance
+    /// By --samples lights sampled from the trees by importance (Conty18)
     One,
 }
 

@@ -31,13 +31,13 @@ pub enum Subsurface {
 pub enum Kernel {
     /// All photons weigh the same, and the k-th counts nothing
     Box,
-    /// Falls linearly with the distance (Jensen)
+    /// Falls linearly with the distance (Jensen01)
     Cone,
-    /// Gaussian (Jensen)
+    /// Jensen's Gaussian (Pavicic90, Jensen01)
     Gaussian,
-    /// Falls with the squared distance, to zero at the edge: least mean squared error (Silverman)
+    /// Falls with the squared distance, to zero at the edge: least mean squared error (Silverman86)
     Epanechnikov,
-    /// Epanechnikov squared, smooth at the edge (Silverman)
+    /// Epanechnikov squared, smooth at the edge (Silverman86)
     Simpson,
     /// The formula of the slide: all k photons weigh the same, which is too bright by the factor k / (k - 1)
     Lecture,

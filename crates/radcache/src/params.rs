@@ -25,7 +25,7 @@ pub enum Mode {
 pub enum Basis {
     /// Spherical harmonics
     Sh,
-    /// Hemispherical harmonics: waste nothing below the horizon, but cannot be rotated to a tilted surface
+    /// Hemispherical harmonics (Gautron04): waste nothing below the horizon, but cannot be rotated to a tilted surface
     Hsh,
 }
 

@@ -6,7 +6,7 @@ use gi_core::options::number;
 /// When light paths end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Termination {
-    /// Fractional absorption: of N paths, the first N rho^j continue after j scatterings; rho is the mean reflectance of the scene (Keller)
+    /// Fractional absorption: of N paths, the first N rho^j continue after j scatterings; rho is the mean reflectance of the scene (Keller97)
     Fractional,
     /// Russian roulette with the reflectance of the surface as the probability to continue
     Roulette,
@@ -26,7 +26,7 @@ pub enum Direct {
 pub enum Compensation {
     /// It is lost
     None,
-    /// Paths from the eye find it, without bias
+    /// Paths from the eye find it, without bias (Kollig04)
     Path,
 }
 

@@ -10,13 +10,13 @@ use crate::options::number;
 /// How the error of a record is estimated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ErrorControl {
-    /// The lecture's split sphere [slides 9, 11]; limits by pixels and by neighbouring records do not apply
+    /// The lecture's split sphere [slides 9, 11] (Ward88); limits by pixels and by neighbouring records do not apply
     SplitSphere,
-    /// The split sphere, limited by the gradient, by pixels and by neighbouring records
+    /// The split sphere, limited by the gradient, by pixels and by neighbouring records (Ward92, Krivanek06)
     Bounded,
-    /// Second derivatives of the irradiance, without occlusion
+    /// Second derivatives of the irradiance, without occlusion (Schwarzhaupt12)
     HessianGeometric,
-    /// Second derivatives of the irradiance, with occlusion
+    /// Second derivatives of the irradiance, with occlusion (Schwarzhaupt12)
     HessianOcclusion,
 }
 
@@ -47,7 +47,7 @@ pub enum Gradients {
 pub enum Weights {
     /// 1 / error, cut off where a record ends [slide 11]; the ends of records show as edges
     Lecture,
-    /// 1 - error / accuracy: falls to zero where a record ends, so no edges show
+    /// 1 - error / accuracy: falls to zero where a record ends, so no edges show (Tabellion04)
     Smooth,
 }
 
