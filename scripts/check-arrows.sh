@@ -58,7 +58,8 @@ only roxmltree 'gi-scene/src/document'
 only annotate_snippets 'gi-scene/src/diagnostics'
 only exr 'gi-core/src/image_io/'
 only image 'gi-core/src/image_io/'
-only clap 'gi-cli/src/|/main\.rs'
+# Options are stated in params.rs of the techniques, and in options.rs where several techniques share them.
+only clap 'gi-cli/src/|/src/main\.rs|/src/params\.rs|gi-core/src/options\.rs|lightcache/src/options\.rs|vpl/src/options\.rs'
 only indicatif 'gi-cli/src/progress'
 # Statistics are written by gi-cli and read by compare, whose page and --json are JSON as well.
 only serde_json 'gi-cli/src/|compare/src/'

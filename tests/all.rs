@@ -22,6 +22,8 @@ mod matrix;
 mod media;
 /// Paths from the lights in participating media.
 mod media_light;
+/// What the programs' options say of themselves.
+mod options;
 /// Photon mapping.
 mod photonmap;
 /// What progressive photon mapping is held to.

@@ -29,7 +29,7 @@ fn path(world: &World, mode: Mode, passes: u32, show: Show) -> Film {
 }
 
 fn virtual_lights(world: &World) -> [Film; 2] {
-    let params = instant_radiosity::Params { direct_by_vpls: true, ..Default::default() };
+    let params = instant_radiosity::Params { direct: vpl::Direct::Vpl, ..Default::default() };
     let cuts = lightcuts::Params::default();
     [
         world.render::<instant_radiosity::InstantRadiosity>(&params, 8, 3, Show::All),

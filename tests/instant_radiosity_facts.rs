@@ -7,7 +7,7 @@ use gi_stats::{Running, sidak, welch_t_test};
 use gi_tests::{World, furnace, mean_and_variance};
 use instant_radiosity::{InstantRadiosity, Params};
 use pathtrace::PathTracer;
-use vpl::Termination;
+use vpl::{BoundOptions, Direct, Termination};
 
 use crate::agreement::blocks;
 
@@ -43,7 +43,8 @@ fn with_compensation_it_is_the_path_tracers_picture_in_the_mean() {
         let path = path_traced(&world, Show::Indirect);
         for termination in [Termination::Fractional, Termination::Roulette] {
             // A low bound, so that paths have much to bring back.
-            let params = Params { termination, clamp: 4.0, vpls: 64, ..Params::default() };
+            let bound = BoundOptions::compensated(4.0);
+            let params = Params { termination, bound, vpls: 64, ..Params::default() };
             let vpl = by_seed(24, 8, |seed| render(&world, &params, 8, 100 + seed, Show::Indirect));
             assert_same_means(&format!("{scene}, {termination:?}"), &vpl, &path);
         }
@@ -56,8 +57,8 @@ fn direct_light_from_points_of_lights_is_that_of_sampling_them() {
     for (scene, size) in [("cornell-box.xml", [16, 16]), ("patio.xml", [16, 12])] {
         let world = World::load(scene, size, &[]);
         let path = path_traced(&world, Show::Direct);
-        let params =
-            Params { direct_by_vpls: true, clamp: f32::INFINITY, vpls: 256, ..Params::default() };
+        let bound = BoundOptions::compensated(f32::INFINITY);
+        let params = Params { direct: Direct::Vpl, bound, vpls: 256, ..Params::default() };
         let vpl = by_seed(24, 8, |seed| render(&world, &params, 8, 100 + seed, Show::Direct));
         assert_same_means(scene, &vpl, &path);
     }
@@ -67,7 +68,8 @@ fn direct_light_from_points_of_lights_is_that_of_sampling_them() {
 fn a_bound_takes_light_from_every_pixel_and_gives_none() {
     let world = World::load("cornell-box.xml", [24, 24], &[]);
     let film = |clamp: f32| {
-        let params = Params { clamp, compensation: false, vpls: 64, ..Params::default() };
+        let bound = BoundOptions::biased(clamp);
+        let params = Params { bound, vpls: 64, ..Params::default() };
         world.run::<InstantRadiosity>(&params, 2, 5, Show::Indirect)
     };
     let (_, open) = film(f32::INFINITY);
@@ -103,8 +105,8 @@ fn statistic(technique: &InstantRadiosity, name: &str) -> f64 {
 fn a_growing_bound_loses_less() {
     let world = World::load("cornell-box.xml", [16, 16], &[]);
     let cut = |relaxation: f32| {
-        let params =
-            Params { relaxation, clamp: 2.0, compensation: false, vpls: 64, ..Params::default() };
+        let bound = BoundOptions::biased(2.0);
+        let params = Params { relaxation, bound, vpls: 64, ..Params::default() };
         let (technique, _) = world.run::<InstantRadiosity>(&params, 8, 5, Show::Indirect);
         statistic(&technique, "energy_cut")
     };
@@ -120,7 +122,8 @@ fn a_furnace_cut_at_k_bounces_reads_the_geometric_sum() {
     for depth in [2u32, 3, 4, 6] {
         let limits = PathLimits { max_depth: Some(depth), ..PathLimits::default() };
         for termination in [Termination::Fractional, Termination::Roulette] {
-            let params = Params { limits, termination, clamp: 3.0, vpls: 64, ..Params::default() };
+            let bound = BoundOptions::compensated(3.0);
+            let params = Params { limits, termination, bound, vpls: 64, ..Params::default() };
             let means: Vec<f64> = (0..16)
                 .map(|seed| mean_and_variance(&render(&world, &params, 4, seed, Show::All)).0)
                 .collect();
@@ -144,8 +147,8 @@ fn spheres_have_no_spikes_and_their_blur_shrinks_with_the_number_of_lights() {
     let reference =
         world.render::<PathTracer>(&pathtrace::Params::default(), 1024, 3, Show::Indirect);
     let film = |vsl: bool, vpls: u32| {
-        let clamp = f32::INFINITY;
-        let params = Params { vsl, clamp, compensation: false, vpls, ..Params::default() };
+        let bound = BoundOptions::biased(f32::INFINITY);
+        let params = Params { vsl, bound, vpls, ..Params::default() };
         render(&world, &params, 2, 5, Show::Indirect)
     };
     let error = |film: &Film| {
@@ -177,7 +180,7 @@ fn the_same_bits_for_any_number_of_threads() {
         })
     };
     let spheres = Params { vsl: true, vpls: 64, ..Params::default() };
-    for params in [Params { direct_by_vpls: true, vpls: 64, ..Params::default() }, spheres] {
+    for params in [Params { direct: Direct::Vpl, vpls: 64, ..Params::default() }, spheres] {
         let one = bits(1, &params);
         assert!([2, 4].into_iter().all(|threads| bits(threads, &params) == one), "{params:?}");
     }

@@ -6,15 +6,17 @@ use gi_core::film::{Film, Show};
 use gi_core::geometry::{Geometry, Mesh, Shape};
 use gi_core::material::Material;
 use gi_core::math::Rgb;
+use gi_core::options::{Caustics, defaults};
 use gi_core::scene::SceneParts;
 use gi_core::technique::Technique;
 use gi_core::texture::Texture;
+use gi_tests::program::Folder;
 use gi_tests::{World, cube_inside, furnace, grey, mean_and_variance, polygon};
 use glam::Vec3;
 use irrcache::file::SavedCache;
 use irrcache::{IrradianceCaching, Params};
 use lightcache::control::ErrorControl;
-use lightcache::record::Gradients;
+use lightcache::options::{CacheFiles, Gradients, ReachOptions};
 use pathtrace::PathTracer;
 
 const CONTROLS: [ErrorControl; 4] = [
@@ -133,7 +135,7 @@ fn in_the_cornell_box_it_agrees_with_the_path_tracer_and_better_settings_come_ne
     let few = Params {
         accuracy: 0.4,
         error: ErrorControl::Bounded,
-        max_spacing: 0.0,
+        reach: ReachOptions { max_spacing: 0.0, ..defaults() },
         ..Params::default()
     };
     let without = error_of(&Params { gradients: Gradients::Off, ..few.clone() }).1;
@@ -147,7 +149,7 @@ fn coats_glass_and_mirrors_go_on_as_paths() {
     let world = World::load("cornell-spheres.xml", [32, 32], &[]);
     let path = world.render::<PathTracer>(&pathtrace::Params::default(), 512, 3, Show::All);
     // Photons would find more of the caustics than paths do.
-    let params = Params { caustic_photons: false, ..Params::default() };
+    let params = Params { caustics: Caustics::Path.into(), ..Params::default() };
     let cached = render(&world, &params, 256, 1, Show::All);
     let component = |film: &Film, name: &str| {
         let layers = film.layers();
@@ -211,8 +213,8 @@ fn no_light_leaks_under_a_thin_wall_with_the_guard_and_some_does_without() {
     let world = divided_box();
     for error in CONTROLS {
         let leak = |leak_guard: bool| {
-            let params =
-                Params { error, leak_guard, rays: 300, accuracy: 0.8, ..Params::default() };
+            let reach = ReachOptions { leak_guard, ..defaults() };
+            let params = Params { error, reach, rays: 300, accuracy: 0.8, ..Params::default() };
             let film = render(&world, &params, 4, 1, Show::Indirect);
             let radiance = film.radiance();
             let of = |dark: bool| {
@@ -257,8 +259,8 @@ fn a_saved_cache_gives_the_picture_of_a_fresh_one_and_serves_another_view() {
         let world = World::load("cornell-box.xml", [40, 40], &[]);
         let params = Params { bounces, rays: 100, ..Params::default() };
         let (fresh, film) = world.run::<IrradianceCaching>(&params, 2, 7, Show::All);
-        let saved = SavedCache::from_bytes(&fresh.saved().to_bytes()).expect("a cache");
-        let again = Params { cache: Some(saved), ..params.clone() };
+        let folder = Folder::make();
+        let again = Params { files: saved(&folder, &fresh.saved()), ..params.clone() };
         let (read, second) = world.run::<IrradianceCaching>(&again, 2, 7, Show::All);
         assert_eq!(film.layers().channels, second.layers().channels);
         assert_eq!(statistic(&read, "records_made"), 0.0);
@@ -279,6 +281,13 @@ fn a_saved_cache_gives_the_picture_of_a_fresh_one_and_serves_another_view() {
     }
 }
 
+/// Save a cache to a file, to be read from there.
+fn saved(folder: &Folder, cache: &SavedCache) -> CacheFiles {
+    let path = folder.path().join("a.cache");
+    std::fs::write(&path, cache.to_bytes()).expect("written");
+    CacheFiles { cache_in: Some(path), ..CacheFiles::default() }
+}
+
 fn statistic(technique: &IrradianceCaching, name: &str) -> f64 {
     let all = technique.statistics();
     all.iter().find(|(n, _)| n == name).unwrap_or_else(|| panic!("no {name}")).1
@@ -289,9 +298,10 @@ fn a_cache_of_another_world_or_of_other_settings_is_refused() {
     let world = World::load("cornell-box.xml", [8, 8], &[]);
     let params = Params { rays: 20, ..Params::default() };
     let (made, _) = world.run::<IrradianceCaching>(&params, 1, 7, Show::All);
-    let refusal = |saved: SavedCache, params: Params| {
+    let folder = Folder::make();
+    let refusal = |cache: SavedCache, params: Params| {
         let setting = world.setting(1, Show::All);
-        let params = Params { cache: Some(saved), ..params };
+        let params = Params { files: saved(&folder, &cache), ..params };
         IrradianceCaching::prepare(setting, &params).err().expect("a refusal")
     };
     let other = SavedCache { world: 99, ..made.saved() };
@@ -334,7 +344,8 @@ fn open_ground_does_not_answer_in_the_court_that_stands_on_it() {
     let world = World::load("patio.xml", [24, 18], &[("sun", "0")]);
     let truth = world.render::<PathTracer>(&pathtrace::Params::default(), 1024, 9, Show::Indirect);
     let (truth, noise) = mean_and_variance(&truth);
-    let params = Params { min_spacing: 0.5, ..Params::default() };
+    let reach = ReachOptions { min_spacing: 0.5, ..defaults() };
+    let params = Params { reach, ..Params::default() };
     let of = |seed| mean_and_variance(&render(&world, &params, 64, seed, Show::Indirect)).0;
     let (mean, error) = mean_and_error(&[1, 2, 3, 4].map(of));
     // Half a per cent is for what interpolation loses in corners: light there bends more than records can follow.

@@ -3,6 +3,7 @@
 use gi_core::camera::{CameraSpec, Projection};
 use gi_core::eye::PathLimits;
 use gi_core::film::{Film, Show};
+use gi_core::options::Caustics;
 use gi_core::scene::SceneParts;
 use gi_core::technique::Technique;
 use gi_stats::{Running, sidak, welch_t_test};
@@ -11,6 +12,7 @@ use instant_radiosity::InstantRadiosity;
 use lightcuts::cut::{Limits, Rule};
 use lightcuts::{Lightcuts, Method, Params, Reconstruction};
 use pathtrace::PathTracer;
+use vpl::{BoundOptions, Compensation, Direct};
 
 use crate::agreement::blocks;
 
@@ -40,7 +42,7 @@ fn without_error_it_is_brute_force_and_instant_radiosity() {
         [("cornell-box.xml", [24, 24]), ("gallery.xml", [24, 18]), ("patio.xml", [24, 18])]
     {
         let world = World::load(scene, size, &[]);
-        let cut = Limits { error: 0.0, rule: Rule::Whole, max_cut: u32::MAX };
+        let cut = Limits { error: 0.0, rule: Rule::Whole, max_cut: Some(u32::MAX) };
         let exact = Params { cut, ..few_lights() };
         let by_cuts = render(&world, &exact, 2, 5, Show::All);
         let all = Params { method: Method::All, ..exact.clone() };
@@ -50,11 +52,12 @@ fn without_error_it_is_brute_force_and_instant_radiosity() {
         assert!(errors[errors.len() - 1] < 1e-4, "{scene}: {:?}", errors.last());
 
         // The same lights of surfaces, direct light sampled by the same numbers.
-        let indirect = Params { direct_by_points: false, clamp: 4.0, ..exact };
+        let bound = BoundOptions::compensated(4.0);
+        let indirect = Params { direct: Direct::Sample, bound, ..exact };
         let by_cuts = render(&world, &indirect, 2, 5, Show::All);
         let params = instant_radiosity::Params {
             vpls: indirect.vpls,
-            clamp: 4.0,
+            bound,
             ..instant_radiosity::Params::default()
         };
         let instant = world.render::<InstantRadiosity>(&params, 2, 5, Show::All);
@@ -67,13 +70,14 @@ fn without_error_it_is_brute_force_and_instant_radiosity() {
 fn errors_stay_below_the_threshold_and_cuts_shrink_as_it_rises() {
     for (scene, defines) in [("gallery.xml", &[("lights", "1024")][..]), ("patio.xml", &[])] {
         let world = World::load(scene, [40, 30], defines);
-        let mut params = Params { vpls: 3000, compensation: false, ..Params::default() };
+        let mut params = Params { vpls: 3000, ..Params::default() };
+        params.bound.compensation = Compensation::None;
         params.lights.total = 1024;
         let all = Params { method: Method::All, ..params.clone() };
         let brute = render(&world, &all, 1, 5, Show::All);
         let mut last = f64::INFINITY;
         for error in [0.01, 0.02, 0.08] {
-            let cut = Limits { error, rule: Rule::Whole, max_cut: 3000 };
+            let cut = Limits { error, rule: Rule::Whole, max_cut: Some(3000) };
             let with = Params { cut, ..params.clone() };
             let (technique, film) = world.run::<Lightcuts>(&with, 1, 5, Show::All);
             let errors = relative_errors(&film, &brute);
@@ -103,9 +107,10 @@ fn drawn_lights_make_the_path_tracers_picture_in_the_mean() {
         let path = by_seed(16, |seed| {
             world.render::<PathTracer>(&pathtrace::Params::default(), 64, seed, Show::All)
         });
-        for method in [Method::Some(4), Method::Stochastic(8)] {
+        for (method, samples) in [(Method::One, 4), (Method::Stochastic, 8)] {
             // The path tracer hardly ever finds the sun through glass; photons would.
-            let params = Params { method, clamp: 4.0, caustic_photons: false, ..few_lights() };
+            let (bound, caustics) = (BoundOptions::compensated(4.0), Caustics::Path.into());
+            let params = Params { method, samples, bound, caustics, ..few_lights() };
             let drawn = by_seed(24, |seed| render(&world, &params, 8, 100 + seed, Show::All));
             let level = sidak(1e-3, path[0].len());
             for k in 0..path[0].len() {
@@ -128,8 +133,7 @@ fn cuts_and_reconstruction_cuts_make_the_path_tracers_picture_nearly() {
     let world = World::load("gallery.xml", [32, 24], &[]);
     let path = world.render::<PathTracer>(&pathtrace::Params::default(), 512, 3, Show::All);
     let params = Params { vpls: 4000, ..Params::default() };
-    let how = Reconstruction { block: 4, agree: 0.01 };
-    let with = Params { reconstruction: Some(how), ..params.clone() };
+    let with = Params { reconstruction: Reconstruction::on(), ..params.clone() };
     for params in [params, with] {
         let film = render(&world, &params, 4, 5, Show::All);
         for layer in ["Direct.G", "Indirect.G"] {
@@ -151,11 +155,12 @@ fn a_furnace_cut_at_k_bounces_reads_the_geometric_sum() {
     let world = World::new(parts, &camera);
     for depth in [2u32, 3, 4] {
         let limits = PathLimits { max_depth: Some(depth), ..PathLimits::default() };
-        let cut = Limits { error: 0.001, rule: Rule::Whole, max_cut: 10_000 };
-        let mut params = Params { limits, cut, clamp: 3.0, vpls: 300, ..Params::default() };
+        let cut = Limits { error: 0.001, rule: Rule::Whole, max_cut: Some(10_000) };
+        let bound = BoundOptions::compensated(3.0);
+        let mut params = Params { limits, cut, bound, vpls: 300, ..Params::default() };
         params.lights.total = 300;
         // Lights without extent near the walls that they lie on: direct light by points has no mean error there, only noise.
-        params.direct_by_points = false;
+        params.direct = Direct::Sample;
         let means: Running = (0..16)
             .map(|seed| mean_and_variance(&render(&world, &params, 4, seed, Show::All)).0)
             .collect();
@@ -191,8 +196,9 @@ fn reconstruction_saves_rays_and_leaves_corners_as_light_as_they_are() {
         }
     };
     let world = World::load_with("gallery.xml", [48, 36], &[("lights", "1024")], near);
-    let cut = Limits { max_cut: 5000, ..Params::default().cut };
-    let mut params = Params { vpls: 3000, compensation: false, cut, ..Params::default() };
+    let cut = Limits { max_cut: Some(5000), ..Params::default().cut };
+    let mut params = Params { vpls: 3000, cut, ..Params::default() };
+    params.bound.compensation = Compensation::None;
     params.lights.total = 1024;
     let run = |params: &Params| {
         let (technique, film) = world.run::<Lightcuts>(params, 1, 5, Show::All);
@@ -200,7 +206,7 @@ fn reconstruction_saves_rays_and_leaves_corners_as_light_as_they_are() {
     };
     let (_, brute) = run(&Params { method: Method::All, ..params.clone() });
     let (plain, _) = run(&params);
-    let reconstruction = Some(Reconstruction { block: 4, agree: 0.01 });
+    let reconstruction = Reconstruction::on();
     let (shared, film) = run(&Params { reconstruction, ..params.clone() });
     assert!(shared < 0.7 * plain, "{shared} rays, {plain} without");
     let errors = relative_errors(&film, &brute);
@@ -219,12 +225,11 @@ fn the_same_bits_for_any_number_of_threads() {
             layers.channels.into_iter().flat_map(|(_, v)| v.into_iter().map(f32::to_bits)).collect()
         })
     };
-    let how = Some(Reconstruction { block: 4, agree: 0.01 });
     let variants = [
         few_lights(),
-        Params { reconstruction: how, ..few_lights() },
-        Params { method: Method::Stochastic(8), ..few_lights() },
-        Params { method: Method::Some(4), ..few_lights() },
+        Params { reconstruction: Reconstruction::on(), ..few_lights() },
+        Params { method: Method::Stochastic, samples: 8, ..few_lights() },
+        Params { method: Method::One, samples: 4, ..few_lights() },
     ];
     for params in variants {
         let one = bits(1, &params);

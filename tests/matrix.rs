@@ -89,7 +89,7 @@ impl Program {
             Lightcuts => {
                 let mut params = lightcuts::Params { vpls: 1024, ..Default::default() };
                 params.lights.total = 256;
-                params.cut.max_cut = 200;
+                params.cut.max_cut = Some(200);
                 world.render::<lightcuts::Lightcuts>(&params, 2 * effort, seed, Show::All)
             }
         }

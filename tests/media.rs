@@ -309,7 +309,7 @@ fn photons_in_a_medium_agree_with_the_volumetric_path_tracer() {
         let params = Params { mode: Mode::VolPath, limits };
         let (truth, noise) = mean_and_variance(&world.render::<PathTracer>(&params, 512, 1, show));
         let params = photonmap::Params {
-            max_depth,
+            limits,
             photons: 20_000,
             volume_photons: n,
             volume_lookup: k,

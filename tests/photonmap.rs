@@ -77,9 +77,9 @@ fn the_caustic_map_agrees_with_paths_from_the_lights_within_one_percent() {
 fn paths_of_bounded_length_agree_too() {
     let world = World::load("cornell-spheres.xml", [40, 40], &[]);
     for depth in [3, 4] {
-        let max_depth = Some(depth);
-        let truth = reference(&world, 512, max_depth, Show::Indirect);
-        let params = Params { max_depth, ..sixteen_rays() };
+        let limits = PathLimits { max_depth: Some(depth), ..PathLimits::default() };
+        let truth = reference(&world, 512, limits.max_depth, Show::Indirect);
+        let params = Params { limits, ..sixteen_rays() };
         let ours = photons(&world, &params, 32, Show::Indirect);
         assert_ratio(&format!("{depth} segments"), &ours, &truth, 0.015);
     }

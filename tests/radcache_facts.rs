@@ -8,9 +8,11 @@ use gi_core::math::Rgb;
 use gi_core::scene::SceneParts;
 use gi_core::technique::Technique;
 use gi_core::texture::Texture;
+use gi_tests::program::Folder;
 use gi_tests::{World, cube_inside, furnace, mean_and_variance, polygon};
 use glam::Vec3;
 use irrcache::IrradianceCaching;
+use lightcache::options::CacheFiles;
 use pathtrace::PathTracer;
 use radcache::file::SavedCache;
 use radcache::sh::Basis;
@@ -226,8 +228,14 @@ fn a_saved_cache_gives_the_picture_of_a_fresh_one_and_serves_another_view() {
     let world = World::load("cornell-glossy.xml", [40, 40], &[]);
     let params = Params { rays: 100, glossy_rays: 100, ..Params::default() };
     let (fresh, film) = world.run::<RadianceCaching>(&params, 2, 7, Show::All);
-    let saved = SavedCache::from_bytes(&fresh.saved().to_bytes()).expect("a cache");
-    let again = Params { cache: Some(saved.clone()), ..params.clone() };
+    let folder = Folder::make();
+    let files = |cache: &SavedCache| {
+        let path = folder.path().join("a.cache");
+        std::fs::write(&path, cache.to_bytes()).expect("written");
+        CacheFiles { cache_in: Some(path), ..CacheFiles::default() }
+    };
+    let saved = fresh.saved();
+    let again = Params { files: files(&saved), ..params.clone() };
     let (read, second) = world.run::<RadianceCaching>(&again, 2, 7, Show::All);
     assert_eq!(film.layers().channels, second.layers().channels);
     assert_eq!(statistic(&read, "records_made"), 0.0);
@@ -244,8 +252,8 @@ fn a_saved_cache_gives_the_picture_of_a_fresh_one_and_serves_another_view() {
     let (helped, _) = side.run::<RadianceCaching>(&again, 1, 7, Show::All);
     let (alone, helped) = (statistic(&alone, "records_made"), statistic(&helped, "records_made"));
     assert!(helped < 0.5 * alone, "{helped} of {alone} records were still made");
-    let refused = |saved: SavedCache, params: Params| {
-        let params = Params { cache: Some(saved), ..params };
+    let refused = |cache: SavedCache, params: Params| {
+        let params = Params { files: files(&cache), ..params };
         RadianceCaching::prepare(side.setting(1, Show::All), &params).err().expect("a refusal")
     };
     let other = SavedCache { world: 9, ..saved.clone() };

@@ -71,7 +71,7 @@ const PROGRAMS: [(&str, f32, Render); 4] = [
     ("lightcuts", ERROR, |world, seed| {
         let mut params = lightcuts::Params { vpls: 1024, ..Default::default() };
         params.lights.total = 256;
-        params.cut.max_cut = 200;
+        params.cut.max_cut = Some(200);
         world.render::<lightcuts::Lightcuts>(&params, 6, seed, Show::All)
     }),
     ("irradiance caching", CACHE_ERROR, |world, seed| {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use gi_core::bytes::{Reader, Writer};
+use gi_core::files;
 use gi_core::film::Film;
 use gi_core::technique::Technique;
 
@@ -80,7 +81,7 @@ struct Parts<'b> {
 impl Checkpoint {
     /// Read a checkpoint.
     pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
-        let bytes = crate::read_input(path).map_err(|e| Failure::Input(format!("error: {e}")))?;
+        let bytes = files::read(path).map_err(|e| Failure::Input(format!("error: {e}")))?;
         Ok(Checkpoint { path: path.to_path_buf(), bytes })
     }
 

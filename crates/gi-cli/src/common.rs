@@ -2,73 +2,68 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
-use gi_core::film::Show;
+use gi_core::options::Show;
 use glam::Vec3;
 
-use crate::Failure;
 use crate::budget::{Budget, parse_time};
 
 /// The flags that all programs have.
-#[derive(Args, Clone, Debug)]
+#[derive(clap::Args, Clone, Debug)]
 pub struct Common {
-    /// Scene: Mitsuba XML (0.5, 0.6, 3.x), or a bare OBJ with its MTL
+    /// Scene: Mitsuba XML (0.5, 0.6, 3.x), or a plain OBJ file with its MTL
     pub scene: PathBuf,
-    /// Picture to write: .exr (all layers), .pfm or .hdr; a .png view goes beside it [default: SCENE.PROGRAM.exr]
+    /// Picture to write: .exr (all layers), .pfm or .hdr; a .png view is written beside it [default: SCENE.PROGRAM.exr]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Passes: samples a pixel where a pass is one sample a pixel [default: 64]
-    #[arg(long, visible_alias = "passes", value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    pub spp: Option<u32>,
-    /// Time for preparing and passes instead of a number of passes: 30s, 5m, 1.5h
+    /// Number of passes; most techniques take one sample per pixel in each pass
+    #[arg(long, visible_alias = "passes", value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: u32,
+    /// Time limit for preparation and passes, instead of a number of passes: 30s, 5m, 1.5h
     #[arg(long, value_name = "TIME", conflicts_with = "spp", value_parser = parse_time)]
     pub time: Option<std::time::Duration>,
-    /// Width and height of the picture in pixels [default: the scene's]
+    /// Width and height of the picture in pixels [default: as in the scene]
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<[usize; 2]>,
-    /// Seed of every random number: the same seed gives the same bits, whatever the number of threads
+    /// Seed of all random numbers; the same seed gives the same bits with any number of threads
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u32,
-    /// Threads [default: one a processor]
+    /// Number of threads [default: one per processor]
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// Most segments of a light path: 1 shows lights, 2 adds direct light; -1 is unbounded
-    #[arg(long, value_name = "N", default_value_t = -1, allow_negative_numbers = true)]
-    pub max_depth: i32,
-    /// Which light the picture shows; the components add up to the whole
-    #[arg(long, value_enum, default_value_t = Component::All)]
-    pub component: Component,
-    /// Set a scene parameter ($NAME), or a preset of a program (gi.PROGRAM.FLAG)
+    /// Part of the light that the picture shows; direct, indirect and caustic add up to all
+    #[arg(long, value_enum, default_value_t = Show::All)]
+    pub component: Show,
+    /// Set a parameter of the scene ($NAME), or a program's preset (gi.PROGRAM.FLAG)
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
     pub define: Vec<(String, String)>,
-    /// Where the camera stands [default: as the scene says; a bare OBJ is framed so that all is seen]
+    /// Position of the camera [default: as in the scene; for a plain OBJ file, one that shows the whole scene]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_vec3, allow_hyphen_values = true)]
     pub origin: Option<Vec3>,
-    /// What the camera looks at
+    /// Point that the camera looks at
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_vec3, allow_hyphen_values = true)]
     pub target: Option<Vec3>,
-    /// What is up for the camera
+    /// Up direction of the camera
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_vec3, allow_hyphen_values = true)]
     pub up: Option<Vec3>,
-    /// Angle of view across the picture, degrees
+    /// Horizontal field of view in degrees
     #[arg(long, value_name = "DEGREES")]
     pub fov: Option<f32>,
-    /// Write the scene as it was understood, as Mitsuba 3 XML, and end
+    /// Only write the scene, as the program understood it, as Mitsuba 3 XML
     #[arg(long, value_name = "FILE.xml")]
     pub export_mitsuba: Option<PathBuf>,
-    /// Write statistics of the run
+    /// Write statistics of the run to this file
     #[arg(long, value_name = "FILE.json")]
     pub stats: Option<PathBuf>,
-    /// Keep what is needed to go on in this file, every minute and at the end
+    /// Save the state of the run to this file, every minute and at the end
     #[arg(long, value_name = "FILE")]
     pub checkpoint: Option<PathBuf>,
-    /// Go on from --checkpoint, to the same bits as a run that was never stopped
+    /// Continue from the file of --checkpoint; the picture has the same bits as that of an uninterrupted run
     #[arg(long, requires = "checkpoint")]
     pub resume: bool,
-    /// Number of the first pass: ranges of passes can be made apart, kept as checkpoints, and merged
+    /// Index of the first pass; separate runs can make ranges of passes and save them with --checkpoint for --merge
     #[arg(long, value_name = "K", default_value_t = 0)]
     pub first_pass: u32,
-    /// Make no passes: add up those of checkpoints of other ranges
+    /// Make no passes, but add up the passes of checkpoints; give the option once per file
     #[arg(long, value_name = "FILE", conflicts_with_all = ["checkpoint", "first_pass", "spp", "time"])]
     pub merge: Vec<PathBuf>,
     /// Print errors only
@@ -76,41 +71,10 @@ pub struct Common {
     pub quiet: bool,
 }
 
-/// Kinds of light path, see [`gi_core::film::Components`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Component {
-    /// Everything
-    All,
-    /// Lights as they are seen, and light that was scattered once on its way from a light to what is seen
-    Direct,
-    /// Light that was scattered at least twice by other than mirrors and glass
-    Indirect,
-    /// Light focused by mirrors and glass onto what is seen
-    Caustic,
-}
-
 impl Common {
-    /// What [`gi_core::film::Film`] shows.
-    pub fn show(&self) -> Show {
-        match self.component {
-            Component::All => Show::All,
-            Component::Direct => Show::Direct,
-            Component::Indirect => Show::Indirect,
-            Component::Caustic => Show::Caustic,
-        }
-    }
-
-    /// Most segments of a path; `None` is unbounded.
-    pub fn max_depth(&self) -> Option<u32> {
-        u32::try_from(self.max_depth).ok()
-    }
-
     /// When the run is to end.
     pub(crate) fn budget(&self) -> Budget {
-        match (self.time, self.spp) {
-            (Some(time), _) => Budget::Time(time),
-            (None, passes) => Budget::Passes(passes.unwrap_or(DEFAULT_PASSES)),
-        }
+        self.time.map_or(Budget::Passes(self.spp), Budget::Time)
     }
 
     /// Where the picture goes.
@@ -131,21 +95,7 @@ impl Common {
         };
         gi_scene::Options { defines: self.define.clone(), size: self.size, camera }
     }
-
-    /// Refuse what the parser cannot see to be wrong.
-    pub(crate) fn check(&self) -> Result<(), Failure> {
-        if self.max_depth == 0 || self.max_depth < -1 {
-            return Err(Failure::Input(format!(
-                "error: --max-depth {}: a path has at least 1 segment; -1 is unbounded",
-                self.max_depth
-            )));
-        }
-        Ok(())
-    }
 }
-
-/// Passes where none were asked for.
-const DEFAULT_PASSES: u32 = 64;
 
 /// Largest picture accepted, in pixels a side.
 const MAX_SIDE: usize = 32_768;

@@ -1,5 +1,5 @@
-//! What every program shares: flags, budget, progress, saving, statistics. A program brings its technique and
-//! its own knobs, as a [`Program`]; its `main` is [`main`].
+//! What every program shares: flags, budget, progress, saving, statistics. A program states its name, its description and
+//! its technique as a [`Program`]; its `main` is [`main`].
 //!
 //! Exit status: 0, 1 (something failed on the way), 2 (bad usage or input).
 #![forbid(unsafe_code)]
@@ -12,57 +12,37 @@ mod presets;
 mod progress;
 mod run;
 mod save;
-mod values;
 
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
+use gi_core::options::Parameters;
 use gi_core::technique::Technique;
 
 pub use budget::{Budget, parse_time};
-pub use common::{Common, Component};
-pub use values::{
-    Caustics, Compensation, check_points_file, check_spacings, is_table, parse_accuracy,
-    parse_bound, parse_pixel, parse_spacing,
-};
+pub use common::Common;
 
-/// A program: its command line, and what it makes of it.
+/// A command line: the flags that all programs have, and the parameters of a technique.
+#[derive(clap::Args, Clone, Debug)]
+#[group(skip)]
+pub struct Args<P: clap::Args> {
+    /// The flags that all programs have.
+    #[command(flatten)]
+    pub common: Common,
+    /// The technique's own flags.
+    #[command(flatten)]
+    pub params: P,
+}
+
+/// A program: a parser with the program's name and description, and the technique that it runs.
 pub trait Program: Parser {
     /// The technique's parameters.
-    type Params;
+    type Params: Parameters;
     /// The technique.
     type Technique<'a>: Technique<'a, Params = Self::Params>;
 
-    /// The flags that all programs have.
-    fn common(&self) -> &Common;
-
-    /// The technique's parameters, from its flags.
-    ///
-    /// # Errors
-    /// One line about flags, or files they name, that cannot be used.
-    fn params(&self) -> Result<Self::Params, String>;
-
-    /// Whether light is absorbed and scattered by the scene's media.
-    fn knows_media(&self) -> bool {
-        false
-    }
-
-    /// Whether light that mirrors and glass focus is found from the lights, so that it needs no luck.
-    fn finds_focused_light(&self) -> bool {
-        false
-    }
-
-    /// Files that the flags ask for besides the picture. They are found to be writable before the work, and
-    /// written after it.
-    fn outputs(&self) -> Vec<PathBuf> {
-        Vec::new()
-    }
-
-    /// What one of [`Program::outputs`] is to hold.
-    fn export(&self, _technique: &Self::Technique<'_>, path: &Path) -> Vec<u8> {
-        unreachable!("{} was not asked for", path.display())
-    }
+    /// What was parsed.
+    fn args(&self) -> &Args<Self::Params>;
 }
 
 /// Why a run ended without a picture.
@@ -72,19 +52,6 @@ enum Failure {
     Input(String),
     /// Something else did not work.
     Other(String),
-}
-
-/// Read a file that a flag names.
-///
-/// # Errors
-/// One line with the file's name and the cause.
-pub fn read_input(path: &Path) -> Result<Vec<u8>, String> {
-    let cannot = |why: &dyn std::fmt::Display| format!("cannot read {}: {why}", path.display());
-    // Devices may go on for ever.
-    if !path.metadata().map_err(|e| cannot(&e))?.is_file() {
-        return Err(cannot(&"it is no file"));
-    }
-    std::fs::read(path).map_err(|e| cannot(&e))
 }
 
 /// Run a program.

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use gi_core::camera::Camera;
 use gi_core::film::Film;
 use gi_core::image_io::Layers;
+use gi_core::options::Parameters;
 use gi_core::scene::Scene;
 use gi_core::technique::{Picture, Setting, Technique};
 use gi_core::walk::{Focused, focused};
@@ -16,7 +17,7 @@ use serde_json::{Map, Value, json};
 use crate::passes::{identity, merge, passes};
 use crate::presets::with_presets;
 use crate::save::{Output, save_bytes};
-use crate::{Common, Failure, Program, parse};
+use crate::{Args, Common, Failure, Program, parse};
 
 /// What a run knows about itself when it is done.
 struct Record<'a> {
@@ -39,24 +40,23 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<(), Failure> {
     let program = command.get_name();
     // Once for the scene's name and the -D; again with the presets of the scene in front.
     let first: P = parse(arguments);
-    first.common().check()?;
-    if let Some(threads) = first.common().threads {
+    let common = &first.args().common;
+    if let Some(threads) = common.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
         pool.map_err(|e| Failure::Other(format!("cannot start {threads} threads: {e}")))?;
     }
-    if let Some(out) = &first.common().export_mitsuba {
-        return export(first.common(), out);
+    if let Some(out) = &common.export_mitsuba {
+        return export(common, out);
     }
     let clock = Instant::now();
-    let loaded = load(first.common())?;
+    let loaded = load(common)?;
     let load_time = clock.elapsed();
-    let args: P =
-        parse(&with_presets::<P>(arguments, program, first.common().time.is_some(), &loaded)?);
-    let common = args.common();
-    common.check()?;
+    let all: P = parse(&with_presets::<P>(arguments, program, common.time.is_some(), &loaded)?);
+    let Args { common, params } = all.args();
+    params.check().map_err(input_error)?;
     let output = Output::new(common.output(program))?;
     let kept = common.stats.iter().chain(&common.checkpoint).cloned();
-    let others: Vec<PathBuf> = kept.chain(args.outputs()).collect();
+    let others: Vec<PathBuf> = kept.chain(params.outputs()).collect();
     output.check_apart(&others)?;
     let Loaded {
         mut parts,
@@ -68,36 +68,39 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<(), Failure> {
         integrator_max_depth,
         ..
     } = loaded;
-    warnings.extend(depth_warning(common, arguments, integrator_max_depth));
+    warnings.extend(depth_warning(params.max_depth(), arguments, integrator_max_depth));
     say_warnings(common, &warnings);
     camera.to_world.translation += Vec3A::from(parts.recentre());
     check_film(camera.size)?;
     let clock = Instant::now();
-    let scene = Scene::new(parts)
-        .map_err(|e| Failure::Input(format!("error: {}: {e}", common.scene.display())))?;
+    let scene =
+        Scene::new(parts).map_err(|e| input_error(format!("{}: {e}", common.scene.display())))?;
     let build_time = clock.elapsed();
-    let mut about_light = media_warnings(&scene, args.knows_media());
-    if !args.finds_focused_light() {
+    let mut about_light = media_warnings(&scene, params.simulates_media());
+    if !params.finds_focused_light() {
         about_light.extend(focus_warning(&scene, common.seed));
     }
     say_warnings(common, &about_light);
     warnings.extend(about_light);
     let camera = Camera::new(&camera);
     say_scene(common, &scene, camera.size());
-    let setting =
-        Setting { scene: &scene, world, camera: &camera, seed: common.seed, show: common.show() };
-    let mut film = Film::new(camera.size(), filter, common.show());
+    let setting = Setting {
+        scene: &scene,
+        world,
+        camera: &camera,
+        seed: common.seed,
+        show: common.component,
+    };
+    let mut film = Film::new(camera.size(), filter, common.component);
 
     let clock = Instant::now();
-    let params = args.params().map_err(|e| Failure::Input(format!("error: {e}")))?;
-    let mut technique = P::Technique::prepare(setting, &params)
-        .map_err(|e| Failure::Input(format!("error: {e}")))?;
+    let mut technique = P::Technique::prepare(setting, params).map_err(input_error)?;
     let prepare_time = clock.elapsed();
     let identity = identity::<P>(common, world, &camera, filter);
     if common.merge.is_empty() {
         passes(&mut technique, common, &mut film, &identity, clock)?;
     } else {
-        let spare = Film::new(camera.size(), filter, common.show());
+        let spare = Film::new(camera.size(), filter, common.component);
         merge(&mut technique, common, [&mut film, &mut { spare }], &identity)?;
     }
     let render_time = clock.elapsed() - prepare_time;
@@ -115,10 +118,15 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<(), Failure> {
         warnings: &warnings,
     };
     save(&record, &film, &technique.pictures(&film), &output)?;
-    for path in args.outputs() {
-        save_bytes(&path, &args.export(&technique, &path))?;
+    for path in params.outputs() {
+        save_bytes(&path, &technique.export(&path))?;
     }
     Ok(())
+}
+
+/// A failure whose cause is what the user gave.
+fn input_error(message: String) -> Failure {
+    Failure::Input(format!("error: {message}"))
 }
 
 /// Read the scene.
@@ -156,10 +164,11 @@ fn say_warnings(common: &Common, warnings: &[String]) {
     }
 }
 
-/// That the scene's integrator wants shorter paths, unless the flag was typed.
-fn depth_warning(common: &Common, arguments: &[String], scene: Option<i32>) -> Option<String> {
+/// A warning if the scene's integrator asks for another length of paths, unless the flag was typed.
+fn depth_warning(used: Option<u32>, arguments: &[String], scene: Option<i32>) -> Option<String> {
     let typed = arguments.iter().any(|a| a == "--max-depth" || a.starts_with("--max-depth="));
-    let depth = scene.filter(|depth| *depth != -1 && *depth != common.max_depth && !typed)?;
+    let is_used = |depth: i32| u32::try_from(depth).ok() == used;
+    let depth = scene.filter(|depth| *depth != -1 && !is_used(*depth) && !typed)?;
     Some(format!(
         "the integrator's `max_depth` {depth} is ignored: give `--max-depth {depth}` for it, `--max-depth -1` for all light"
     ))

@@ -1,8 +1,38 @@
 //! Files that are written whole or not at all: a killed run leaves the old file or the new one, never half of one.
 
+use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{BufWriter, Error, ErrorKind, Result, Write};
 use std::path::{Path, PathBuf};
+
+/// Read a file that the user named.
+///
+/// # Errors
+/// One line with the file's name and the cause.
+pub fn read(path: &Path) -> std::result::Result<Vec<u8>, String> {
+    let cannot = |why: &dyn std::fmt::Display| format!("cannot read {}: {why}", path.display());
+    // A device may never end.
+    if !path.metadata().map_err(|e| cannot(&e))?.is_file() {
+        return Err(cannot(&"it is not a regular file"));
+    }
+    std::fs::read(path).map_err(|e| cannot(&e))
+}
+
+/// Parse the name of a file of points to write: a point cloud (.ply) or a table (.csv).
+///
+/// # Errors
+/// The endings that are known.
+pub fn points_file(name: &str) -> std::result::Result<PathBuf, String> {
+    let path = PathBuf::from(name);
+    let known = |e: &OsStr| ["ply", "csv"].iter().any(|k| e.eq_ignore_ascii_case(k));
+    let is_known = path.extension().is_some_and(known);
+    is_known.then_some(path).ok_or_else(|| "the file's name must end in .ply or .csv".into())
+}
+
+/// Whether a file of points is a table, by its name; otherwise it is a point cloud.
+pub fn is_table(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"))
+}
 
 /// Write a file: to a temporary name beside it, then rename.
 ///
@@ -110,6 +140,24 @@ mod tests {
         let mut left = names(folder.path());
         left.sort();
         assert_eq!(left, ["a.txt", "b.txt"]);
+    }
+
+    #[test]
+    fn files_of_points_are_known_by_their_names() {
+        assert!(["a.ply", "a.csv", "b/a.CSV"].iter().all(|name| points_file(name).is_ok()));
+        assert!(["a.txt", "csv", "a.csv.gz"].iter().all(|name| points_file(name).is_err()));
+        let table = ["a.ply", "a.csv", "a.CSV"].map(|name| is_table(Path::new(name)));
+        assert_eq!(table, [false, true, true]);
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_read_is_named() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let missing = folder.path().join("missing");
+        for path in [folder.path(), &missing] {
+            let message = read(path).expect_err("it cannot be read");
+            assert!(message.contains(&path.display().to_string()), "{message}");
+        }
     }
 
     #[test]

@@ -30,6 +30,7 @@ pub mod material;
 pub mod math;
 pub mod medium;
 pub mod nee;
+pub mod options;
 pub mod rng;
 pub mod sampler;
 pub mod scene;

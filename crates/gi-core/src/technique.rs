@@ -1,5 +1,7 @@
 //! The one shape of every technique: prepare once, then passes.
 
+use std::path::Path;
+
 use crate::camera::Camera;
 use crate::film::{Film, Show};
 use crate::math::Rgb;
@@ -80,6 +82,11 @@ pub trait Technique<'a>: Sized {
     /// Pictures that the technique draws of itself, as its parameters ask for.
     fn pictures(&self, _film: &Film) -> Vec<Picture> {
         Vec::new()
+    }
+
+    /// The contents of a file that the parameters ask for, see [`crate::options::Parameters::outputs`].
+    fn export(&self, path: &Path) -> Vec<u8> {
+        unreachable!("the parameters do not ask for {}", path.display())
     }
 }
 

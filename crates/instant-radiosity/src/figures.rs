@@ -8,27 +8,20 @@ use gi_core::technique::{Picture, Setting};
 use glam::Vec2;
 use vpl::{Kind, Receiver, Vpls};
 
-/// Pictures that may be asked for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Figure {
-    /// The lights of the last pass over the picture, coloured by how often their light was scattered [slide 49].
-    Vpls,
-    /// Shadow rays from what a pixel sees to the lights: green where nothing stands in between, red where something
-    /// does [slide 50].
-    Connections {
-        /// The pixel; the middle one if `None`.
-        pixel: Option<[usize; 2]>,
-    },
-}
+pub use crate::params::Figure;
 
 impl Figure {
-    /// Draw.
-    pub fn draw(self, setting: &Setting, vpls: &Vpls, film: &Film) -> Picture {
+    /// Draw. `pixel` is the pixel whose connections are drawn; `None` is the middle of the picture.
+    pub(crate) fn draw(
+        self,
+        setting: &Setting,
+        vpls: &Vpls,
+        film: &Film,
+        pixel: Option<[usize; 2]>,
+    ) -> Picture {
         let (name, view) = match self {
             Figure::Vpls => ("vpls", lights(setting, vpls, film)),
-            Figure::Connections { pixel } => {
-                ("connections", connections(setting, vpls, film, pixel))
-            }
+            Figure::Connections => ("connections", connections(setting, vpls, film, pixel)),
         };
         Picture { name: name.into(), channels: Vec::new(), view }
     }

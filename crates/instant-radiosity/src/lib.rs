@@ -4,9 +4,9 @@
 //! | | |
 //! |---|---|
 //! | estimated | L(x) = sum_i f(x) f(y_i) cos cos' / d^2 V(x, y_i) power_i over the virtual point lights y_i of a pass, passes averaged: the accumulation buffer |
-//! | `--vpls` | about how many lights a pass has (128) |
+//! | `--vpls` | about how many lights a pass has |
 //! | `--termination` | when light paths end: fractional absorption (the original) or Russian roulette |
-//! | `--clamp` | bound of the geometric term cos cos' / d^2 in units of one over the squared radius of the scene (20); `inf` is none |
+//! | `--clamp` | bound of the geometric term cos cos' / d^2 in units of one over the squared radius of the scene; `inf` is none |
 //! | `--compensation` | `path`: what the bound cut off comes back by paths, without bias \[Kollig04\]; `none` |
 //! | `--caustics` | `photon`: light that mirrors and glass focus is read from photons, blurred over discs that shrink with the passes; `path` |
 //! | `--vsl` | lights are small spheres instead of points: no bound, no bright spots on glossy surfaces, blurred \[Hasan09\] |
@@ -19,65 +19,24 @@
 #![forbid(unsafe_code)]
 
 pub mod figures;
+mod params;
 pub mod sphere;
 
 use std::ops::Range;
+use std::path::Path;
 
 use gi_core::caustics::FocusedLight;
-use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk, PathLimits};
+use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
 use gi_core::film::Film;
 use gi_core::math::Rgb;
 use gi_core::sampler::Sampler;
 use gi_core::technique::{Picture, Setting, Technique};
-use vpl::{Energy, MIN_ROUGHNESS, Pilot, Prepared, Receiver, Shooting, Termination, Vpls, shoot};
+use vpl::{
+    Direct, Energy, MIN_ROUGHNESS, Pilot, Prepared, Receiver, Shooting, Vpls, shoot, to_file,
+};
 
-use figures::Figure;
+pub use params::{Figure, Params};
 use sphere::Spheres;
-
-/// The knobs.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Params {
-    /// How long paths may be.
-    pub limits: PathLimits,
-    /// About how many virtual point lights a pass has.
-    pub vpls: u32,
-    /// When light paths end.
-    pub termination: Termination,
-    /// Bound of the geometric term, in units of one over the squared radius of the scene.
-    pub clamp: f32,
-    /// Whether paths bring back what the bound cut off.
-    pub compensation: bool,
-    /// Whether photons supply the light that mirrors and glass focus, instead of paths looking for it.
-    pub caustic_photons: bool,
-    /// How fast the bound grows with the passes.
-    pub relaxation: f32,
-    /// Spheres instead of points.
-    pub vsl: bool,
-    /// Directions in which a sphere's light is added up.
-    pub vsl_samples: u32,
-    /// Whether points of lights are virtual lights too, instead of direct light being sampled.
-    pub direct_by_vpls: bool,
-    /// What to draw.
-    pub figures: Vec<Figure>,
-}
-
-impl Default for Params {
-    fn default() -> Self {
-        Params {
-            limits: PathLimits::default(),
-            vpls: 128,
-            termination: Termination::Roulette,
-            clamp: 20.0,
-            compensation: true,
-            caustic_photons: true,
-            relaxation: 0.0,
-            vsl: false,
-            vsl_samples: 4,
-            direct_by_vpls: false,
-            figures: Vec::new(),
-        }
-    }
-}
 
 /// Instant radiosity.
 pub struct InstantRadiosity<'a> {
@@ -101,7 +60,7 @@ impl<'a> Technique<'a> for InstantRadiosity<'a> {
         let Setting { scene, camera, seed, .. } = setting;
         let pilot = Pilot::of(scene, seed);
         let [w, h] = camera.size();
-        let pixels = if params.caustic_photons { w * h } else { 0 };
+        let pixels = if params.caustics.by_photons() { w * h } else { 0 };
         let focused = FocusedLight::new(scene, seed, pixels);
         Ok(InstantRadiosity {
             setting,
@@ -160,11 +119,10 @@ impl<'a> Technique<'a> for InstantRadiosity<'a> {
     }
 
     fn reach(&self) -> String {
-        let cut = if self.params.compensation || self.params.clamp.is_infinite() || self.params.vsl
-        {
-            ""
-        } else {
+        let cut = if self.params.bound.loses_light() && !self.params.vsl {
             "; bounded geometric terms cut light off in corners (biased)"
+        } else {
+            ""
         };
         format!(
             "all paths that path tracing reaches, indirect light from virtual point lights{cut}"
@@ -172,16 +130,16 @@ impl<'a> Technique<'a> for InstantRadiosity<'a> {
     }
 
     fn pictures(&self, film: &Film) -> Vec<Picture> {
-        self.params.figures.iter().map(|f| f.draw(&self.setting, &self.vpls, film)).collect()
+        let draw = |f: &Figure| f.draw(&self.setting, &self.vpls, film, self.params.pixel);
+        self.params.figures.iter().map(draw).collect()
+    }
+
+    fn export(&self, path: &Path) -> Vec<u8> {
+        to_file(path, &self.vpls.lights, self.setting.scene.origin())
     }
 }
 
 impl InstantRadiosity<'_> {
-    /// See [`gi_core::scene::Scene::origin`].
-    pub fn origin(&self) -> glam::Vec3 {
-        self.setting.scene.origin()
-    }
-
     /// The lights of a pass: its light paths are the next of one sequence.
     fn shoot(&self, index: u32) -> Vpls {
         let paths = self.pilot.paths_for(self.params.vpls);
@@ -192,7 +150,7 @@ impl InstantRadiosity<'_> {
             termination: self.params.termination,
             // A path of the eye, the connection, and the light's own way are two segments more.
             max_scatterings: self.params.limits.max_depth.map(|d| d.saturating_sub(2)),
-            lights: self.params.direct_by_vpls,
+            lights: self.params.direct == Direct::Vpl,
             pilot: self.pilot,
         };
         shoot(self.setting.scene, &how)
@@ -201,7 +159,8 @@ impl InstantRadiosity<'_> {
     /// The bound of a pass, per squared world unit.
     fn bound(&self, index: u32) -> f32 {
         let radius = self.setting.scene.radius();
-        self.params.clamp * (index as f32 + 1.0).powf(self.params.relaxation) / (radius * radius)
+        self.params.bound.clamp * (index as f32 + 1.0).powf(self.params.relaxation)
+            / (radius * radius)
     }
 
     /// Light a vertex by all lights [slide 50].
@@ -223,13 +182,14 @@ impl InstantRadiosity<'_> {
         let surfaces = points..self.vpls.up_to(deepest).len();
         // The points of lights are direct light, and nothing bounds them [slides 47, 48].
         let direct = || self.add_up(&at, lights, 0..points, f32::INFINITY);
-        let direct = self.params.direct_by_vpls.then(direct);
+        let direct = (self.params.direct == Direct::Vpl).then(direct);
         let indirect = if self.params.vsl {
             self.spheres.gather(self, &at, surfaces, sampler)
         } else {
             self.add_up(&at, lights, surfaces, most)
         };
-        let most = if self.params.compensation && !self.params.vsl { most } else { f32::INFINITY };
+        let is_compensated = self.params.bound.is_compensated() && !self.params.vsl;
+        let most = if is_compensated { most } else { f32::INFINITY };
         let covers = Covers::Visible { max_geometry: most, min_roughness: MIN_ROUGHNESS };
         // A photon after j scatterings has come j + 1 segments.
         let caustic = self.focused.radiance(self.setting.scene, (&v.surface, v.wo, &bsdf), deepest);

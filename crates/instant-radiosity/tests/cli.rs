@@ -36,14 +36,14 @@ fn a_run_leaves_its_pictures_and_its_lights() {
 #[test]
 fn wrong_flags_are_one_clear_error_and_status_2() {
     let folder = Folder::make();
-    let out = &folder.at("a.exr");
+    let (out, csv) = (&folder.at("a.exr"), &folder.at("a.csv"));
     let cases: [(&[&str], &str); 7] = [
         (&["--clamp", "0"], "above 0"),
         (&["--clamp", "nan"], "above 0"),
         (&["--vpls", "0"], "1.."),
         (&["--relaxation=-1"], "from 0 to 2"),
         (&["--pixel", "3"], "X,Y"),
-        (&["--vpls-out", out], "overwrite"),
+        (&["--stats", csv, "--vpls-out", csv], "overwrite"),
         (&["--vpls-out", "lights.txt"], ".ply or .csv"),
     ];
     for (flags, says) in cases {

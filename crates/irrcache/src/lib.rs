@@ -21,6 +21,7 @@ pub mod file;
 mod overture;
 mod params;
 
+use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use gi_core::caustics::FocusedLight;
@@ -28,6 +29,7 @@ use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
 use gi_core::film::{Film, Show};
 use gi_core::math::{INV_PI, Rgb};
 use gi_core::technique::{Picture, Setting, Technique};
+use lightcache::export::to_file;
 use lightcache::gather::sees;
 use lightcache::record::Record;
 use lightcache::site::{Query, RELAXED, Site};
@@ -55,8 +57,8 @@ impl<'a> Technique<'a> for IrradianceCaching<'a> {
     /// Fill the cache: look at every pixel from coarse to fine, and make records where none is good.
     fn prepare(setting: Setting<'a>, params: &Params) -> Result<Self, String> {
         let mut technique = Self::empty(setting, params);
-        if let Some(saved) = &params.cache {
-            technique.read(saved)?;
+        if let Some(path) = &params.files.cache_in {
+            technique.read(&SavedCache::open(path)?)?;
         }
         if setting.show == Show::All || setting.show == Show::Indirect {
             technique.focused.shoot(setting.scene, setting.seed ^ OVERTURE, 0);
@@ -117,14 +119,16 @@ impl<'a> Technique<'a> for IrradianceCaching<'a> {
     fn pictures(&self, film: &Film) -> Vec<Picture> {
         self.params.figures.iter().map(|f| f.draw(&self.setting, &self.levels[0], film)).collect()
     }
+
+    fn export(&self, path: &Path) -> Vec<u8> {
+        if self.params.files.cache_out.as_deref() == Some(path) {
+            return self.saved().to_bytes();
+        }
+        to_file(path, self.cache().records().iter(), self.setting.scene.origin())
+    }
 }
 
 impl<'a> IrradianceCaching<'a> {
-    /// See [`gi_core::scene::Scene::origin`].
-    pub fn origin(&self) -> glam::Vec3 {
-        self.setting.scene.origin()
-    }
-
     fn empty(setting: Setting<'a>, params: &Params) -> Self {
         let Setting { scene, camera, seed, .. } = setting;
         let [w, h] = camera.size();
@@ -137,14 +141,14 @@ impl<'a> IrradianceCaching<'a> {
             focused: FocusedLight::where_it_matters(
                 scene,
                 seed,
-                if params.caustic_photons { w * h } else { 0 },
+                if params.caustics.by_photons() { w * h } else { 0 },
             ),
             relaxed: AtomicU64::new(0),
             failed: AtomicU64::new(0),
         };
         for k in 0..count as usize {
             let control = technique.gatherer(k).control;
-            let clamped = params.neighbour_clamping && control.has_limits();
+            let clamped = params.reach.neighbour_clamping && control.has_limits();
             let slope = clamped.then(|| control.slope());
             let how = Weighing { accuracy: control.accuracy, weights: params.weights, slope };
             technique.levels.push(Cache::new(setting.scene.bounds(), how));
@@ -192,7 +196,7 @@ impl<'a> IrradianceCaching<'a> {
 
     pub(crate) fn lookup(&self, cache: &Cache<Record>, q: &Query, slack: f32) -> Option<Rgb> {
         let scene = self.setting.scene;
-        let sees = |site: &Site| !self.params.leak_guard || sees(scene, site, q);
+        let sees = |site: &Site| !self.params.reach.leak_guard || sees(scene, site, q);
         cache.irradiance(q, self.params.gradients, slack, sees)
     }
 
@@ -201,7 +205,7 @@ impl<'a> IrradianceCaching<'a> {
         let Params { accuracy, bounces, radius, error, limits, .. } = &self.params;
         let bounces = bounces.map_or("path".to_string(), |b| b.to_string());
         let depth = limits.max_depth.map_or(-1, |d| d as i32);
-        let caustics = if self.params.caustic_photons { "photon" } else { "path" };
+        let caustics = if self.params.caustics.by_photons() { "photon" } else { "path" };
         format!(
             "--accuracy {accuracy} --error {error:?} --radius {radius:?} --bounces {bounces} --max-depth {depth} --caustics {caustics}"
         )

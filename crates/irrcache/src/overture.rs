@@ -14,13 +14,15 @@ use lightcache::control::Control;
 use lightcache::fill::{coarse_to_fine, in_rounds, scattered};
 use lightcache::gather::{Gatherer, Place};
 use lightcache::hemisphere::Strata;
+use lightcache::options::ReachOptions;
 use lightcache::record::Record;
 
 impl<'a> IrradianceCaching<'a> {
     /// How records of a level are made. Each level is seen through the one before, and may be coarser by as much: half the
     /// rays, half again the error, twice the spacing.
     pub(crate) fn gatherer(&self, level: usize) -> Gatherer<'a> {
-        let Params { rays, accuracy, min_spacing, max_spacing, .. } = self.params;
+        let Params { rays, accuracy, reach, .. } = self.params;
+        let ReachOptions { min_spacing, max_spacing, .. } = reach;
         let pixel = self.setting.camera.pixel_width();
         let coarser = 2f32.powi(level as i32);
         let most = if max_spacing > 0.0 { max_spacing * pixel * coarser } else { f32::INFINITY };

@@ -1,66 +1,73 @@
-//! The knobs.
+//! The options of irradiance caching.
 
-use gi_core::eye::PathLimits;
+use std::path::PathBuf;
 
-use crate::file::SavedCache;
-use lightcache::Weights;
+use clap::Args;
+use gi_core::options::{CausticOptions, Parameters, PathLimits, defaults};
 use lightcache::control::{ErrorControl, SphereRadius};
-use lightcache::figures::Figure;
-use lightcache::record::Gradients;
+use lightcache::options::{CacheFiles, Figure, Gradients, ReachOptions, Weights, accuracy};
 
-/// The knobs.
-#[derive(Clone, Debug, PartialEq)]
+/// The options of irradiance caching.
+#[derive(Args, Clone, Debug, PartialEq)]
 pub struct Params {
-    /// Whether photons supply the light that mirrors and glass focus, instead of paths looking for it.
-    pub caustic_photons: bool,
     /// How long paths may be.
+    #[command(flatten)]
     pub limits: PathLimits,
-    /// Rays of a record.
+    /// How light focused by mirrors and glass is found.
+    #[command(flatten)]
+    pub caustics: CausticOptions,
+    /// Number of gather rays per record [slides 7, 12-14]; fewer rays show as blotches
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(8..=10_000_000))]
     pub rays: u32,
-    /// The accuracy a, relative.
+    /// Accuracy a, the allowed relative error: a record is used where its weight w > 1/a [slide 11]; smaller values make more records
+    #[arg(long, value_name = "A", default_value_t = 0.1, value_parser = accuracy())]
     pub accuracy: f32,
-    /// Levels of caches; `None` lets gather rays go on as paths.
+    /// Number of cache levels; gather rays read the next level, one bounce per level [default: gather rays are full paths]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8))]
     pub bounces: Option<u32>,
-    /// The split sphere's length.
-    pub radius: SphereRadius,
-    /// What the error is estimated by.
+    /// How the error of a record is estimated
+    #[arg(long, value_enum, default_value_t = ErrorControl::HessianOcclusion)]
     pub error: ErrorControl,
-    /// Smallest radius of a record, pixels.
-    pub min_spacing: f32,
-    /// Largest radius of a record, pixels; 0 is the scene's radius.
-    pub max_spacing: f32,
-    /// Whether the radii of neighbours limit each other.
-    pub neighbour_clamping: bool,
-    /// Whether a ray looks for walls between a record and where it is used.
-    pub leak_guard: bool,
-    /// Which gradients are followed.
+    /// Which distance to its surroundings is the radius of the split sphere [slide 9]
+    #[arg(long, value_enum, default_value_t = SphereRadius::Harmonic)]
+    pub radius: SphereRadius,
+    /// Where records are valid.
+    #[command(flatten)]
+    pub reach: ReachOptions,
+    /// Gradients that interpolation uses [slides 12, 14]
+    #[arg(long, value_enum, default_value_t = Gradients::Both)]
     pub gradients: Gradients,
-    /// How records are weighed.
+    /// How records are weighted
+    #[arg(long, value_enum, default_value_t = Weights::Smooth)]
     pub weights: Weights,
-    /// A cache to begin with.
-    pub cache: Option<SavedCache>,
-    /// What to draw.
+    /// Files of the cache.
+    #[command(flatten)]
+    pub files: CacheFiles,
+    /// Pictures of the cache to draw, separated by commas; each becomes OUT.NAME.png and layers of the EXR
+    #[arg(long = "show", value_name = "SHOW", value_enum, value_delimiter = ',')]
     pub figures: Vec<Figure>,
 }
 
 impl Default for Params {
     fn default() -> Self {
-        Params {
-            caustic_photons: true,
-            limits: PathLimits::default(),
-            rays: 1000,
-            accuracy: 0.1,
-            bounces: None,
-            radius: SphereRadius::Harmonic,
-            error: ErrorControl::HessianOcclusion,
-            min_spacing: 3.0,
-            max_spacing: 40.0,
-            neighbour_clamping: true,
-            leak_guard: true,
-            gradients: Gradients::Both,
-            weights: Weights::Smooth,
-            cache: None,
-            figures: Vec::new(),
-        }
+        defaults()
+    }
+}
+
+impl Parameters for Params {
+    fn check(&self) -> Result<(), String> {
+        self.reach.check()
+    }
+
+    fn max_depth(&self) -> Option<u32> {
+        self.limits.max_depth
+    }
+
+    fn finds_focused_light(&self) -> bool {
+        self.caustics.by_photons()
+    }
+
+    fn outputs(&self) -> Vec<PathBuf> {
+        self.files.outputs()
     }
 }

@@ -8,32 +8,8 @@ use glam::Vec3;
 use super::gradients::Gradient;
 use super::hemisphere::Hemisphere;
 use super::hessian::{Hessian, eigen, geometric, occlusion};
+pub use super::options::{ErrorControl, SphereRadius};
 use super::site::RELAXED;
-
-/// What the error of a record is estimated by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ErrorControl {
-    /// The split sphere: half of the surroundings bright, half dark, and nothing nearer than the mean distance
-    /// R [slide 9, Ward88]. A record is good for a R, without limits.
-    SplitSphere,
-    /// The split sphere where R is at most E / |gradient|, with limits from the picture and from neighbours \[Ward92,
-    /// Krivanek06\].
-    Bounded,
-    /// The error of following the gradient, by second derivatives of what the rays saw, nothing hiding anything
-    /// \[Schwarzhaupt12\].
-    HessianGeometric,
-    /// The same with surfaces hiding each other.
-    HessianOcclusion,
-}
-
-/// Which length of the surroundings the split sphere takes as its radius R.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SphereRadius {
-    /// The harmonic mean of the distances [slide 9].
-    Harmonic,
-    /// The smallest distance: safer before thin things, with more records.
-    Minimum,
-}
 
 /// The controls with their numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]

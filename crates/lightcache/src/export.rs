@@ -1,8 +1,21 @@
 //! Records to be looked at: PLY and CSV.
 
+use std::path::Path;
+
 use glam::Vec3;
 
+use gi_core::files::is_table;
+
 use super::record::Record;
+
+/// Records as a file of points: a table or a point cloud, by the file's name. `origin` is that of the scene.
+pub fn to_file<'r>(
+    path: &Path,
+    records: impl Iterator<Item = &'r Record>,
+    origin: Vec3,
+) -> Vec<u8> {
+    if is_table(path) { to_csv(records, origin).into_bytes() } else { to_ply(records, origin) }
+}
 
 /// Records as a table, `origin` being that of the scene: position, normal, irradiance, radii, gradient by position of the channels' mean.
 pub fn to_csv<'r>(records: impl Iterator<Item = &'r Record>, origin: Vec3) -> String {

@@ -9,22 +9,8 @@ use gi_core::technique::{Picture, Setting};
 use glam::{Vec2, Vec3};
 
 use super::Cache;
+pub use super::options::Figure;
 use super::site::{Query, Site, Sited};
-
-/// Pictures that may be asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Figure {
-    /// Where records are, coloured by how far they are good for [slides 13, 14].
-    Records,
-    /// How far each of them is good for: the ellipses.
-    Validity,
-    /// The octree's cells as wires [slide 8].
-    Octree,
-    /// The same in the plane through the scene's middle, seen from above [slide 8].
-    OctreeSlice,
-    /// The weight of one record all over the picture, and where it ends [slide 11].
-    Weights,
-}
 
 impl Figure {
     /// Draw.

@@ -1,6 +1,8 @@
 //! Caches as files, to be read again: what all kinds of them have, a header, the world and the settings that records are
 //! good for, and a checksum. What is in between is the technique's: a [`Body`].
 
+use std::path::Path;
+
 /// What a kind of cache file holds.
 pub trait Body: Sized {
     /// First bytes of the file.
@@ -45,7 +47,16 @@ impl<B: Body> SavedCache<B> {
         out.0
     }
 
-    /// Read such a file.
+    /// Read the file that the user named.
+    ///
+    /// # Errors
+    /// One line with the file's name and the cause.
+    pub fn open(path: &Path) -> Result<Self, String> {
+        let bytes = gi_core::files::read(path)?;
+        Self::from_bytes(&bytes).map_err(|e| format!("cannot use {}: {e}", path.display()))
+    }
+
+    /// Read the bytes of such a file.
     ///
     /// # Errors
     /// One line about why it is not one: not a cache, another version, damaged.

@@ -15,23 +15,16 @@ pub mod gradients;
 pub mod hemisphere;
 pub mod hessian;
 pub mod octree;
+pub mod options;
 pub mod record;
 pub mod site;
 
 use gi_core::math::{Bounds, Rgb};
 
 use octree::Octree;
+pub use options::Weights;
 use record::{Gradients, Record};
 use site::{Query, Site, Sited};
-
-/// How much a record counts for among others.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Weights {
-    /// w = 1 / error, cut off where w < 1 / a: the lecture's [slide 11]. Edges show where records end.
-    Lecture,
-    /// 1 - error / a: nothing where a record ends, so that no edge shows \[Tabellion04\].
-    Smooth,
-}
 
 /// How records near a point are chosen and weighed.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,6 +4,7 @@ use gi_core::math::Rgb;
 use glam::Vec3;
 
 use super::gradients::Gradient;
+pub use super::options::Gradients;
 use super::site::{Query, Site, Sited};
 
 /// A record of the cache: the lecture's irradiance sample [slide 10], with gradients.
@@ -27,19 +28,6 @@ impl Sited for Record {
     fn site_mut(&mut self) -> &mut Site {
         &mut self.site
     }
-}
-
-/// Which gradients interpolation uses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Gradients {
-    /// None: slide 11 as it stands.
-    Off,
-    /// By the normal.
-    Rotation,
-    /// By the position.
-    Translation,
-    /// Both.
-    Both,
 }
 
 impl Record {

@@ -118,7 +118,7 @@ fn measure(scene: &Scene, seen: &[Point], number: u32, asked: &Asked) -> (f64, f
     let prepared = Prepared::new(&set, scene);
     let lights = Lights { scene, prepared: &prepared, forest: &forest };
     let radius = scene.radius();
-    let most = Params::default().clamp / (radius * radius);
+    let most = Params::default().bound.clamp / (radius * radius);
     let with = |p: &Point, by_cut: bool| {
         let (surface, wo, bsdf) = p;
         let receiver = Receiver::new(surface, *wo, bsdf);
@@ -210,7 +210,7 @@ fn arguments() -> Asked {
         scene: concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/gallery.xml").into(),
         defines: Vec::new(),
         numbers: vec![10, 20, 50, 100, 1000, 10_000, 100_000, 1_000_000],
-        limits: Limits { max_cut: 20_000, ..Params::default().cut },
+        limits: Limits { max_cut: Some(20_000), ..Params::default().cut },
         connections: 400_000_000,
     };
     let mut arguments = std::env::args().skip(1).filter(|a| a != "--bench");
@@ -228,7 +228,7 @@ fn arguments() -> Asked {
                     other => panic!("no rule is called {other}: cluster or whole"),
                 }
             }
-            "--max-cut" => asked.limits.max_cut = value().parse().expect("--max-cut N"),
+            "--max-cut" => asked.limits.max_cut = Some(value().parse().expect("--max-cut N")),
             "--error" => asked.limits.error = value().parse().expect("--error E"),
             "--connections" => asked.connections = value().parse().expect("--connections N"),
             "-D" => {

@@ -4,30 +4,11 @@ use std::collections::BinaryHeap;
 
 use gi_core::math::Rgb;
 
-/// What the error that may be is an error of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rule {
-    /// Of each cluster alone [slide 61, Walter05]: those of many clusters add up to more.
-    Cluster,
-    /// Of each cluster, and nearly always of the whole: clusters' errors are independent of one another, so their
-    /// squares add up.
-    Whole,
-}
+pub use crate::params::{Limits, Rule};
 
 /// By how much the errors of clusters, added up as squares, may exceed the error of the whole: bounds are rarely reached.
 /// Measured, so that 99 of 100 points of the gallery and of the patio stay below.
 const QUADRATURE: f64 = 1.5;
-
-/// What a cut may cost and how far it may be wrong.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
-    /// Error that may be, relative to the whole.
-    pub error: f32,
-    /// Of what.
-    pub rule: Rule,
-    /// Most clusters of a cut.
-    pub max_cut: u32,
-}
 
 /// A cluster of a cut, and what its representative says of it.
 #[derive(Clone, Copy, Debug)]

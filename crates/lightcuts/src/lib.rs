@@ -4,11 +4,11 @@
 //! | | |
 //! |---|---|
 //! | estimated | L(x) = sum over clusters C of a cut of f(x) G(x, y) V(x, y) power(C), with y the cluster's representative; passes, each with lights of its own, are averaged |
-//! | `--error` | error that may be, relative to the whole: Weber's law (0.02) |
+//! | `--error` | error that may be, relative to the whole: Weber's law |
 //! | `--rule` | error of what: `cluster`, each alone, as the lecture has it; `whole`, of 99 of 100 points too (default) |
-//! | `--max-cut` | most clusters of a cut (1000; with `--error 0` no limit) |
-//! | `--lights` | points of lights: areas, sky, sun (4096 in all, shared out by power) |
-//! | `--vpls` | about how many virtual point lights indirect light has (16384) |
+//! | `--max-cut` | most clusters of a cut (with `--error 0` no limit) |
+//! | `--lights` | points of lights: areas, sky, sun (shared out by power) |
+//! | `--vpls` | about how many virtual point lights indirect light has |
 //! | `--fixed-lights` | all passes have the lights of the first: what lights' number leaves wrong stays |
 //! | `--clamp`, `--compensation` | bound of the geometric term of indirect lights, and paths that bring back what it cuts off, as in instant radiosity |
 //! | `--caustics` | `photon`: light that mirrors and glass focus is read from photons, blurred over discs that shrink with the passes; `path` |
@@ -35,13 +35,17 @@ mod tally;
 mod test_scenes;
 pub mod tree;
 
+use std::path::Path;
+
 use gi_core::bytes::{Reader, Writer};
 use gi_core::caustics::FocusedLight;
 use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
 use gi_core::film::{Film, Show};
 use gi_core::sampler::Sampler;
 use gi_core::technique::{Picture, Setting, Technique};
-use vpl::{MIN_ROUGHNESS, Pilot, Prepared, Receiver, Shooting, Termination, Vpls, points, shoot};
+use vpl::{
+    Direct, MIN_ROUGHNESS, Pilot, Prepared, Receiver, Shooting, Termination, Vpls, points, shoot,
+};
 
 use bound::Site;
 use light::{At, Lights};
@@ -72,7 +76,7 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
         let Setting { scene, camera, seed, .. } = setting;
         let pilot = Pilot::of(scene, seed);
         let [w, h] = camera.size();
-        let pixels = if params.caustic_photons { w * h } else { 0 };
+        let pixels = if params.caustics.by_photons() { w * h } else { 0 };
         let focused = FocusedLight::new(scene, seed, pixels);
         let mut technique = Lightcuts {
             setting,
@@ -97,8 +101,8 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
         let this = &*self;
         let prepared = Prepared::new(&this.vpls, this.setting.scene);
         let lights = this.lights(&prepared);
-        if let Some(how) = this.params.reconstruction {
-            return picture::add_pass(this, &lights, how, index, film);
+        if this.params.reconstruction.reconstruct {
+            return picture::add_pass(this, &lights, index, film);
         }
         film.add_pass(|pixel| this.sample_pixel(&lights, pixel, index, |_| None));
     }
@@ -106,7 +110,7 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
     /// Passes do not build on each other: what is kept are counts.
     fn save_state(&self) -> Option<Vec<u8>> {
         let mut w = Writer::default();
-        w.text(&format!("{:?}", self.params));
+        w.text(&self.params.identity());
         self.tally.save(&mut w);
         Some(w.into_bytes())
     }
@@ -114,7 +118,7 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
     fn restore(&mut self, state: &[u8]) -> Result<(), String> {
         let mut r = Reader::new(state);
         let params = r.text()?;
-        if params != format!("{:?}", self.params) {
+        if params != self.params.identity() {
             return Err(format!("it was made with other parameters: {params}"));
         }
         self.tally.restore(&mut r)?;
@@ -133,11 +137,11 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
 
     fn reach(&self) -> String {
         let params = &self.params;
-        let direct = if params.direct_by_points { "direct and indirect" } else { "indirect" };
-        let cut = if params.compensation || params.clamp.is_infinite() {
-            ""
-        } else {
+        let direct = if params.direct == Direct::Vpl { "direct and indirect" } else { "indirect" };
+        let cut = if params.bound.loses_light() {
             "; bounded geometric terms cut light off in corners (biased)"
+        } else {
+            ""
         };
         format!("all paths that path tracing reaches, {direct} light from point lights{cut}")
     }
@@ -147,14 +151,13 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
         let lights = self.lights(&prepared);
         self.params.figures.iter().flat_map(|f| f.draw(self, &lights, film)).collect()
     }
+
+    fn export(&self, path: &Path) -> Vec<u8> {
+        self.file(path)
+    }
 }
 
 impl<'a> Lightcuts<'a> {
-    /// See [`gi_core::scene::Scene::origin`].
-    pub fn origin(&self) -> glam::Vec3 {
-        self.setting.scene.origin()
-    }
-
     /// All illumination becomes point lights, and they become trees [slide 61].
     fn make_lights(&mut self, index: u32) {
         let Setting { scene, seed, .. } = self.setting;
@@ -173,7 +176,7 @@ impl<'a> Lightcuts<'a> {
         // What nobody will see need not be made.
         let indirect = !matches!(self.setting.show, Show::Direct | Show::Caustic);
         let mut set = if indirect { shoot(scene, &how) } else { Vpls::default() };
-        if self.params.direct_by_points {
+        if self.params.direct == Direct::Vpl {
             let direct = points(scene, &self.params.lights, seed, index).lights;
             set.lights.splice(0..0, direct);
         }
@@ -227,20 +230,20 @@ impl<'a> Lightcuts<'a> {
         let params = &self.params;
         let lit = match (params.method, corners) {
             (Method::Cuts, Some(corners)) if lights.agree_on_the_whole(&at, corners) => {
-                let agree = params.reconstruction.map_or(0.0, |r| r.agree);
+                let agree = params.reconstruction.agree;
                 self.tally.reconstructed();
                 lights.reconstruct(&at, corners, &params.cut, agree)
             }
             (Method::Cuts, _) => lights.light(&at, &params.cut),
             (Method::All, _) => lights.light_by_all(&at),
-            (Method::Stochastic(size), _) => lights.light_stochastically(&at, size, sampler),
-            (Method::Some(count), _) => lights.light_by_some(&at, count, sampler),
+            (Method::Stochastic, _) => lights.light_stochastically(&at, params.samples, sampler),
+            (Method::One, _) => lights.light_by_some(&at, params.samples, sampler),
         };
         self.tally.note(&lit, v.non_delta == 0);
         let max_geometry = self.compensated();
         Some(Estimate {
             covers: Covers::Visible { max_geometry, min_roughness: MIN_ROUGHNESS },
-            direct: params.direct_by_points.then_some(lit.direct),
+            direct: (params.direct == Direct::Vpl).then_some(lit.direct),
             indirect: lit.indirect,
             caustic: self.focused.radiance(
                 self.setting.scene,
@@ -272,7 +275,7 @@ impl<'a> Lightcuts<'a> {
             receiver: Receiver::new(surface, wo, bsdf),
             site: Site::new(surface, wo, bsdf, self.most()),
             deepest: if indirect { deepest } else { 0 },
-            direct: direct && self.params.direct_by_points,
+            direct: direct && self.params.direct == Direct::Vpl,
         })
     }
 
@@ -288,12 +291,12 @@ impl<'a> Lightcuts<'a> {
     /// The bound of the geometric term, per squared world unit.
     fn most(&self) -> f32 {
         let radius = self.setting.scene.radius();
-        self.params.clamp / (radius * radius)
+        self.params.bound.clamp / (radius * radius)
     }
 
     /// The bound beyond which paths look for light.
     fn compensated(&self) -> f32 {
-        if self.params.compensation { self.most() } else { f32::INFINITY }
+        if self.params.bound.is_compensated() { self.most() } else { f32::INFINITY }
     }
 
     /// The lights of the last pass.

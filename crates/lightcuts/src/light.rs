@@ -91,7 +91,7 @@ impl<'a> Lights<'_, 'a> {
         cut: &mut Cut,
         record: &mut Option<&mut Record>,
     ) {
-        let most = limits.max_cut as usize;
+        let most = limits.max_clusters() as usize;
         while !cut.is_good(limits) && cut.clusters.len() + MOST_MORE <= most {
             let Some(worst) = cut.open.pop() else { return };
             self.split(at, cut, worst as u32, record);

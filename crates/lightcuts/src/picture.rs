@@ -7,9 +7,9 @@ use gi_core::rng::{bits_to_unit, hash_words};
 use rayon::prelude::*;
 use vpl::MIN_ROUGHNESS;
 
+use crate::Lightcuts;
 use crate::light::Lights;
 use crate::reconstruct::{Corners, Sample};
-use crate::{Lightcuts, Reconstruction};
 
 /// The blocks of a pass.
 struct Blocks {
@@ -37,14 +37,8 @@ impl Blocks {
 }
 
 /// Add a pass to the film.
-pub(crate) fn add_pass(
-    technique: &Lightcuts,
-    lights: &Lights,
-    how: Reconstruction,
-    index: u32,
-    film: &mut Film,
-) {
-    let side = how.block as f32;
+pub(crate) fn add_pass(technique: &Lightcuts, lights: &Lights, index: u32, film: &mut Film) {
+    let side = technique.params.reconstruction.block as f32;
     let seed = technique.setting.seed;
     let shift = |axis| side * bits_to_unit(hash_words(&[seed, index, axis]));
     let blocks = Blocks { side, offset: [shift(0), shift(1)] };

@@ -5,7 +5,6 @@ use std::process::Output;
 
 use gi_core::image_io::read_exr;
 use gi_tests::program::{self, Folder, assert_refused, assert_success};
-use lightcuts::Params;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_lightcuts");
 
@@ -76,22 +75,6 @@ fn what_cannot_be_used_is_refused_with_a_way_out() {
     assert_refused(&run("gallery", &["--pixel=7"]), 2, &["X,Y"]);
     assert_refused(&run("gallery", &["--lights-out=lights.txt"]), 2, &[".ply or .csv"]);
     assert_refused(&run("gallery", &["--reconstruct", "--method=one"]), 2, &["--method cuts only"]);
-}
-
-#[test]
-fn the_help_names_the_librarys_defaults() {
-    let help = String::from_utf8(program::run(PROGRAM, &["--help"]).stdout).expect("UTF-8");
-    let defaults = Params::default();
-    let of = |flag: &str, value: String| {
-        let rest = help.split(&format!("--{flag} <")).nth(1).unwrap_or_else(|| panic!("no {flag}"));
-        let end = rest.find("\n      --").unwrap_or(rest.len());
-        assert!(rest[..end].contains(&format!("[default: {value}]")), "{flag}: {}", &rest[..end]);
-    };
-    of("error", defaults.cut.error.to_string());
-    of("max-cut", defaults.cut.max_cut.to_string());
-    of("lights", defaults.lights.total.to_string());
-    of("vpls", defaults.vpls.to_string());
-    of("clamp", defaults.clamp.to_string());
 }
 
 #[test]

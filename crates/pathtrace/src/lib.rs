@@ -7,37 +7,19 @@
 //! | `--mode volpath` | the same in participating media: a path flies a distance drawn in proportion to transmittance, is scattered as the phase function says, and light sampled from there is dimmed on its way [slide 34] |
 //! | `--mode light` | paths from the lights; each vertex, on surfaces and in media, is connected to the eye |
 //! | `--max-depth` | path segments: 1 shows lights, 2 adds direct light; -1 is unbounded |
-//! | `--rr-depth` | segments after which Russian roulette may end a path (5) |
+//! | `--rr-depth` | segments after which Russian roulette may end a path |
 //! | how it fails | noise: `path` where light is focused (caustics of small lights), `light` behind mirrors and glass, and in media near the eye |
 //! | sources | \[Kajiya86\], \[Veach97\] |
 
 mod light;
+mod params;
 
 use gi_core::bytes::{Reader, Writer};
-use gi_core::eye::{EyeEvent, EyeWalk, PathLimits};
+use gi_core::eye::{EyeEvent, EyeWalk};
 use gi_core::film::{Film, Sample};
 use gi_core::technique::{Setting, Technique};
 
-/// Which end paths begin at.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Mode {
-    /// At the eye.
-    #[default]
-    Path,
-    /// At the eye, scattered in media too.
-    VolPath,
-    /// At the lights.
-    Light,
-}
-
-/// The knobs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Params {
-    /// Which end paths begin at.
-    pub mode: Mode,
-    /// How long paths may be.
-    pub limits: PathLimits,
-}
+pub use params::{Mode, Params};
 
 /// The path tracer.
 pub struct PathTracer<'a> {

@@ -54,7 +54,7 @@ impl Saved {
         if self.world != setting.world {
             return refuse("these photons are of another scene; shoot them anew");
         }
-        if self.max_depth != params.max_depth.unwrap_or(0) {
+        if self.max_depth != params.limits.max_depth.unwrap_or(0) {
             return refuse("these photons were shot with another --max-depth");
         }
         if wants_caustic && self.caustic.is_none() {

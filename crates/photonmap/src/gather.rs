@@ -1,7 +1,7 @@
 //! Final gather: indirect light at the first diffuse surface, photons at the second [slides 28, 31].
 
 use gi_core::bsdf::DiffusePart;
-use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk, GatherRay, PathLimits};
+use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk, GatherRay};
 use gi_core::film::Show;
 use gi_core::math::{Frame, INV_PI, Rgb};
 use gi_core::rng::hash_words;
@@ -116,8 +116,7 @@ impl<'a> PhotonMapping<'a> {
         let scene = self.setting.scene;
         let ray = scene.spawn(&v.surface, wi);
         let start = GatherRay { ray, segments: v.segments + 1, length: v.length };
-        let limits = PathLimits { max_depth: self.params.max_depth, ..PathLimits::default() };
-        let mut walk = EyeWalk::along(scene, limits, start, sampler.clone());
+        let mut walk = EyeWalk::along(scene, self.params.limits, start, sampler.clone());
         if self.media.is_some() {
             walk = walk.through_media(scene.medium_toward(&v.surface, wi, v.medium));
         }
@@ -175,7 +174,7 @@ impl<'a> PhotonMapping<'a> {
 
     /// Most segments of a photon's path that a path of `segments` from the eye may be joined to; `None` if there are none.
     pub(crate) fn photon_depth(&self, segments: u32) -> Option<u8> {
-        let Some(most) = self.params.max_depth else { return Some(u8::MAX) };
+        let Some(most) = self.params.limits.max_depth else { return Some(u8::MAX) };
         let left = most.saturating_sub(segments);
         (left > 0).then_some(left.min(255) as u8)
     }

@@ -111,7 +111,7 @@ pub(crate) fn irradiance_maps(
     global: &Estimator,
     places: &[Place],
 ) -> Vec<IrradianceMap> {
-    let depths = match params.max_depth {
+    let depths = match params.limits.max_depth {
         None => vec![u8::MAX],
         Some(most) => {
             let deepest = global.map.photons().map(|s| u32::from(s.depth)).max().unwrap_or(1);

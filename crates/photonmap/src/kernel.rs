@@ -2,23 +2,7 @@
 
 use std::f32::consts::PI;
 
-/// How a photon counts by its distance from the middle of the disc.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Kernel {
-    /// All the same, and all k of them: the formula of the slide. Too bright by k / (k - 1), see [`Kernel::weigh`].
-    Lecture,
-    /// All the same but the k-th.
-    Box,
-    /// Falls linearly with the distance \[Jensen01, 7.3.1\], to 1 - 1 / 1.1 of its height.
-    Cone,
-    /// Jensen's Gaussian \[Pavicic90\], \[Jensen01, 7.3.2\].
-    Gaussian,
-    /// Falls with the squared distance, to zero: of least mean squared error \[Silverman86, 4.2\].
-    #[default]
-    Epanechnikov,
-    /// Epanechnikov's squared, smooth at the edge \[Silverman86, 4.2\].
-    Simpson,
-}
+pub use crate::params::Kernel;
 
 /// Slope of the cone: its height is zero at so many radii.
 const CONE: f32 = 1.1;

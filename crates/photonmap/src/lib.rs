@@ -31,6 +31,7 @@ mod maps;
 mod media;
 mod nearest;
 mod outputs;
+mod params;
 pub mod photon;
 mod pictures;
 mod seen;
@@ -40,99 +41,21 @@ mod solids;
 mod test_scenes;
 pub mod volume;
 
-use gi_core::eye::{EyeWalk, PathLimits};
+use std::path::Path;
+
+use gi_core::eye::EyeWalk;
 use gi_core::film::Film;
 use gi_core::technique::{Picture, Setting, Technique};
 
 use estimate::Estimator;
 use gather::Rays;
 use irradiance::{IrradianceMap, irradiance_maps};
-use kernel::Kernel;
-use map::{Layout, PhotonMap};
+use map::PhotonMap;
 use maps::{Maps, load, shoot, source};
 use media::MediaMaps;
-pub use pictures::Show;
+pub use params::{Gather, Params, Show, Subsurface};
 use shoot::Shot;
 use volume::VolumeMaps;
-
-/// Where the maps are read.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Gather {
-    /// At the first surface, for all light.
-    None,
-    /// At the first surface, for all but direct light.
-    Direct,
-    /// At the second diffuse surface; caustics at the first.
-    #[default]
-    Final,
-}
-
-/// How the light in translucent solids is found [slide 34].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Subsurface {
-    /// From photons in the medium.
-    #[default]
-    Photons,
-    /// By diffusion, from photons that enter.
-    Dipole,
-}
-
-/// The knobs.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Params {
-    /// Photons to store in the global map.
-    pub photons: usize,
-    /// Photons to store in the caustic map; with 0 caustics are left to the paths from the eye.
-    pub caustic_photons: usize,
-    /// Photons to store in media; with 0 light does not know media.
-    pub volume_photons: usize,
-    /// Photons in a medium that the radius of one of them reaches to.
-    pub volume_lookup: usize,
-    /// How the light in translucent solids is found.
-    pub subsurface: Subsurface,
-    /// Most photons of an estimate.
-    pub lookup: usize,
-    /// Largest radius of an estimate, relative to the scene's radius; 0 is automatic.
-    pub max_radius: f32,
-    /// How photons count by distance.
-    pub kernel: Kernel,
-    /// Where the maps are read.
-    pub gather: Gather,
-    /// Rays of a gather point in a pass.
-    pub gather_rays: u32,
-    /// Share of the gather rays that are led to where photons came from, in [0, 1).
-    pub guided: f32,
-    /// How photons lie in memory.
-    pub layout: Layout,
-    /// Most segments of a path; `None` is unbounded.
-    pub max_depth: Option<u32>,
-    /// Maps that were saved, instead of shooting photons.
-    pub map_in: Option<Vec<u8>>,
-    /// Pictures of the maps.
-    pub show: Vec<Show>,
-}
-
-impl Default for Params {
-    fn default() -> Self {
-        Params {
-            photons: 100_000,
-            caustic_photons: 100_000,
-            volume_photons: 100_000,
-            volume_lookup: 20,
-            subsurface: Subsurface::default(),
-            lookup: 50,
-            max_radius: 0.0,
-            kernel: Kernel::default(),
-            gather: Gather::default(),
-            gather_rays: 2,
-            guided: 0.0,
-            layout: Layout::default(),
-            max_depth: None,
-            map_in: None,
-            show: Vec::new(),
-        }
-    }
-}
 
 /// Bound on the radius of an estimate of caustics, in radii that half of their photons need: they are seen as they are,
 /// and have edges.
@@ -172,12 +95,12 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
     fn prepare(setting: Setting<'a>, params: &Params) -> Result<Self, String> {
         media::check(&setting, params)?;
         let Maps { global, caustic, volume, order } = match &params.map_in {
-            Some(bytes) => load(&setting, params, bytes)?,
+            Some(path) => load(&setting, params, path)?,
             None => shoot(&setting, params),
         };
         let gave_up = [global.gave_up, caustic.as_ref().is_some_and(|c| c.gave_up)];
         let estimator = |shot: Shot, k, factor| {
-            let bounded = params.max_depth.is_some();
+            let bounded = params.limits.max_depth.is_some();
             let map = PhotonMap::build(shot.photons, shot.emitted, params.layout, order, bounded);
             params.estimator(map, k, factor, setting.scene.radius())
         };
@@ -204,12 +127,11 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
     /// One path from the eye a pixel; the maps answer where it meets what scatters light.
     fn pass(&mut self, index: u32, film: &mut Film) {
         let Setting { camera, seed, .. } = self.setting;
-        let limits = PathLimits { max_depth: self.params.max_depth, ..PathLimits::default() };
         let medium = self.setting.camera_medium();
         film.add_pass(|pixel| {
             let stream = (pixel[1] * camera.size()[0] + pixel[0]) as u32;
             let rays = Rays { seed, stream, pass: index };
-            let mut walk = EyeWalk::through_pixel(&self.setting, limits, pixel, index);
+            let mut walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
             if self.media.is_some() {
                 walk = walk.through_media(medium);
             }
@@ -233,6 +155,10 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
 
     fn pictures(&self, film: &Film) -> Vec<Picture> {
         self.draw(film)
+    }
+
+    fn export(&self, path: &Path) -> Vec<u8> {
+        self.file(path)
     }
 
     fn statistics(&self) -> Vec<(String, f64)> {

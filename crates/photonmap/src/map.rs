@@ -2,21 +2,13 @@
 
 use glam::Vec3;
 
+pub use crate::params::Layout;
+
 use crate::jensen::HeapTree;
 use crate::kd::KdTree;
 use crate::nearest::{Candidates, distance_sq, number};
 use crate::photon::{Payload, Photon};
 use crate::shoot::Stored;
-
-/// How photons lie in memory.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Layout {
-    /// The lecture's left-balanced tree in one array [slide 25].
-    Jensen,
-    /// Leaves of 32, positions apart from what else a photon has.
-    #[default]
-    Fast,
-}
 
 /// The order in which photons are given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,5 +1,8 @@
 //! Photons for the maps: shot, or of an earlier run.
 
+use std::path::Path;
+
+use gi_core::files;
 use gi_core::scene::Scene;
 use gi_core::technique::Setting;
 
@@ -25,7 +28,7 @@ impl Params {
 
 /// Where photons come from, by the parameters.
 pub(crate) fn source<'a>(setting: &Setting<'a>, params: &Params) -> Source<'a> {
-    let max_segments = params.max_depth.map(|most| most.saturating_sub(1));
+    let max_segments = params.limits.max_depth.map(|most| most.saturating_sub(1));
     let media = params.knows_media(setting.scene);
     Source { scene: setting.scene, seed: setting.seed, max_segments, media }
 }
@@ -47,10 +50,11 @@ pub(crate) fn shoot(setting: &Setting, params: &Params) -> Maps {
 /// Photons of an earlier run.
 ///
 /// # Errors
-/// What does not fit about them.
-pub(crate) fn load(setting: &Setting, params: &Params, bytes: &[u8]) -> Result<Maps, String> {
-    let saved = file::from_bytes(bytes).map_err(|e| format!("--map-in: {e}"))?;
-    saved.check(setting, params).map_err(|e| format!("--map-in: {e}"))?;
+/// One line with the file's name and the cause.
+pub(crate) fn load(setting: &Setting, params: &Params, path: &Path) -> Result<Maps, String> {
+    let refused = |cause| format!("cannot use {}: {cause}", path.display());
+    let saved = file::from_bytes(&files::read(path)?).map_err(refused)?;
+    saved.check(setting, params).map_err(refused)?;
     let order = if saved.layout == params.layout { Order::Tree } else { Order::Any };
     let caustic = saved.caustic.filter(|_| params.caustic_photons > 0);
     let media = setting.scene.media();

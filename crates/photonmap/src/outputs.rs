@@ -1,20 +1,35 @@
 //! What a run leaves beside its picture.
 
+use std::path::Path;
+
+use gi_core::files::is_table;
 use gi_core::technique::Setting;
 
-use crate::{PhotonMapping, estimate, export, file};
+use crate::{Params, PhotonMapping, estimate, export, file};
 
 impl PhotonMapping<'_> {
+    /// The contents of a file that the parameters ask for.
+    pub(crate) fn file(&self, path: &Path) -> Vec<u8> {
+        let Params { map_out, probe_out, probe, .. } = &self.params;
+        if map_out.as_deref() == Some(path) {
+            return self.save();
+        }
+        match (probe_out, probe) {
+            (Some(file), Some(pixel)) if file == path => self.probe(*pixel),
+            _ => self.export_points(is_table(path)),
+        }
+    }
+
     /// The maps as a file for `--map-in`; what the dipole reads is shot anew.
     pub fn save(&self) -> Vec<u8> {
-        let max_depth = self.params.max_depth.unwrap_or(0);
+        let max_depth = self.params.limits.max_depth.unwrap_or(0);
         let Setting { world, .. } = self.setting;
         let in_media = (self.volume(), self.params.subsurface);
         file::to_bytes(world, max_depth, self.params.layout, self.maps(), in_media)
     }
 
     /// All photons, to look at: as comma-separated values, or as a PLY of points.
-    pub fn export(&self, as_csv: bool) -> Vec<u8> {
+    pub fn export_points(&self, as_csv: bool) -> Vec<u8> {
         let (volume, origin) = (self.volume(), self.setting.scene.origin());
         if as_csv {
             export::to_csv(self.maps(), volume, origin)

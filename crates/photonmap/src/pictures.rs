@@ -9,30 +9,13 @@ use gi_core::technique::{Picture, Setting};
 use gi_core::warp;
 use glam::{Vec2, Vec3};
 
-use crate::PhotonMapping;
 use crate::estimate::{Estimator, facing};
 use crate::gather::Rays;
 use crate::maps::source;
 use crate::photon::PhotonKind;
 use crate::shoot::{Step, Wanted};
 use crate::volume::VolumeMaps;
-
-/// What can be drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Show {
-    /// The first 200 photon paths [slide 22].
-    Paths,
-    /// The photons of the maps as dots, a picture each [slides 23, 26, 34].
-    Photons,
-    /// The cells of the tree over the global map [slide 25].
-    Cells,
-    /// What answers at one pixel, the middle one unless said: photons of the caustic map round what it shows [slide 27], and
-    /// gather rays to the surfaces where the global map is read [slide 28], a picture each.
-    Gathering {
-        /// Column and row.
-        pixel: Option<[usize; 2]>,
-    },
-}
+use crate::{PhotonMapping, Show};
 
 /// Paths that are drawn.
 const PATHS: u64 = 200;
@@ -75,9 +58,11 @@ impl PhotonMapping<'_> {
                     }
                 }
                 Show::Cells => push("cells", self.cells(ground())),
-                Show::Gathering { pixel } => {
+                Show::Gathering => {
                     let [w, h] = film.size();
-                    let Some(seen) = self.seen(pixel.unwrap_or([w / 2, h / 2])) else { continue };
+                    let Some(seen) = self.seen(self.params.probe.unwrap_or([w / 2, h / 2])) else {
+                        continue;
+                    };
                     push("caustic-gather", self.caustic_gather(ground(), &seen));
                     push("final-gather", self.gather_rays(ground(), &seen));
                 }

@@ -5,7 +5,6 @@ use std::process::Output;
 
 use gi_core::image_io::read_exr;
 use gi_tests::program::{self, Folder, assert_refused, assert_success};
-use photonmap::Params;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_photonmap");
 
@@ -147,26 +146,5 @@ fn what_cannot_be_used_is_refused_with_the_cause() {
         ("--photons-out=photons.txt", ".csv"),
     ] {
         assert_refused(&with("cornell-box", &[flag]), 2, &[says]);
-    }
-}
-
-#[test]
-fn help_says_the_defaults_of_the_code() {
-    let help = String::from_utf8(program::run(PROGRAM, &["--help"]).stdout).expect("UTF-8");
-    let defaults = Params::default();
-    for (flag, default) in [
-        ("--photons <N>", defaults.photons.to_string()),
-        ("--caustic-photons <N>", defaults.caustic_photons.to_string()),
-        ("--lookup <K>", defaults.lookup.to_string()),
-        ("--max-radius <R>", defaults.max_radius.to_string()),
-        ("--gather-rays <N>", defaults.gather_rays.to_string()),
-        ("--guided <SHARE>", defaults.guided.to_string()),
-        ("--kernel <KERNEL>", format!("{:?}", defaults.kernel).to_lowercase()),
-        ("--gather <GATHER>", format!("{:?}", defaults.gather).to_lowercase()),
-    ] {
-        let after = help.split_once(flag).unwrap_or_else(|| panic!("no {flag}")).1;
-        let said = after.split_once("[default: ").expect("a default").1;
-        let said = said.split_once(']').expect("an end").0;
-        assert_eq!(said, default, "{flag}");
     }
 }

@@ -5,11 +5,11 @@
 //! | estimated | light that came over other surfaces, mirrors or glass; what comes straight from lights is sampled |
 //! | formula | L = tau / (pi R^2 n), n passes; R' = R sqrt((N + alpha M) / (N + M)), N' = N + alpha M, tau' = (tau + tau_M) R'^2 / R^2 [slides 41, 42] |
 //! | `--method` | `ppm`: hit points found once \[Hachisuka08\]; `sppm` (default): a pixel looks anew in every pass \[Hachisuka09\]; `ppa`: R by the number of the pass alone \[Knaus11\]; `adaptive`: R balances noise and bias \[Kaplanyan13\] |
-//! | `--alpha` | share of a pass's photons that stay (0.7): 1 keeps the radius, small values shrink it fast |
+//! | `--alpha` | share of a pass's photons that stay: 1 keeps the radius, small values shrink it fast |
 //! | `--photons` | light paths a pass (0: as many as pixels) |
 //! | `--initial-radius` | in scene radii (0: as far as `--initial-photons` photons of a pilot pass reach, on the surface that is seen) |
 //! | emission | light from infinity is aimed at what the eye's paths meet behind where they gather: no path is left out |
-//! | `--min-roughness` | alpha of the sharpest lobe at which photons are gathered (0.35); sharper ones are followed by rays |
+//! | `--min-roughness` | alpha of the sharpest lobe at which photons are gathered; sharper ones are followed by rays |
 //! | edges and walls | only the part of a disc counts that is seen from just above its middle; its light is divided by the area of that part |
 //! | bias | light is blurred over R: caustics and contact shadows begin soft; falls with the passes |
 //! | how it fails | blotches of the initial radius where few photons come (`ppm`, `sppm` shrink there slowly); light that comes from far off along the ground, in few strong photons |
@@ -27,74 +27,24 @@ mod gather;
 pub mod grid;
 mod initial;
 pub mod methods;
+mod params;
 pub mod photons;
 mod region;
 mod shows;
 pub mod statistics;
 
-use gi_core::eye::PathLimits;
+use std::path::Path;
+
 use gi_core::film::{Film, PerPixel, Show};
 use gi_core::technique::{Picture, Setting, Technique};
 
 pub use crate::error::Moments;
 use crate::grid::Grid;
 use crate::initial::{AtBounds, PILOT};
-pub use crate::methods::Method;
+pub use crate::params::{Method, Params, Shown};
 use crate::photons::{Emission, Photon};
 use crate::region::{Look, Region};
-pub use crate::shows::{Shown, Trace};
-
-/// The knobs.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Params {
-    /// How the radius comes about.
-    pub method: Method,
-    /// Share of a pass's photons that stay, in (0, 1].
-    pub alpha: f64,
-    /// Light paths a pass; 0: as many as pixels.
-    pub photons: u32,
-    /// Radius to begin with, in scene radii; 0: by [`Params::initial_photons`].
-    pub initial_radius: f32,
-    /// Photons of a pilot pass that the disc to begin with holds.
-    pub initial_photons: u32,
-    /// Alpha of the sharpest lobe at which photons are gathered. Of the few photons in a disc, hardly one arrives within
-    /// a sharper lobe; 0.35 is not a roughness that materials commonly have.
-    pub min_roughness: f32,
-    /// Paths of a pixel whose ends are the hit points of [`Method::Ppm`].
-    pub hit_points: u32,
-    /// Whether photons answer for light straight from lights too, as the original has it; else it is sampled.
-    pub direct_by_photons: bool,
-    /// How long paths may be, light's and eye's together.
-    pub limits: PathLimits,
-    /// First scattering at which a light path may end by Russian roulette.
-    pub photon_rr_depth: u32,
-    /// End when the estimated error is below this; 0: do not estimate it.
-    pub stop_at_error: f64,
-    /// Pictures to draw.
-    pub show: Vec<Shown>,
-    /// Pixels whose statistics are written down after every pass.
-    pub trace_pixels: Vec<[usize; 2]>,
-}
-
-impl Default for Params {
-    fn default() -> Self {
-        Params {
-            method: Method::Sppm,
-            alpha: 0.7,
-            photons: 0,
-            initial_radius: 0.0,
-            initial_photons: 10,
-            min_roughness: 0.35,
-            hit_points: 1,
-            direct_by_photons: false,
-            limits: PathLimits::default(),
-            photon_rr_depth: 1,
-            stop_at_error: 0.0,
-            show: Vec::new(),
-            trace_pixels: Vec::new(),
-        }
-    }
-}
+pub use crate::shows::Trace;
 
 /// Progressive photon mapping.
 pub struct Ppm<'a> {
@@ -125,7 +75,7 @@ impl<'a> Technique<'a> for Ppm<'a> {
     /// Find the radii to begin with, and the hit points of `ppm`.
     fn prepare(setting: Setting<'a>, params: &Params) -> Result<Self, String> {
         let [w, h] = setting.camera.size();
-        check(params, [w, h])?;
+        check_pixels(params, [w, h])?;
         let paths = if params.photons > 0 { params.photons } else { (w * h) as u32 };
         let emission = Emission {
             seed: setting.seed,
@@ -224,19 +174,14 @@ impl<'a> Technique<'a> for Ppm<'a> {
     fn pictures(&self, _: &Film) -> Vec<Picture> {
         self.params.show.iter().map(|what| self.picture(*what)).collect()
     }
+
+    fn export(&self, _: &Path) -> Vec<u8> {
+        self.traces_csv().into_bytes()
+    }
 }
 
-/// Refuse what makes no sense.
-fn check(params: &Params, [w, h]: [usize; 2]) -> Result<(), String> {
-    if !(params.alpha > 0.0 && params.alpha <= 1.0) {
-        return Err(format!("--alpha {}: a share above 0, at most 1", params.alpha));
-    }
-    if !(params.initial_radius >= 0.0 && params.initial_radius <= 1.0) {
-        return Err(format!(
-            "--initial-radius {}: in scene radii, at most 1; 0 is automatic",
-            params.initial_radius
-        ));
-    }
+/// Check that the pixels to trace lie in the picture.
+fn check_pixels(params: &Params, [w, h]: [usize; 2]) -> Result<(), String> {
     if let Some([x, y]) = params.trace_pixels.iter().find(|[x, y]| *x >= w || *y >= h) {
         return Err(format!("--trace-pixel {x},{y}: the picture has {w} x {h} pixels"));
     }

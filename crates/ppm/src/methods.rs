@@ -3,20 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::error::Moments;
-
-/// Which method.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Method {
-    /// Progressive photon mapping: hit points are found once, each with statistics of its own \[Hachisuka08\].
-    Ppm,
-    /// Stochastic: a pixel looks anew in every pass, all that it sees shares its statistics \[Hachisuka09\].
-    #[default]
-    Sppm,
-    /// Probabilistic: one radius for the picture, a function of the number of the pass alone \[Knaus11\].
-    Ppa,
-    /// A radius for every pixel that balances its noise against its bias \[Kaplanyan13\].
-    Adaptive,
-}
+pub use crate::params::Method;
 
 /// R_k / R_0 of pass `k` (the first is 0) by the law that needs no statistics:
 /// R_(i+1)^2 / R_i^2 = (i + alpha) / (i + 1) for i = 1, 2, ... \[Knaus11, eq. 20\].

@@ -4,18 +4,8 @@ use gi_core::canvas::viridis;
 use gi_core::technique::Picture;
 
 use crate::Ppm;
+use crate::params::Shown;
 use crate::region::Region;
-
-/// A map of the statistics, as layers and as a picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shown {
-    /// R, in scene radii.
-    Radius,
-    /// N.
-    Photons,
-    /// Estimated noise and bias, luminance.
-    Error,
-}
 
 /// The statistics of a pixel after every pass [slides 40 to 42].
 #[derive(Clone, Debug, PartialEq)]

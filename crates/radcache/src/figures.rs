@@ -11,22 +11,11 @@ use gi_core::warp;
 use glam::{Vec2, Vec3};
 use lightcache::figures::Figure;
 
+pub use crate::params::Show;
+
 use crate::RadianceCaching;
 use crate::brdf::BrdfTable;
 use crate::sh::{Basis, MAX_FUNCTIONS, Window, index};
-
-/// Pictures that may be asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Show {
-    /// Where records of each kind are, coloured by how far they are good for [slide 13].
-    Records,
-    /// The functions of the basis to l = 4 as lobes, blue where they are positive, orange where negative [slide 18].
-    Basis,
-    /// The BRDF of the first tabulated material in the plane of incidence, for orders 1 to 10 [slide 18].
-    Brdf,
-    /// Directions drawn for that BRDF, by cosine and by the BRDF itself [slide 19].
-    Samples,
-}
 
 impl Show {
     /// Draw.

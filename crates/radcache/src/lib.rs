@@ -31,6 +31,7 @@ pub mod surfaces;
 #[cfg(test)]
 mod test_scenes;
 
+use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use gi_core::caustics::FocusedLight;
@@ -40,6 +41,7 @@ use gi_core::math::{Frame, INV_PI, Rgb};
 use gi_core::technique::{Picture, Setting, Technique};
 use glam::Vec3A;
 use lightcache::control::{Control, ErrorControl};
+use lightcache::export::to_file;
 use lightcache::gather::sees;
 use lightcache::record::{Gradients, Record};
 use lightcache::site::{Query, RELAXED, Site, Sited};
@@ -88,8 +90,8 @@ impl<'a> Technique<'a> for RadianceCaching<'a> {
     /// Tabulate BRDFs, then fill the caches: look at every pixel from coarse to fine, and make records where none is good.
     fn prepare(setting: Setting<'a>, params: &Params) -> Result<Self, String> {
         let mut technique = Self::empty(setting, params);
-        if let Some(saved) = &params.cache {
-            technique.read(saved)?;
+        if let Some(path) = &params.files.cache_in {
+            technique.read(&SavedCache::open(path)?)?;
         }
         if setting.show == Show::All || setting.show == Show::Indirect {
             technique.focused.shoot(setting.scene, setting.seed ^ OVERTURE, 0);
@@ -163,6 +165,13 @@ impl<'a> Technique<'a> for RadianceCaching<'a> {
     fn pictures(&self, film: &Film) -> Vec<Picture> {
         self.params.figures.iter().flat_map(|f| f.draw(self, film)).collect()
     }
+
+    fn export(&self, path: &Path) -> Vec<u8> {
+        if self.params.files.cache_out.as_deref() == Some(path) {
+            return self.saved().to_bytes();
+        }
+        to_file(path, self.irradiance_records(), self.setting.scene.origin())
+    }
 }
 
 fn mean_reach(cache: &Cache<impl Sited>) -> f64 {
@@ -174,18 +183,13 @@ fn mean_reach(cache: &Cache<impl Sited>) -> f64 {
 const OVERTURE: u32 = 0x6f76_6572;
 
 impl<'a> RadianceCaching<'a> {
-    /// See [`gi_core::scene::Scene::origin`].
-    pub fn origin(&self) -> glam::Vec3 {
-        self.setting.scene.origin()
-    }
-
     fn empty(setting: Setting<'a>, params: &Params) -> Self {
         let Setting { scene, camera, seed, .. } = setting;
         let [w, h] = camera.size();
         let bounds = setting.scene.bounds();
         let how = |error: ErrorControl, accuracy: f32| {
             let control = Control { error, radius: params.radius, accuracy };
-            let clamped = params.neighbour_clamping && control.has_limits();
+            let clamped = params.reach.neighbour_clamping && control.has_limits();
             let slope = clamped.then(|| control.slope());
             Weighing { accuracy, weights: params.weights, slope }
         };
@@ -202,7 +206,7 @@ impl<'a> RadianceCaching<'a> {
             focused: FocusedLight::where_it_matters(
                 scene,
                 seed,
-                if params.caustic_photons { w * h } else { 0 },
+                if params.caustics.by_photons() { w * h } else { 0 },
             ),
             counts: Counts::default(),
         }
@@ -273,7 +277,7 @@ impl<'a> RadianceCaching<'a> {
     }
 
     pub(crate) fn sees(&self, site: &Site, q: &Query) -> bool {
-        !self.params.leak_guard || sees(self.setting.scene, site, q)
+        !self.params.reach.leak_guard || sees(self.setting.scene, site, q)
     }
 
     fn irradiance(&self, q: &Query, slack: f32) -> Option<Rgb> {
@@ -317,7 +321,7 @@ impl<'a> RadianceCaching<'a> {
         let Params { error, glossy_error, radius, .. } = &self.params;
         let depth = limits.max_depth.map_or(-1, |d| d as i32);
         let order = self.surfaces.order();
-        let caustics = if self.params.caustic_photons { "photon" } else { "path" };
+        let caustics = if self.params.caustics.by_photons() { "photon" } else { "path" };
         format!(
             "--accuracy {accuracy} ({error:?}) --glossy-accuracy {glossy_accuracy} ({glossy_error:?}, {radius:?}) \
              --order {order} --basis {basis:?} --min-roughness {min_roughness} --max-depth {depth} --caustics {caustics}"

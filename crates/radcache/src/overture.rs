@@ -9,6 +9,7 @@ use lightcache::control::{Control, ErrorControl};
 use lightcache::fill::{coarse_to_fine, in_rounds};
 use lightcache::gather::{Gatherer, Place};
 use lightcache::hemisphere::Strata;
+use lightcache::options::ReachOptions;
 use lightcache::record::Record;
 use rayon::prelude::*;
 
@@ -41,7 +42,8 @@ impl<'a> RadianceCaching<'a> {
     }
 
     fn gatherer(&self, rays: u32, error: ErrorControl, accuracy: f32) -> Gatherer<'a> {
-        let Params { radius, min_spacing, max_spacing, limits, .. } = self.params;
+        let Params { radius, reach, limits, .. } = self.params;
+        let ReachOptions { min_spacing, max_spacing, .. } = reach;
         let Setting { scene, seed, camera, .. } = self.setting;
         let pixel = camera.pixel_width();
         let most = if max_spacing > 0.0 { max_spacing * pixel } else { f32::INFINITY };

@@ -1,96 +1,140 @@
-//! The knobs.
+//! The options of radiance caching.
 
-use gi_core::eye::PathLimits;
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use gi_core::options::{CausticOptions, Parameters, PathLimits, defaults, number};
 use lightcache::Weights;
 use lightcache::control::{ErrorControl, SphereRadius};
+use lightcache::options::{CacheFiles, ReachOptions, accuracy};
 
-use crate::figures::Show;
-use crate::file::SavedCache;
-use crate::sh::{Basis, Window};
+/// Largest order of the basis.
+pub const MAX_ORDER: usize = 16;
 
-/// What glossy surfaces make of the light that comes to them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// How glossy surfaces reflect the light of a record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Mode {
-    /// The dot product of BRDF and light in the basis.
+    /// Dot product of the BRDF and the light in the basis [slide 18]
     Sh,
-    /// rho_hd(w) E / pi [slide 15]: light as if it were the same from everywhere.
+    /// The naive product of directional reflectance and irradiance, rho_hd(w) E / pi [slide 15]
     RhoE,
 }
 
-/// The knobs.
-#[derive(Clone, Debug, PartialEq)]
+/// Basis in which a record's light is expanded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Basis {
+    /// Spherical harmonics
+    Sh,
+    /// Hemispherical harmonics (Gautron04): waste nothing below the horizon, but cannot be rotated to a tilted surface
+    Hsh,
+}
+
+/// Window that damps the high bands, against ringing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Window {
+    /// No window
+    None,
+    /// Raised cosine: least ringing, most blur
+    Hanning,
+    /// Sinc: between the other two
+    Lanczos,
+}
+
+/// A picture of the caches and of the basis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Show {
+    /// Positions of the records of each kind, coloured by radius from small (dark) to large (bright) [slide 13]
+    Records,
+    /// Functions of the basis up to l = 4 as lobes: blue where positive, orange where negative [slide 18]
+    Basis,
+    /// The first tabulated BRDF (black) and its approximations of orders 1 to 10 (blue, orange where negative) [slide 18]
+    Brdf,
+    /// Directions sampled for that BRDF, by the cosine and by the BRDF itself [slide 19]
+    Samples,
+}
+
+/// The options of radiance caching.
+#[derive(Args, Clone, Debug, PartialEq)]
 pub struct Params {
-    /// Whether photons supply the light that mirrors and glass focus, instead of paths looking for it.
-    pub caustic_photons: bool,
     /// How long paths may be.
+    #[command(flatten)]
     pub limits: PathLimits,
-    /// Rays of an irradiance record.
+    /// How light focused by mirrors and glass is found.
+    #[command(flatten)]
+    pub caustics: CausticOptions,
+    /// Number of gather rays per irradiance record; fewer rays show as blotches
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(8..=10_000_000))]
     pub rays: u32,
-    /// Rays of a radiance record: narrow lobes average over fewer of them.
+    /// Number of gather rays per radiance record; a narrow lobe averages over only some of them
+    #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(8..=10_000_000))]
     pub glossy_rays: u32,
-    /// The accuracy a of irradiance records, relative.
+    /// Accuracy a of irradiance records, the allowed relative error [slide 11]; smaller values make more records
+    #[arg(long, value_name = "A", default_value_t = 0.1, value_parser = accuracy())]
     pub accuracy: f32,
-    /// The accuracy a of radiance records.
+    /// Accuracy a of radiance records, as a fraction of the harmonic mean distance [slides 9, 11]
+    #[arg(long, value_name = "A", default_value_t = 0.1, value_parser = accuracy())]
     pub glossy_accuracy: f32,
-    /// Bands of the basis; 0 lets each material choose.
+    /// Order n of the basis, which then has n^2 functions [slide 18]; 0 lets each material choose an order that misses 5 % of its energy
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(0..=MAX_ORDER as i64))]
     pub order: u32,
-    /// The basis.
+    /// Basis in which incoming light is expanded
+    #[arg(long, value_enum, default_value_t = Basis::Sh)]
     pub basis: Basis,
-    /// What is done against ringing.
+    /// Window that damps the high bands of the basis, against ringing
+    #[arg(long, value_enum, default_value_t = Window::None)]
     pub window: Window,
-    /// What glossy surfaces do with the light.
+    /// How glossy surfaces reflect the light of a record
+    #[arg(long, value_enum, default_value_t = Mode::Sh)]
     pub mode: Mode,
-    /// Lobes at least this rough are answered from records, narrower ones are path-traced.
+    /// Minimum roughness (microfacet alpha) of glossy lobes that use records; sharper lobes are path-traced
+    #[arg(long, value_name = "ALPHA", default_value_t = 0.2, value_parser = number("a roughness, 0 or more; above 1 leaves all glossy lobes to paths", |a: &f32| *a >= 0.0 && a.is_finite()))]
     pub min_roughness: f32,
-    /// What the error of irradiance records is estimated by.
+    /// How the error of irradiance records is estimated; not on the command line.
+    #[arg(skip = ErrorControl::HessianOcclusion)]
     pub error: ErrorControl,
     /// The same for radiance records.
+    #[arg(skip = ErrorControl::Bounded)]
     pub glossy_error: ErrorControl,
-    /// The split sphere's length.
+    /// Which distance is the radius of the split sphere; not on the command line.
+    #[arg(skip = SphereRadius::Harmonic)]
     pub radius: SphereRadius,
-    /// Smallest radius of a record, pixels.
-    pub min_spacing: f32,
-    /// Largest radius of a record, pixels; 0 is the scene's radius.
-    pub max_spacing: f32,
-    /// Whether the radii of neighbours limit each other.
-    pub neighbour_clamping: bool,
-    /// Whether a ray looks for walls between a record and where it is used.
-    pub leak_guard: bool,
-    /// Whether gradients are followed.
+    /// Where records are valid.
+    #[command(flatten)]
+    pub reach: ReachOptions,
+    /// Interpolate without gradients [slide 12]
+    #[arg(long = "no-gradients", action = clap::ArgAction::SetFalse)]
     pub gradients: bool,
-    /// How records are weighed.
+    /// How records are weighted; not on the command line.
+    #[arg(skip = Weights::Smooth)]
     pub weights: Weights,
-    /// A cache to begin with.
-    pub cache: Option<SavedCache>,
-    /// What to draw.
+    /// Files of the caches.
+    #[command(flatten)]
+    pub files: CacheFiles,
+    /// Pictures of the caches and of the basis to draw, separated by commas; each becomes OUT.NAME.png and layers of the EXR
+    #[arg(long = "show", value_name = "SHOW", value_enum, value_delimiter = ',')]
     pub figures: Vec<Show>,
 }
 
 impl Default for Params {
     fn default() -> Self {
-        Params {
-            caustic_photons: true,
-            limits: PathLimits::default(),
-            rays: 1000,
-            glossy_rays: 2000,
-            accuracy: 0.1,
-            glossy_accuracy: 0.1,
-            order: 10,
-            basis: Basis::Sh,
-            window: Window::None,
-            mode: Mode::Sh,
-            min_roughness: 0.2,
-            error: ErrorControl::HessianOcclusion,
-            glossy_error: ErrorControl::Bounded,
-            radius: SphereRadius::Harmonic,
-            min_spacing: 3.0,
-            max_spacing: 40.0,
-            neighbour_clamping: true,
-            leak_guard: true,
-            gradients: true,
-            weights: Weights::Smooth,
-            cache: None,
-            figures: Vec::new(),
-        }
+        defaults()
+    }
+}
+
+impl Parameters for Params {
+    fn check(&self) -> Result<(), String> {
+        self.reach.check()
+    }
+
+    fn max_depth(&self) -> Option<u32> {
+        self.limits.max_depth
+    }
+
+    fn finds_focused_light(&self) -> bool {
+        self.caustics.by_photons()
+    }
+
+    fn outputs(&self) -> Vec<PathBuf> {
+        self.files.outputs()
     }
 }

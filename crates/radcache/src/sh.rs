@@ -8,8 +8,8 @@ use std::sync::LazyLock;
 
 use glam::{Vec3, Vec3A};
 
-/// Largest order.
-pub const MAX_ORDER: usize = 16;
+pub use crate::params::{Basis, MAX_ORDER, Window};
+
 /// Functions of the largest order.
 pub const MAX_FUNCTIONS: usize = MAX_ORDER * MAX_ORDER;
 
@@ -20,15 +20,6 @@ pub type Coefficients = [Vec3A; MAX_FUNCTIONS];
 #[inline]
 pub const fn index(l: usize, m: isize) -> usize {
     ((l * (l + 1)) as isize + m) as usize
-}
-
-/// Which basis a record's light is expanded in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Basis {
-    /// Spherical harmonics.
-    Sh,
-    /// Hemispherical harmonics: those of the sphere, squeezed into the upper half \[Gautron04\].
-    Hsh,
 }
 
 impl Basis {
@@ -106,17 +97,6 @@ pub fn evaluate(n: usize, d: Vec3, out: &mut [f32; MAX_FUNCTIONS]) {
             }
         }
     }
-}
-
-/// What is done against ringing: bands fade toward the order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Window {
-    /// Nothing.
-    None,
-    /// (1 + cos(pi l / n)) / 2.
-    Hanning,
-    /// sin(pi l / n) / (pi l / n).
-    Lanczos,
 }
 
 impl Window {

@@ -7,11 +7,15 @@
 
 mod energy;
 mod illuminate;
+mod options;
 mod points;
 mod prepared;
 mod shoot;
 
+use std::path::Path;
+
 use gi_core::bsdf::{Bsdf, Transport};
+use gi_core::files::is_table;
 use gi_core::geometry::Surface;
 use gi_core::light::PointSource;
 use gi_core::math::Rgb;
@@ -20,9 +24,10 @@ use glam::Vec3;
 
 pub use energy::Energy;
 pub use illuminate::{Connection, Receiver};
+pub use options::{BoundOptions, Compensation, Direct, Termination};
 pub use points::{LightNumbers, points};
 pub use prepared::Prepared;
-pub use shoot::{Pilot, Shooting, Termination, shoot};
+pub use shoot::{Pilot, Shooting, shoot};
 
 /// Width of the narrowest lobe that virtual lights light, or scatter by, as that of microfacets. Narrower ones are sampled by
 /// paths: of a mirror's reflection of a thousand points hardly any is seen, and the one that is is far too bright. Mitsuba's
@@ -120,6 +125,11 @@ impl Vpl {
         let on = scene.flat_light(emission.light);
         Vpl { p: emission.p, n, ns: n, power: power / paths, kind, depth: 0, on }
     }
+}
+
+/// Lights as a file of points: a table or a point cloud, by the file's name. `origin` is that of the scene.
+pub fn to_file(path: &Path, vpls: &[Vpl], origin: Vec3) -> Vec<u8> {
+    if is_table(path) { to_csv(vpls, origin).into_bytes() } else { to_ply(vpls, origin) }
 }
 
 /// Lights as a point cloud, `origin` being that of the scene: position, normal, power, depth.

@@ -1,5 +1,7 @@
 //! Points of lights as virtual point lights: direct light by many point lights [slides 53, 61].
 
+use std::fmt::{Display, Formatter};
+
 use gi_core::light::{Discrete, Light};
 use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
@@ -17,6 +19,17 @@ pub struct LightNumbers {
     pub sky: Option<u32>,
     /// Directions of discs at infinity.
     pub sun: Option<u32>,
+}
+
+/// The option's syntax: `4096,sky=1000`.
+impl Display for LightNumbers {
+    fn fmt(&self, f: &mut Formatter) -> std::fmt::Result {
+        let LightNumbers { total, area, sky, sun } = self;
+        write!(f, "{total}")?;
+        let kinds = [("area", area), ("sky", sky), ("sun", sun)];
+        let given = kinds.iter().filter_map(|(kind, number)| Some((kind, number.as_ref()?)));
+        given.into_iter().try_for_each(|(kind, number)| write!(f, ",{kind}={number}"))
+    }
 }
 
 /// What keeps the numbers of points apart from those of paths.

@@ -7,17 +7,7 @@ use gi_core::walk::{LightVertex, LightWalk, Roulette};
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::{Kind, LitSurface, MIN_ROUGHNESS, Vpl, Vpls};
-
-/// When light paths end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Termination {
-    /// Fractional absorption: of N paths the first N rho^j go on after j scatterings, rho being the mean reflectance of
-    /// the scene \[Keller97\]. Powers then vary with the surfaces' colours.
-    Fractional,
-    /// Russian roulette by what the surface reflects: powers stay nearly equal, numbers vary.
-    Roulette,
-}
+use crate::{Kind, LitSurface, MIN_ROUGHNESS, Termination, Vpl, Vpls};
 
 /// How light paths are walked.
 #[derive(Clone, Copy, Debug)]

@@ -32,6 +32,7 @@ use glam::Vec3;
 use crate::bsdf::{Scatter, Transport};
 use crate::film::{Sample, Show};
 use crate::math::Rgb;
+pub use crate::options::PathLimits;
 use crate::ray::{Hit, Ray};
 use crate::sampler::Sampler;
 use crate::scene::Scene;
@@ -42,29 +43,6 @@ pub use vertex::{Covers, Estimate, EyeVertex};
 
 /// Largest survival probability of Russian roulette at a surface: no path is endless.
 const MAX_SURVIVAL: f32 = 0.95;
-
-/// How long paths may be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PathLimits {
-    /// Maximum number of segments of a path; `None` is unbounded.
-    pub max_depth: Option<u32>,
-    /// Number of segments after which Russian roulette may end a path.
-    pub rr_depth: u32,
-}
-
-impl Default for PathLimits {
-    fn default() -> Self {
-        PathLimits { max_depth: None, rr_depth: 5 }
-    }
-}
-
-impl PathLimits {
-    /// Whether a path of `segments` segments may have another one.
-    #[inline]
-    pub fn goes_on(&self, segments: u32) -> bool {
-        self.max_depth.is_none_or(|most| segments < most)
-    }
-}
 
 /// A path from the camera that is being walked, and the light that it has found so far.
 pub struct EyeWalk<'a> {

@@ -16,9 +16,10 @@ use rayon::prelude::*;
 use crate::filter::{Filter, FilterTable};
 use crate::image_io::Layers;
 use crate::math::Rgb;
+pub use crate::options::Show;
 use kept::{Kept, RADIANCE, keep};
 use pixel::Pixel;
-pub use sample::{Components, Sample, Show};
+pub use sample::{Components, Sample};
 pub use tiles::PerPixel;
 use tiles::{AREA, TILE, Tiles};
 

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use crate::math::Rgb;
+use crate::options::Show;
 
 /// What one sample of a pixel found.
 #[derive(Clone, Copy, Debug, Default)]
@@ -48,20 +49,6 @@ impl Components {
             _ => &mut self.indirect,
         }
     }
-}
-
-/// Which components a picture shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Show {
-    /// The whole.
-    #[default]
-    All,
-    /// [`Components::direct`].
-    Direct,
-    /// [`Components::indirect`].
-    Indirect,
-    /// [`Components::caustic`].
-    Caustic,
 }
 
 impl Show {

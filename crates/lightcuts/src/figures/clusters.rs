@@ -76,15 +76,10 @@ fn largest(tree: &Tree, count: usize) -> Vec<u32> {
 const MOST_LEAVES: usize = 64;
 
 /// The first tree, leaves in a row at the bottom, and the cut of a pixel marked in it.
-pub(super) fn tree<'a>(
-    technique: &Lightcuts<'a>,
-    lights: &Lights<'_, 'a>,
-    film: &Film,
-    pixel: Option<[usize; 2]>,
-) -> Picture {
+pub(super) fn tree<'a>(technique: &Lightcuts<'a>, lights: &Lights<'_, 'a>, film: &Film) -> Picture {
     let [w, h] = film.size();
     let mut canvas = Canvas::over([w, h], vec![Rgb::BLACK; w * h]);
-    let pixel = pixel.unwrap_or([w / 2, h / 2]);
+    let pixel = technique.params.pixel.unwrap_or([w / 2, h / 2]);
     let mut on_cut = Vec::new();
     technique.looking_at(pixel, |at: &At<'_, '_, 'a>| {
         let mut cut = Cut::default();

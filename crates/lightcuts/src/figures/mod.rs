@@ -4,37 +4,23 @@ mod bounds;
 mod clusters;
 mod cuts;
 
+use std::path::Path;
+
 use gi_core::bsdf::Transport;
 use gi_core::canvas::{Canvas, viridis};
 use gi_core::film::Film;
 use gi_core::math::Rgb;
 use gi_core::technique::Picture;
 use rayon::prelude::*;
-use vpl::MIN_ROUGHNESS;
+use vpl::{MIN_ROUGHNESS, to_file};
 
-use crate::Lightcuts;
 use crate::light::{At, Lights};
+use crate::{Lightcuts, Params};
 
 pub use bounds::bounds_csv;
 pub use cuts::cuts_csv;
 
-/// Pictures that may be asked for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Figure {
-    /// Clusters in the cut of each pixel, in false colour [slide 61].
-    CutSize,
-    /// Bounds of errors against errors, of the clusters of some pixels' cuts.
-    Bounds,
-    /// The lights over the picture, coloured by cluster, at four levels of the trees [slides 55, 56].
-    Clusters,
-    /// The tree and the cut of a pixel in it [slides 57, 58].
-    Tree {
-        /// The pixel; the middle one if `None`.
-        pixel: Option<[usize; 2]>,
-    },
-    /// Of a few lights all cuts: the picture by each, and its error [slides 59, 60].
-    Cuts,
-}
+pub use crate::params::Figure;
 
 impl Figure {
     /// Draw.
@@ -48,13 +34,25 @@ impl Figure {
             Figure::CutSize => vec![cut_size(technique, lights, film)],
             Figure::Bounds => vec![bounds::picture(technique, lights, film)],
             Figure::Clusters => clusters::clusters(technique, lights, film),
-            Figure::Tree { pixel } => vec![clusters::tree(technique, lights, film, pixel)],
+            Figure::Tree => vec![clusters::tree(technique, lights, film)],
             Figure::Cuts => cuts::pictures(technique, lights, film),
         }
     }
 }
 
 impl<'a> Lightcuts<'a> {
+    /// The contents of a file that the parameters ask for.
+    pub(crate) fn file(&self, path: &Path) -> Vec<u8> {
+        let Params { bounds_out, cuts_out, .. } = &self.params;
+        if bounds_out.as_deref() == Some(path) {
+            return bounds_csv(self).into_bytes();
+        }
+        if cuts_out.as_deref() == Some(path) {
+            return cuts_csv(self).into_bytes();
+        }
+        to_file(path, &self.vpls.lights, self.setting.scene.origin())
+    }
+
     /// What `look` says of the point that the middle of a pixel shows; `None` where there is nothing to light.
     pub(crate) fn looking_at<T>(
         &self,

@@ -41,7 +41,8 @@ fn without_error_it_is_brute_force() {
     let mut some = 0;
     at_points(300, 150, |lights, at| {
         let exact = lights.light_by_all(at);
-        let lit = lights.light(at, &Limits { error: 0.0, rule: Rule::Whole, max_cut: u32::MAX });
+        let lit =
+            lights.light(at, &Limits { error: 0.0, rule: Rule::Whole, max_cut: Some(u32::MAX) });
         assert!(close(lit.direct, exact.direct), "{lit:?} is not {exact:?}");
         assert!(close(lit.indirect, exact.indirect), "{lit:?} is not {exact:?}");
         assert!(!lit.at_most);
@@ -57,7 +58,7 @@ fn every_cut_partitions_the_lights_that_can_bring_something() {
     at_points(300, 20, |lights, at| {
         for max_cut in [1, 7, 40, u32::MAX] {
             let mut cut = Cut::default();
-            let limits = Limits { error: 0.02, rule: Rule::Whole, max_cut };
+            let limits = Limits { error: 0.02, rule: Rule::Whole, max_cut: Some(max_cut) };
             lights.choose(at, &limits, &mut cut, &mut None);
             let mut seen = vec![0; lights.prepared.set().lights.len()];
             for cluster in cut.clusters() {
@@ -81,7 +82,7 @@ fn no_cluster_of_a_finished_cut_is_farther_off_than_allowed_and_cuts_shrink_with
     at_points(500, 60, |lights, at| {
         for (k, error) in [0.005, 0.02, 0.1].into_iter().enumerate() {
             let mut cut = Cut::default();
-            let limits = Limits { error, rule: Rule::Whole, max_cut: u32::MAX };
+            let limits = Limits { error, rule: Rule::Whole, max_cut: Some(u32::MAX) };
             lights.choose(at, &limits, &mut cut, &mut None);
             let lit = lights.add_up(&mut cut, &limits);
             sizes[k] += lit.size;
@@ -106,12 +107,12 @@ fn no_cluster_of_a_finished_cut_is_farther_off_than_allowed_and_cuts_shrink_with
 fn a_limit_of_clusters_is_kept_and_said() {
     let mut at_most = 0;
     at_points(300, 30, |lights, at| {
-        let lit = lights.light(at, &Limits { error: 0.001, rule: Rule::Whole, max_cut: 12 });
+        let lit = lights.light(at, &Limits { error: 0.001, rule: Rule::Whole, max_cut: Some(12) });
         assert!(lit.size <= 12);
         at_most += u32::from(lit.at_most);
         assert!(
             !lights
-                .light(at, &Limits { error: 0.001, rule: Rule::Whole, max_cut: u32::MAX })
+                .light(at, &Limits { error: 0.001, rule: Rule::Whole, max_cut: Some(u32::MAX) })
                 .at_most
         );
     });

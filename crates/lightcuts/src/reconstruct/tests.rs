@@ -4,7 +4,7 @@ use crate::light::tests::at_points;
 use gi_core::bsdf::Transport;
 use gi_core::ray::Ray;
 
-const LIMITS: Limits = Limits { error: 0.02, rule: Rule::Whole, max_cut: 1000 };
+const LIMITS: Limits = Limits { error: 0.02, rule: Rule::Whole, max_cut: Some(1000) };
 
 fn close(a: f32, b: f32) -> bool {
     (a - b).abs() <= 1e-3 * (a.abs() + b.abs()) + 1e-7
