@@ -1,49 +1,51 @@
 //! The radiance estimate [slide 24]: light from the density of photons round a point.
 
-use gi_core::bsdf::Bsdf;
 use gi_core::disc::Disc;
 use gi_core::geometry::Surface;
-use gi_core::math::{Frame, INV_PI, Rgb};
+use gi_core::math::{Frame, Rgb};
 use gi_core::scene::Scene;
 use glam::Vec3;
 
 use crate::kernel::Kernel;
 use crate::map::{Found, PhotonMap};
 use crate::photon::{Payload, PhotonKind};
-use crate::seen::Place;
 
-/// A map with how to read it.
+/// A point at which the global map will be read, and the unit normal on the side that is seen.
+pub(crate) type Place = (Vec3, Vec3);
+
+/// A photon map, and how it is read.
 pub struct Estimator {
     /// The photons.
     pub map: PhotonMap,
-    /// How they count by distance.
+    /// How photons are weighted by distance.
     pub kernel: Kernel,
-    /// Most photons of an estimate.
+    /// Maximum number of photons of an estimate.
     pub k: usize,
-    /// Largest radius squared, world units.
+    /// Square of the largest radius, world units.
     pub max_radius_sq: f32,
 }
 
-/// Photons count on surfaces whose normal is within 37 degrees of that where they arrived: not round a corner, not through
-/// a wall, but on the next facet of a round thing.
+/// A photon lights a point only if the cosine between its surface's normal and the point's is larger: not round a corner
+/// and not through a wall, but on the next facet of a curved mesh. The limit is tighter than that of ppm (0.5) because a
+/// photon map keeps normals to 3 degrees only, and because its radius does not shrink.
 pub(crate) const SAME_SIDE: f32 = 0.8;
-/// Photons whose neighbourhoods an automatic radius is the median of.
+/// An automatic radius is the median over the neighbourhoods of this many photons.
 const PROBES: usize = 256;
 
-/// What an estimate found, parted by what the light has met.
+/// A density estimate, by what the light has met before.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Estimate {
+pub struct Density {
     /// L D.
     pub direct: Rgb,
     /// L S+ D.
     pub caustic: Rgb,
-    /// Light over rough surfaces.
+    /// L .* D .* D: light that another surface scattered by other than delta lobes.
     pub indirect: Rgb,
     /// The photons.
     pub found: Found,
 }
 
-impl Estimate {
+impl Density {
     #[inline]
     fn add(&mut self, photon: &Payload, light: Rgb) {
         match photon.kind() {
@@ -60,8 +62,8 @@ impl Estimate {
 }
 
 impl Estimator {
-    /// Read `map` by `k` photons an estimate; a `max_radius` of 0 (world units) is `factor` times what half of the photons
-    /// need.
+    /// Read `map` with `k` photons per estimate. If `max_radius` (world units) is 0, it becomes `factor` times the radius that
+    /// half of the photons need.
     pub fn new(map: PhotonMap, kernel: Kernel, k: usize, max_radius: f32, factor: f32) -> Self {
         let mut estimator = Estimator { map, kernel, k, max_radius_sq: f32::INFINITY };
         estimator.max_radius_sq = if max_radius > 0.0 {
@@ -89,7 +91,7 @@ impl Estimator {
         radii.get(radii.len() / 2).copied().unwrap_or(0.0)
     }
 
-    /// Bound the radius by `factor` times what half of some places need, too.
+    /// Also limit the radius to `factor` times the radius that half of some places need.
     pub(crate) fn bound_radius(&mut self, places: &[Place], factor: f32) {
         let count = PROBES.min(places.len());
         let place = |i: usize| places[i * places.len() / count].0;
@@ -99,13 +101,13 @@ impl Estimator {
         }
     }
 
-    /// Sum `f` times power over the photons round `p` that arrived on the side of the unit normal `n` after at most
-    /// `depth` segments, per area.
-    pub fn estimate(&self, p: Vec3, n: Vec3, depth: u8, f: impl Fn(&Payload) -> Rgb) -> Estimate {
-        self.sum(p, n, depth, |_| true, f)
+    /// Sum of `light` over the photons near `p` that arrived on the side of the unit normal `n` after at most `depth`
+    /// segments, per area.
+    pub fn density(&self, p: Vec3, n: Vec3, depth: u8, light: impl Fn(&Payload) -> Rgb) -> Density {
+        self.sum(p, n, depth, |_| true, light)
     }
 
-    /// Sum over those photons whose place `takes` takes.
+    /// The same over those photons whose position `takes` accepts [slide 24].
     #[inline]
     fn sum(
         &self,
@@ -113,31 +115,31 @@ impl Estimator {
         n: Vec3,
         depth: u8,
         mut takes: impl FnMut(Vec3) -> bool,
-        f: impl Fn(&Payload) -> Rgb,
-    ) -> Estimate {
-        let mut sum = Estimate::default();
+        light: impl Fn(&Payload) -> Rgb,
+    ) -> Density {
+        let mut sum = Density::default();
         let accept = |photon: &Payload, d: u8| d <= depth && photon.normal().dot(n) > SAME_SIDE;
         let (map, k, most) = (&self.map, self.k, self.max_radius_sq);
         sum.found = map.nearest_places(p, k, most, accept, |q, photon, d2, r2| {
             if takes(q) {
-                sum.add(photon, f(photon) * photon.power.to_rgb() * self.kernel.weigh(d2, r2));
+                sum.add(photon, light(photon) * self.kernel.weigh(d2, r2));
             }
         });
         sum
     }
 
-    /// As [`Estimator::estimate`], of the photons that are seen from just above `p` (see [`Disc`]), per area of the part of
-    /// the disc that is seen. `share` finds one over that part, as it does for [`Disc::inverse_share`]. Also whether all of
-    /// the disc is seen, as far as was looked.
+    /// As [`Estimator::density`], but only over the photons that are visible from just above `p` (see [`Disc`]), per area of
+    /// the visible part of the disc. `share` estimates the disc's area over that of the visible part, as
+    /// [`Disc::inverse_share`] does. Also returns whether the whole disc seems visible.
     ///
     /// The slide's kernel sums as the slide does, over all photons and the whole disc.
-    pub(crate) fn estimate_seen(
+    pub(crate) fn density_seen_by(
         &self,
         scene: &Scene,
         (p, n, depth): (Vec3, Vec3, u8),
         share: impl FnOnce(&Disc) -> f32,
-        f: impl Fn(&Payload) -> Rgb,
-    ) -> (Estimate, bool) {
+        light: impl Fn(&Payload) -> Rgb,
+    ) -> (Density, bool) {
         // The farthest photon in each quarter of the disc: what a wall hides is far.
         let frame = Frame::from_normal(n);
         let mut farthest = [(Vec3::ZERO, 0.0f32); 4];
@@ -149,7 +151,7 @@ impl Estimator {
             }
             true
         };
-        let all = self.sum(p, n, depth, note, &f);
+        let all = self.sum(p, n, depth, note, &light);
         let radius = all.found.radius_sq.sqrt();
         if self.kernel == Kernel::Lecture || all.found.count == 0 || !radius.is_finite() {
             return (all, false);
@@ -161,17 +163,28 @@ impl Estimator {
         let mut seen = all;
         if !is_clear {
             let disc = disc.lowered();
-            seen = self.sum(p, n, depth, |q| disc.sees(q), f);
+            seen = self.sum(p, n, depth, |q| disc.sees(q), light);
         }
-        for light in [&mut seen.direct, &mut seen.indirect, &mut seen.caustic] {
-            *light *= inverse_share;
+        for part in [&mut seen.direct, &mut seen.indirect, &mut seen.caustic] {
+            *part *= inverse_share;
         }
         (seen, is_clear)
     }
 
-    /// Irradiance by `k` photons, however far they are.
-    pub(crate) fn irradiance_of(&self, k: usize, p: Vec3, n: Vec3) -> Estimate {
-        let mut sum = Estimate::default();
+    /// The same, unbiased. `u` gives uniform points at which the disc is probed.
+    pub(crate) fn density_seen(
+        &self,
+        scene: &Scene,
+        place: (Vec3, Vec3, u8),
+        mut u: impl FnMut() -> [f32; 2],
+        light: impl Fn(&Payload) -> Rgb,
+    ) -> Density {
+        self.density_seen_by(scene, place, |disc| disc.inverse_share(&mut u), light).0
+    }
+
+    /// Irradiance from the `k` nearest photons, without a limit on the radius.
+    pub(crate) fn irradiance_of(&self, k: usize, p: Vec3, n: Vec3) -> Density {
+        let mut sum = Density::default();
         let accept = |photon: &Payload, _: u8| photon.normal().dot(n) > SAME_SIDE;
         sum.found = self.map.nearest(p, k, f32::INFINITY, accept, |photon, d2, r2| {
             sum.add(photon, photon.power.to_rgb() * self.kernel.weigh(d2, r2));
@@ -186,37 +199,18 @@ impl Estimator {
     }
 
     /// Irradiance on the side of the unit normal `n`.
-    pub fn irradiance(&self, p: Vec3, n: Vec3, depth: u8) -> Estimate {
-        self.estimate(p, n, depth, |_| Rgb::WHITE)
+    pub fn irradiance(&self, p: Vec3, n: Vec3, depth: u8) -> Density {
+        self.density(p, n, depth, |photon| photon.power.to_rgb())
     }
 
-    /// Irradiance on the seen part of the disc, see [`Estimator::estimate_seen`].
+    /// Irradiance on the visible part of the disc, see [`Estimator::density_seen`].
     pub(crate) fn irradiance_seen(
         &self,
         scene: &Scene,
         place: (Vec3, Vec3, u8),
-        mut u: impl FnMut() -> [f32; 2],
-    ) -> Estimate {
-        self.estimate_seen(scene, place, |disc| disc.inverse_share(&mut u), |_| Rgb::WHITE).0
-    }
-
-    /// Radiance toward `wo` [slide 24]; delta lobes are not in it. `u` gives uniform points to probe the disc at.
-    pub fn radiance(
-        &self,
-        scene: &Scene,
-        (surface, wo, bsdf): (&Surface, Vec3, &Bsdf),
-        depth: u8,
-        mut u: impl FnMut() -> [f32; 2],
-    ) -> Estimate {
-        let place = (surface.p, facing(surface, wo), depth);
-        let share = |disc: &Disc| disc.inverse_share(&mut u);
-        match bsdf.lambertian(wo) {
-            Some(albedo) => {
-                let f = albedo * INV_PI;
-                self.estimate_seen(scene, place, share, |_| f).0
-            }
-            None => self.estimate_seen(scene, place, share, |p| bsdf.f(wo, p.direction())).0,
-        }
+        u: impl FnMut() -> [f32; 2],
+    ) -> Density {
+        self.density_seen(scene, place, u, |photon| photon.power.to_rgb())
     }
 }
 

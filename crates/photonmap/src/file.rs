@@ -11,10 +11,10 @@ use gi_core::rng::hash_words;
 use gi_core::technique::Setting;
 
 use crate::map::{Layout, PhotonMap};
+use crate::params::{Gather, Params, Subsurface};
 use crate::photon::{Payload, Photon, Rgbe};
 use crate::shoot::{Shot, Stored};
 use crate::volume::{VolumeMaps, VolumePhoton, VolumeShot};
-use crate::{Gather, Params, Subsurface};
 
 const MAGIC: &[u8] = b"gilab photons 3\n";
 const RECORD: usize = 21;

@@ -4,44 +4,30 @@ use gi_core::bsdf::DiffusePart;
 use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk, GatherRay};
 use gi_core::film::Show;
 use gi_core::math::{Frame, INV_PI, Rgb};
-use gi_core::rng::hash_words;
 use gi_core::sampler::Sampler;
+use gi_core::technique::Setting;
 use gi_core::warp;
 use glam::Vec3;
 
 use crate::estimate::facing;
 use crate::guide::Guide;
+use crate::maps::PhotonMaps;
+use crate::params::Params;
 use crate::photon::PhotonKind;
+use crate::rays::Rays;
 use crate::shoot::is_near_specular;
-use crate::{Gather, PhotonMapping};
 
-impl<'a> PhotonMapping<'a> {
-    /// What the maps know at a vertex of a path from the eye.
-    pub(crate) fn estimate(
-        &self,
-        v: &EyeVertex<'a>,
-        sampler: &mut Sampler,
-        rays: &Rays,
-    ) -> Option<Estimate> {
-        match self.params.gather {
-            Gather::None => self.read_map(v, true, rays),
-            Gather::Direct => self.read_map(v, false, rays),
-            Gather::Final => self.final_gather(v, sampler, rays),
-        }
-    }
+/// The maps, and how a picture reads them.
+pub(crate) struct Gatherer<'s, 'a> {
+    pub(crate) setting: &'s Setting<'a>,
+    pub(crate) params: &'s Params,
+    pub(crate) maps: &'s PhotonMaps,
+}
 
-    /// The global map read at the vertex itself [slides 29, 30].
-    fn read_map(&self, v: &EyeVertex<'a>, whole: bool, rays: &Rays) -> Option<Estimate> {
-        let depth = self.photon_depth(v.segments)?;
-        let place = (&v.surface, v.wo, &v.bsdf);
-        let e = self.global.radiance(self.setting.scene, place, depth, rays.probes(v.segments));
-        let (covers, direct) = (Covers::NonDelta, whole.then_some(e.direct));
-        Some(Estimate { covers, direct, indirect: e.indirect, caustic: Some(e.caustic) })
-    }
-
-    /// Caustics from their map [slide 27], indirect light by rays to the photons behind [slide 28]. Lobes that are not
-    /// Lambertian are left to the path.
-    fn final_gather(
+impl<'a> Gatherer<'_, 'a> {
+    /// Caustics from their map [slide 27], indirect light by gather rays [slide 28]. The path continues for lobes that are not
+    /// Lambertian.
+    pub(crate) fn final_gather(
         &self,
         v: &EyeVertex<'a>,
         sampler: &mut Sampler,
@@ -53,9 +39,9 @@ impl<'a> PhotonMapping<'a> {
         if matches!(show, Show::All | Show::Indirect) {
             indirect = self.gather(v, &part, sampler, rays);
         }
-        // Light over nearly specular surfaces is indirect light, and read from the caustic map.
+        // The caustic map also holds light over nearly specular surfaces, which counts as indirect light.
         let wanted = v.non_delta > 0 || matches!(show, Show::All | Show::Caustic | Show::Indirect);
-        let caustic = match &self.caustic {
+        let caustic = match &self.maps.caustic {
             Some(map) if wanted => {
                 let depth = self.photon_depth(v.segments)?;
                 let place = (v.surface.p, facing(&v.surface, v.wo), depth);
@@ -71,7 +57,7 @@ impl<'a> PhotonMapping<'a> {
         Some(Estimate { covers: Covers::Diffuse(part), direct: None, indirect, caustic })
     }
 
-    /// Mean over gather rays of what they find, times albedo: indirect light that the Lambertian part scatters.
+    /// Indirect light that the Lambertian part scatters: albedo times the mean radiance along gather rays.
     fn gather(
         &self,
         v: &EyeVertex<'a>,
@@ -79,7 +65,7 @@ impl<'a> PhotonMapping<'a> {
         sampler: &mut Sampler,
         rays: &Rays,
     ) -> Rgb {
-        // Behind a glossy surface one ray is as good as the path's one.
+        // After a scattering one ray is enough: the path itself is one of many.
         let count = if v.non_delta == 0 { self.params.gather_rays } else { 1 };
         let frame = Frame::from_normal(part.normal);
         let guide = if v.non_delta == 0 { self.guide(v, &frame) } else { None };
@@ -95,14 +81,14 @@ impl<'a> PhotonMapping<'a> {
         sum * part.albedo / count as f32
     }
 
-    /// Where photons over rough surfaces came from, if gather rays are to be led there.
+    /// The directions that photons of indirect light came from, if gather rays are guided \[Jensen95\].
     fn guide(&self, v: &EyeVertex<'a>, frame: &Frame) -> Option<Guide> {
         if self.params.guided == 0.0 {
             return None;
         }
         let (n, depth) = (facing(&v.surface, v.wo), self.photon_depth(v.segments)?);
         let mut photons = Vec::with_capacity(self.params.lookup);
-        self.global.visit(v.surface.p, n, depth, |photon| {
+        self.maps.global.visit(v.surface.p, n, depth, |photon| {
             if photon.kind() == PhotonKind::Indirect {
                 photons.push((photon.direction(), photon.power.to_rgb().luminance()));
             }
@@ -117,7 +103,7 @@ impl<'a> PhotonMapping<'a> {
         let ray = scene.spawn(&v.surface, wi);
         let start = GatherRay { ray, segments: v.segments + 1, length: v.length };
         let mut walk = EyeWalk::along(scene, self.params.limits, start, sampler.clone());
-        if self.media.is_some() {
+        if self.maps.media.is_some() {
             walk = walk.through_media(scene.medium_toward(&v.surface, wi, v.medium));
         }
         let mut focused = 0;
@@ -127,7 +113,7 @@ impl<'a> PhotonMapping<'a> {
             walk.add_emitted(w);
             if w.wants_estimate() {
                 // The caustic map holds the light of sources that is seen over nearly specular surfaces alone.
-                let is_focused = self.caustic.is_some()
+                let is_focused = self.maps.caustic.is_some()
                     && w.non_delta == 1 + focused
                     && is_near_specular(&w.bsdf, w.wo);
                 let estimate = if is_focused {
@@ -157,13 +143,13 @@ impl<'a> PhotonMapping<'a> {
         let (p, n) = (w.surface.p, facing(&w.surface, w.wo));
         let (covers, f) = (Covers::Diffuse(part), part.albedo * INV_PI);
         if w.bsdf.is_diffuse() {
-            let (e, radius) = self.irradiance(depth).lookup(scene, p, n)?;
+            let (e, radius) = self.maps.irradiance(depth).lookup(scene, p, n)?;
             let (direct, caustic) = (Some(Rgb::BLACK), Some(Rgb::BLACK));
             let all = Estimate { covers, direct, indirect: e * part.albedo * INV_PI, caustic };
             return (far > radius).then_some(all);
         }
         // Other lobes need light straight from lights by itself.
-        let e = self.global.irradiance_seen(scene, (p, n, depth), || sampler.next_2d());
+        let e = self.maps.global.irradiance_seen(scene, (p, n, depth), || sampler.next_2d());
         (far * far > e.found.radius_sq).then(|| Estimate {
             covers,
             direct: None,
@@ -187,27 +173,3 @@ const NO_LIGHTS: Estimate = Estimate {
     indirect: Rgb::BLACK,
     caustic: Some(Rgb::BLACK),
 };
-
-/// Numbers for the gather rays of a pixel's first diffuse surface: the rays of all passes are one sequence, so that they
-/// are stratified together.
-pub(crate) struct Rays {
-    pub(crate) seed: u32,
-    pub(crate) stream: u32,
-    pub(crate) pass: u32,
-}
-
-impl Rays {
-    /// Two numbers for ray `k` of the `n` of this pass.
-    #[inline]
-    pub(crate) fn direction(&self, k: u32, n: u32) -> [f32; 2] {
-        let index = self.pass.wrapping_mul(n).wrapping_add(k);
-        Sampler::new(self.seed ^ 0x6761_7468, self.stream, index).next_2d()
-    }
-
-    /// Numbers by which the disc of an estimate is probed where the path has so many segments.
-    pub(crate) fn probes(&self, segments: u32) -> impl FnMut() -> [f32; 2] {
-        let seed = hash_words(&[self.seed, 0x6469_7363, segments]);
-        let mut sampler = Sampler::new(seed, self.stream, self.pass);
-        move || sampler.next_2d()
-    }
-}

@@ -1,4 +1,4 @@
-//! Irradiance computed ahead \[Christensen99\]: a gather ray then looks up one number instead of k photons.
+//! Precomputed irradiance \[Christensen99\]: a gather ray looks up one number instead of k photons.
 
 use gi_core::disc::Disc;
 use gi_core::math::Rgb;
@@ -9,11 +9,10 @@ use gi_core::technique::Setting;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::Params;
-use crate::estimate::{Estimator, SAME_SIDE};
+use crate::estimate::{Estimator, Place, SAME_SIDE};
 use crate::map::{Layout, Order, PhotonMap};
+use crate::params::Params;
 use crate::photon::{Payload, Photon, PhotonKind, Rgbe};
-use crate::seen::Place;
 use crate::shoot::Stored;
 
 /// Photons for each place that irradiance is computed at.
@@ -84,7 +83,8 @@ fn at(setting: &Setting, from: &Estimator, (p, n): Place, depth: u8, index: u32)
         }
         1.0 / disc.lowered().share(MORE_PROBES, offset).max(LEAST_SHARE)
     };
-    let (e, is_clear) = from.estimate_seen(setting.scene, (p, n, depth), share, |_| Rgb::WHITE);
+    let (e, is_clear) =
+        from.density_seen_by(setting.scene, (p, n, depth), share, |q| q.power.to_rgb());
     let dither = [0, 1, 2].map(|c| bits_to_unit(hash_words(&[setting.seed, index, c, 7])));
     let kind = if is_clear { PhotonKind::Direct } else { PhotonKind::Indirect };
     let photon = Photon::new(p, Rgbe::dithered(e.all(), dither), n, n, kind);

@@ -6,8 +6,8 @@ use gi_core::math::Bounds;
 use glam::Vec3;
 
 use crate::kd::longest_axis;
-use crate::map::Order;
 use crate::nearest::Candidates;
+use crate::order::Order;
 use crate::photon::{Payload, Photon};
 use crate::shoot::Stored;
 

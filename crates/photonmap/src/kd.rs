@@ -10,8 +10,8 @@ use gi_core::math::Bounds;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::map::Order;
 use crate::nearest::{Candidates, LEAF};
+use crate::order::Order;
 use crate::photon::{Payload, Photon};
 use crate::shoot::Stored;
 

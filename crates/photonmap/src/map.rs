@@ -7,17 +7,9 @@ pub use crate::params::Layout;
 use crate::jensen::HeapTree;
 use crate::kd::KdTree;
 use crate::nearest::{Candidates, distance_sq, number};
+pub use crate::order::Order;
 use crate::photon::{Payload, Photon};
 use crate::shoot::Stored;
-
-/// The order in which photons are given.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Order {
-    /// Any.
-    Any,
-    /// That of [`PhotonMap::photons`] of a map of the same layout: the tree is then the same, bit for bit.
-    Tree,
-}
 
 /// A photon map.
 pub struct PhotonMap {

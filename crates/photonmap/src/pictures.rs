@@ -10,12 +10,13 @@ use gi_core::warp;
 use glam::{Vec2, Vec3};
 
 use crate::estimate::{Estimator, facing};
-use crate::gather::Rays;
+use crate::gather::Gatherer;
 use crate::maps::source;
+use crate::params::Show;
 use crate::photon::PhotonKind;
+use crate::rays::Rays;
 use crate::shoot::{Step, Wanted};
 use crate::volume::VolumeMaps;
-use crate::{PhotonMapping, Show};
 
 /// Paths that are drawn.
 const PATHS: u64 = 200;
@@ -35,8 +36,8 @@ fn colour(kind: PhotonKind) -> Rgb {
     }
 }
 
-impl PhotonMapping<'_> {
-    /// All that the parameters ask for.
+impl Gatherer<'_, '_> {
+    /// All pictures that the parameters ask for.
     pub(crate) fn draw(&self, film: &Film) -> Vec<Picture> {
         let mut pictures = Vec::new();
         let mut push = |name: &str, canvas: Canvas| {
@@ -49,11 +50,11 @@ impl PhotonMapping<'_> {
             match show {
                 Show::Paths => push("paths", self.paths(ground())),
                 Show::Photons => {
-                    push("photons", self.dots(ground(), &self.global));
-                    if let Some(caustic) = &self.caustic {
+                    push("photons", self.dots(ground(), &self.maps.global));
+                    if let Some(caustic) = &self.maps.caustic {
                         push("caustic-photons", self.dots(ground(), caustic));
                     }
-                    if let Some(volume) = self.volume() {
+                    if let Some(volume) = self.maps.volume() {
                         push("volume-photons", self.dots_within(ground(), volume));
                     }
                 }
@@ -73,7 +74,7 @@ impl PhotonMapping<'_> {
 
     /// Photons that the eye sees directly, as dots.
     fn dots(&self, mut canvas: Canvas, from: &Estimator) -> Canvas {
-        let Setting { scene, camera, .. } = self.setting;
+        let Setting { scene, camera, .. } = *self.setting;
         for stored in from.map.photons() {
             let payload = stored.photon.payload;
             if let Some(at) = seen_at(scene, camera, stored.photon.p(), payload.normal()) {
@@ -86,7 +87,7 @@ impl PhotonMapping<'_> {
     /// Photons in media that no opaque surface hides, as dots. They lie one behind another: of many every n-th is drawn, in the
     /// order of the trees, so that those drawn are as dense as all.
     fn dots_within(&self, mut canvas: Canvas, from: &VolumeMaps) -> Canvas {
-        let Setting { scene, camera, .. } = self.setting;
+        let Setting { scene, camera, .. } = *self.setting;
         let [w, h] = canvas.size();
         let step = (PIXELS_PER_DOT * from.len()).div_ceil(w * h).max(1);
         for stored in from.photons().flatten().step_by(step) {
@@ -99,7 +100,7 @@ impl PhotonMapping<'_> {
 
     /// Photon paths, their segments in the colour of the photon at their end; what stands before them hides nothing.
     fn paths(&self, mut canvas: Canvas) -> Canvas {
-        let source = source(&self.setting, &self.params);
+        let source = source(self.setting, self.params);
         for path in 0..PATHS {
             let mut from = None;
             source.walk(Wanted::Global, path, &mut |Step { start, event, .. }| {
@@ -121,7 +122,7 @@ impl PhotonMapping<'_> {
 
     /// The photons of the caustic map that answer, and the ways that they came last.
     fn caustic_gather(&self, mut canvas: Canvas, (surface, n): &(Surface, Vec3)) -> Canvas {
-        let Some(map) = &self.caustic else { return canvas };
+        let Some(map) = &self.maps.caustic else { return canvas };
         let scene = self.setting.scene;
         let radius_sq = map.irradiance(surface.p, *n, u8::MAX).found.radius_sq;
         let near = |p: Vec3| p.distance_squared(surface.p) <= radius_sq;
@@ -160,8 +161,8 @@ impl PhotonMapping<'_> {
 
     /// The tree's cells down to eight levels, as wires.
     fn cells(&self, mut canvas: Canvas) -> Canvas {
-        let photons = self.global.map.photons().map(|s| s.photon.p());
-        for cell in self.global.map.cells(Bounds::of(photons), LEVELS) {
+        let photons = self.maps.global.map.photons().map(|s| s.photon.p());
+        for cell in self.maps.global.map.cells(Bounds::of(photons), LEVELS) {
             let corner = |k: usize| {
                 let pick =
                     |axis: usize| if k >> axis & 1 == 0 { cell.min[axis] } else { cell.max[axis] };

@@ -8,8 +8,8 @@ use gi_core::technique::Setting;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::estimate::facing;
-use crate::{Gather, Params};
+use crate::estimate::{Place, facing};
+use crate::params::{Gather, Params};
 
 /// Paths that photons from infinity are aimed by. They say about where, not how bright.
 const PATHS: u32 = 4096;
@@ -77,9 +77,6 @@ fn walk(setting: &Setting, gather: Gather, path: u32) -> Walk {
     }
     (met, ends)
 }
-
-/// A point at which the global map will be read, and the unit normal on the side that is seen.
-pub(crate) type Place = (Vec3, Vec3);
 
 /// At most `count` points at which the global map will be read.
 pub(crate) fn places(setting: &Setting, gather: Gather, count: usize) -> Vec<Place> {

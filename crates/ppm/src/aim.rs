@@ -9,8 +9,8 @@ use gi_core::technique::Setting;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::Params;
 use crate::gather::covers;
+use crate::params::Params;
 
 /// Paths from the eye. They are few beside those of a pass, and say about where, not how bright.
 const PATHS: u32 = 4096;

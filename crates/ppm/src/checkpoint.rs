@@ -83,7 +83,7 @@ impl Region {
     fn write(&self, w: &mut Writer) {
         self.statistics.write(w);
         w.f64(self.initial);
-        w.u64(self.found);
+        w.u64(self.pass.photons);
         self.moments.write(w);
         w.u32(self.hits.len() as u32);
         self.hits.iter().for_each(|hit| hit.statistics.write(w));
@@ -92,7 +92,7 @@ impl Region {
     fn read(&mut self, r: &mut Reader) -> Result<(), String> {
         self.statistics = Statistics::read(r)?;
         self.initial = r.f64()?;
-        self.found = r.u64()?;
+        self.pass.photons = r.u64()?;
         self.moments = Moments::read(r)?;
         if r.u32()? as usize != self.hits.len() {
             return Err("it has other hit points".into());

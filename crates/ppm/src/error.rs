@@ -8,14 +8,6 @@ use gi_core::bytes::{Reader, Writer};
 
 use crate::gather::Gathered;
 
-/// (1 - s)^3 over the unit disc, s the squared distance: its Laplacian, such that the weighted sum over photons reads
-/// the Laplacian of their density. `s` below 1; over `h`^4.
-#[inline]
-pub(crate) fn laplacian_kernel(s: f32) -> f32 {
-    // K = 4 / pi (1 - s)^3; in two dimensions lap g(s) = 4 (g' + s g'').
-    48.0 * gi_core::math::INV_PI * (1.0 - s) * (3.0 * s - 1.0)
-}
-
 /// What a pixel's passes say of its error, in luminance. Sums over passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moments {
@@ -109,6 +101,7 @@ impl Moments {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gather::laplacian_kernel;
     use gi_core::rng::Pcg;
     use glam::Vec2;
     use std::f64::consts::PI;

@@ -10,7 +10,6 @@ use gi_core::math::Rgb;
 use gi_core::scene::Scene;
 use glam::Vec3;
 
-use crate::error::laplacian_kernel;
 use crate::grid::Grid;
 use crate::photons::{Arrival, SAME_SURFACE};
 use crate::statistics::Pass;
@@ -243,6 +242,14 @@ pub(crate) fn radius_of(
     }
     let (_, kth, _) = near.select_nth_unstable_by(rank - 1, f32::total_cmp);
     Some(kth.sqrt().clamp(least, most))
+}
+
+/// (1 - s)^3 over the unit disc, s the squared distance: its Laplacian, such that the weighted sum over photons reads
+/// the Laplacian of their density. `s` below 1; over `h`^4.
+#[inline]
+pub(crate) fn laplacian_kernel(s: f32) -> f32 {
+    // K = 4 / pi (1 - s)^3; in two dimensions lap g(s) = 4 (g' + s g'').
+    48.0 * gi_core::math::INV_PI * (1.0 - s) * (3.0 * s - 1.0)
 }
 
 #[cfg(test)]

@@ -45,6 +45,7 @@ pub use crate::params::{Method, Params, Shown};
 use crate::photons::{Emission, Photon};
 use crate::region::{Look, Region};
 pub use crate::shows::Trace;
+use crate::statistics::{Pass, Statistics};
 
 /// Progressive photon mapping.
 pub struct Ppm<'a> {
@@ -105,11 +106,28 @@ impl<'a> Technique<'a> for Ppm<'a> {
             index,
             moments: self.needs_moments(),
         };
-        film.add_pass_with(&mut self.pixels, |at, region| look.pixel(at, region, &grid));
+        let alpha = match self.params.method {
+            Method::Ppm | Method::Sppm => self.params.alpha,
+            // These methods choose the radius before the pass.
+            Method::Ppa | Method::Adaptive => 1.0,
+        };
+        film.add_pass_with(&mut self.pixels, |at, region| {
+            let sample = look.pixel(at, region, &grid);
+            if self.params.method == Method::Ppm {
+                region
+                    .hits
+                    .iter_mut()
+                    .for_each(|hit| update(&mut hit.statistics, &hit.pass, alpha));
+                region.statistics = region.hits.first().map_or(region.statistics, |h| h.statistics);
+            } else {
+                update(&mut region.statistics, &region.pass, alpha);
+            }
+            sample
+        });
         self.counts.passes += 1;
         self.counts.paths += u64::from(self.emission.paths);
         self.counts.stored += grid.len() as u64;
-        self.counts.contributed += self.pixels.sum(|r| r.found as f64) as u64;
+        self.counts.contributed += self.pixels.sum(|r| r.pass.photons as f64) as u64;
         let unit = f64::from(self.setting.scene.radius());
         for trace in &mut self.traces {
             trace.push(index, self.counts.passes, self.pixels.get(trace.at), unit);
@@ -172,11 +190,28 @@ impl<'a> Technique<'a> for Ppm<'a> {
     }
 
     fn pictures(&self, _: &Film) -> Vec<Picture> {
-        self.params.show.iter().map(|what| self.picture(*what)).collect()
+        {
+            let unit = f64::from(self.setting.scene.radius());
+            self.params.show.iter().map(|what| what.draw(&self.pixels, unit)).collect()
+        }
     }
 
     fn export(&self, _: &Path) -> Vec<u8> {
         self.traces_csv().into_bytes()
+    }
+}
+
+/// Take a pass in, and shrink the disc such that a fraction `alpha` of the pass's photons stays [slides 41, 42]:
+///
+/// N' = N + alpha M, R' = R sqrt(N' / (N + M)), tau' = (tau + tau_M) R'^2 / R^2
+pub fn update(statistics: &mut Statistics, pass: &Pass, alpha: f64) {
+    // d'(x) = (N + M) / (pi R^2): the density stays, so the area shrinks as the number of photons [slide 41].
+    let (n, m) = (statistics.photons, pass.photons as f64);
+    let ratio = if n + m > 0.0 { (n + alpha * m) / (n + m) } else { 1.0 };
+    statistics.radius *= ratio.sqrt();
+    statistics.photons = (n + m) * ratio;
+    for (tau, tau_m) in statistics.flux.iter_mut().zip(pass.flux) {
+        *tau = (*tau + tau_m) * ratio;
     }
 }
 
@@ -200,6 +235,11 @@ fn trace(setting: &Setting, params: &Params, emission: &Emission, pass: u32) -> 
 }
 
 impl Ppm<'_> {
+    /// The traced pixels as CSV: one line per pixel and pass.
+    pub fn traces_csv(&self) -> String {
+        shows::to_csv(&self.traces)
+    }
+
     /// Whether noise and bias are to be known.
     fn needs_moments(&self) -> bool {
         let p = &self.params;

@@ -10,12 +10,12 @@ use gi_core::sampler::Sampler;
 use gi_core::technique::Setting;
 use glam::Vec3;
 
-use crate::Params;
 use crate::error::Moments;
 use crate::gather::{Discs, Gathered, Point, covers, gather_seen};
 use crate::grid::Grid;
 use crate::methods::{Method, adaptive_radius, derivative_radius, probabilistic_radius};
-use crate::statistics::Statistics;
+use crate::params::Params;
+use crate::statistics::{Pass, Statistics};
 
 /// What a pixel keeps from pass to pass.
 #[derive(Clone, Debug, Default)]
@@ -24,8 +24,8 @@ pub(crate) struct Region {
     pub(crate) statistics: Statistics,
     /// R at the beginning, world units.
     pub(crate) initial: f64,
-    /// M of the last pass.
-    pub(crate) found: u64,
+    /// The photons of the last pass, which are not yet in the statistics.
+    pub(crate) pass: Pass,
     /// What passes say of the error, where it is asked for.
     pub(crate) moments: Moments,
     /// The hit points of [`Method::Ppm`].
@@ -44,6 +44,8 @@ pub(crate) struct Hit {
     /// Number of scatterings before it that were not by delta lobes.
     pub(crate) non_delta: u32,
     pub(crate) statistics: Statistics,
+    /// The photons of the last pass, which are not yet in the statistics.
+    pub(crate) pass: Pass,
 }
 
 /// Makes the numbers that discs are probed with differ from those of eye paths.
@@ -92,24 +94,17 @@ impl<'a> Look<'_, 'a> {
         if v.wants_estimate() { covers(&v.bsdf, v.wo, self.params.min_roughness) } else { None }
     }
 
-    /// Look for what the eye sees through a pixel, and gather there.
+    /// Follow a path through a pixel, and gather photons at its vertices.
     pub(crate) fn pixel(&self, at: [usize; 2], region: &mut Region, grid: &Grid) -> Sample {
         self.choose_radius(region);
         let (sample, gathered) = match self.params.method {
             Method::Ppm => self.at_hit_points(at, region, grid),
             _ => self.anew(at, region, grid),
         };
-        region.found = gathered.photons;
+        region.pass = gathered.pass();
         if self.moments {
             let radiance = f64::from(sample.radiance.all().luminance());
             region.moments.add(radiance, &gathered, region.statistics.radius);
-        }
-        if self.params.method == Method::Ppm {
-            if let Some(hit) = region.hits.first() {
-                region.statistics = hit.statistics;
-            }
-        } else {
-            self.progress(&mut region.statistics, &gathered);
         }
         sample
     }
@@ -126,17 +121,6 @@ impl<'a> Look<'_, 'a> {
         };
         let share = radius / region.statistics.radius;
         region.statistics.scale(share * share);
-    }
-
-    /// Take what was found in, and shrink as the method says.
-    fn progress(&self, statistics: &mut Statistics, gathered: &Gathered) {
-        let pass = gathered.pass();
-        let share = match self.params.method {
-            Method::Ppm | Method::Sppm => statistics.shrinkage(pass.photons, self.params.alpha),
-            Method::Ppa | Method::Adaptive => 1.0,
-        };
-        statistics.add(&pass);
-        statistics.scale(share);
     }
 
     /// The numbers by which the discs of a pixel are probed in this pass: those of its point number `index`.
@@ -227,7 +211,7 @@ impl<'a> Look<'_, 'a> {
             *sample.radiance.of_path(hit.non_delta + 1, true) += factor * found.caustic;
             let mut seen = Gathered::default();
             seen.add(&found, hit.throughput);
-            self.progress(&mut hit.statistics, &seen);
+            hit.pass = seen.pass();
         }
         (sample, total)
     }
@@ -247,6 +231,7 @@ impl<'a> Look<'_, 'a> {
                         segments: v.segments,
                         non_delta: v.non_delta,
                         statistics: Statistics::new(radius),
+                        pass: Pass::default(),
                     });
                     walk.add_estimate(v, self.nothing(covers));
                 }

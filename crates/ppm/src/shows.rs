@@ -1,9 +1,9 @@
-//! What a run shows of itself: maps of its statistics, and their course at chosen pixels.
+//! Pictures of the statistics of all pixels, and traces of the statistics of chosen pixels.
 
 use gi_core::canvas::viridis;
+use gi_core::film::PerPixel;
 use gi_core::technique::Picture;
 
-use crate::Ppm;
 use crate::params::Shown;
 use crate::region::Region;
 
@@ -41,31 +41,31 @@ impl Trace {
             pass,
             radius: s.radius / unit,
             photons: s.photons,
-            found: region.found,
+            found: region.pass.photons,
             radiance: s.radiance(passes),
         });
     }
 }
 
-impl Ppm<'_> {
-    /// The traced pixels as CSV: a line a pixel and pass.
-    pub fn traces_csv(&self) -> String {
-        let mut text = String::from("x,y,pass,radius,N,M,L_r,L_g,L_b\n");
-        for Trace { at: [x, y], rows } in &self.traces {
-            for row in rows {
-                let Row { pass, radius, photons, found, radiance: [r, g, b] } = row;
-                text += &format!("{x},{y},{pass},{radius:e},{photons},{found},{r:e},{g:e},{b:e}\n");
-            }
+/// The traced pixels as CSV: one line per pixel and pass.
+pub(crate) fn to_csv(traces: &[Trace]) -> String {
+    let mut text = String::from("x,y,pass,radius,N,M,L_r,L_g,L_b\n");
+    for Trace { at: [x, y], rows } in traces {
+        for row in rows {
+            let Row { pass, radius, photons, found, radiance: [r, g, b] } = row;
+            text += &format!("{x},{y},{pass},{radius:e},{photons},{found},{r:e},{g:e},{b:e}\n");
         }
-        text
     }
+    text
+}
 
-    pub(crate) fn picture(&self, what: Shown) -> Picture {
-        let unit = f64::from(self.setting.scene.radius());
+impl Shown {
+    /// Draw a map of the pixels' statistics. `unit` is the radius of the scene.
+    pub(crate) fn draw(self, pixels: &PerPixel<Region>, unit: f64) -> Picture {
         let column = |value: &dyn Fn(&Region) -> f64| -> Vec<f32> {
-            self.pixels.rows().map(|r| value(r) as f32).collect()
+            pixels.rows().map(|r| value(r) as f32).collect()
         };
-        let (name, channels): (&str, Vec<(&str, Vec<f32>)>) = match what {
+        let (name, channels): (&str, Vec<(&str, Vec<f32>)>) = match self {
             Shown::Radius => ("radius", vec![("R", column(&|r| r.statistics.radius / unit))]),
             Shown::Photons => ("photons", vec![("N", column(&|r| r.statistics.photons))]),
             Shown::Error => (

@@ -1,49 +1,34 @@
-//! What a region of the picture knows of its photons: R, N and tau [slides 40 to 42].
+//! The statistics of a pixel or a hit point: R, N and tau [slides 40 to 42]. [`crate::update`] takes a pass in.
 
 use std::f64::consts::PI;
 
-/// What one pass found within the radius.
+/// The photons that one pass found within the radius.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pass {
-    /// M: photons that contribute. Those from behind, of another surface, or that the BSDF scatters nowhere do not.
+    /// M: number of photons that contribute. Photons from behind, of another surface, or with f = 0 do not.
     pub photons: u64,
     /// Sum over them of f times power, weighted as the picture sees it; power already divided by the paths of the pass.
     pub flux: [f64; 3],
 }
 
-/// The statistics of a region: of one hit point (`ppm`), or shared by all that a pixel sees (`sppm`) \[Hachisuka09\].
+/// The statistics of one hit point (`ppm`), or of everything that a pixel sees (`sppm`) \[Hachisuka09\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Statistics {
     /// R(x), world units.
     pub radius: f64,
-    /// N(x): photons that the density still counts.
+    /// N(x): number of photons that the density counts.
     pub photons: f64,
-    /// tau(x): their flux, scaled down with the disc; powers already divided by the paths of their pass.
+    /// tau(x): their flux, scaled with the disc; powers are already divided by the number of paths of their pass.
     pub flux: [f64; 3],
 }
 
 impl Statistics {
-    /// Nothing found yet.
+    /// No photons so far.
     pub fn new(radius: f64) -> Self {
         Statistics { radius, ..Statistics::default() }
     }
 
-    /// R'^2 / R^2 after a pass that found `photons`: at the density found, a share `alpha` of them stays.
-    pub fn shrinkage(&self, photons: u64, alpha: f64) -> f64 {
-        // d'(x) = (N + M) / (pi R^2) [slide 41]
-        let (n, m) = (self.photons, photons as f64);
-        // R' = R sqrt((N + alpha M) / (N + M)) [slide 42]
-        if n + m > 0.0 { (n + alpha * m) / (n + m) } else { 1.0 }
-    }
-
-    /// Take a pass in that was gathered with the radius as it is.
-    pub fn add(&mut self, pass: &Pass) {
-        self.photons += pass.photons as f64;
-        self.flux.iter_mut().zip(pass.flux).for_each(|(tau, found)| *tau += found);
-    }
-
-    /// Scale the disc's area; photons and flux go with it: N' = (N + M) R'^2 / R^2, which is N + alpha M after
-    /// [`Statistics::shrinkage`], and tau' = (tau + tau_M) R'^2 / R^2 [Hachisuka08, eqs. 8 and 10].
+    /// Scale the disc's area, and photons and flux with it.
     pub fn scale(&mut self, share: f64) {
         self.radius *= share.sqrt();
         self.photons *= share;
@@ -60,16 +45,10 @@ impl Statistics {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::update as progress;
 
     fn pass(photons: u64) -> Pass {
         Pass { photons, flux: [photons as f64 * 0.3; 3] }
-    }
-
-    /// A pass of slides 41 and 42.
-    fn progress(s: &mut Statistics, pass: &Pass, alpha: f64) {
-        let share = s.shrinkage(pass.photons, alpha);
-        s.add(pass);
-        s.scale(share);
     }
 
     #[test]

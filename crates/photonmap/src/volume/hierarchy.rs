@@ -6,9 +6,18 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::f32::consts::PI;
 
-use super::VolumePhoton;
 use crate::heap::{Heap, Node};
-use crate::map::Order;
+use crate::order::Order;
+use crate::photon::Photon;
+
+/// A photon in a medium: [`Photon`] without a normal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VolumePhoton {
+    /// Where, what power is scattered there, and where it came from; already divided by the number of emitted paths.
+    pub photon: Photon,
+    /// Segments from the light to here, 255 standing for more.
+    pub depth: u8,
+}
 
 /// Photons that a ray can be asked about.
 pub(super) struct Hierarchy {

@@ -18,21 +18,13 @@ use gi_core::eye::Beam;
 use gi_core::film::Components;
 use gi_core::medium::{Medium, first_equal};
 
-use crate::Params;
-use crate::map::Order;
-use crate::photon::{Photon, PhotonKind};
+use crate::order::Order;
+use crate::params::Params;
+use crate::photon::PhotonKind;
 use crate::shoot::Source;
 use hierarchy::Hierarchy;
+pub use hierarchy::VolumePhoton;
 pub(crate) use shoot::VolumeShot;
-
-/// A photon in a medium: [`Photon`] without a normal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VolumePhoton {
-    /// Where, what power is scattered there, and where it came from; already divided by the number of emitted paths.
-    pub photon: Photon,
-    /// Segments from the light to here, 255 standing for more.
-    pub depth: u8,
-}
 
 /// The photons of all media.
 pub struct VolumeMaps {

@@ -4,7 +4,7 @@ use gi_core::math::Rgb;
 use gi_core::rng::{bits_to_unit, hash_words};
 use gi_core::walk::{LightEvent, MediumVertex};
 
-use super::VolumePhoton;
+use super::hierarchy::VolumePhoton;
 use crate::photon::{Photon, PhotonKind, Rgbe};
 use crate::shoot::{Chunk, Hits, Source, Step, Wanted, collect, dither, paths};
 
