@@ -12,8 +12,9 @@ use crate::diagnostics::{Report, Span};
 use crate::document::{Class, Document, Node, ObjectId};
 use crate::files::{self, Found};
 use crate::hash::Hash;
-use crate::shapes::{MeshFile, Placement, ReadMesh, smooth};
-use crate::textures::BitmapFile;
+use crate::shapes::mesh_file::{MeshFile, Placement, ReadMesh};
+use crate::shapes::smooth;
+use crate::texels::BitmapFile;
 
 /// What was read, by the object that asked for it.
 #[derive(Debug, Default)]

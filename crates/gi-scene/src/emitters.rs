@@ -3,10 +3,12 @@
 use gi_core::light::LightSource;
 use gi_core::math::Rgb;
 use gi_core::texture::Bitmap;
-use glam::{Affine3A, Vec3};
+use glam::Vec3;
 
-use crate::build::{Builder, LightOrigin};
+use crate::builder::Builder;
 use crate::document::{Class, Node};
+use crate::origins::LightOrigin;
+use crate::rotation::rotation;
 use crate::textures::{note_gamma, warn_negative};
 use crate::{sky, texels};
 
@@ -66,17 +68,6 @@ impl Builder<'_> {
     }
 }
 
-/// The linear part of `to_world`: what is at infinity does not move.
-pub(crate) fn rotation(node: Node<'_>) -> Affine3A {
-    let mut m = node.transform("to_world");
-    m.translation = Vec3::ZERO.into();
-    if !m.inverse().is_finite() {
-        node.report.error(node.span_of("to_world"), "`to_world` cannot be inverted", "");
-        return Affine3A::IDENTITY;
-    }
-    m
-}
-
 /// A light's colour; grey light of 1 unless given.
 fn light_color(node: Node<'_>, name: &'static str) -> Rgb {
     node.light(name).unwrap_or(Rgb::WHITE)
@@ -114,7 +105,7 @@ impl Builder<'_> {
             return Some(plain);
         };
         let picture = self.texture_object(texture, 0)?;
-        let [least, most] = texels::range(&picture, &self.origins);
+        let [least, most] = self.origins.range(&picture);
         if least < 0.0 {
             texture.error(format!("the spot's picture is {least} somewhere"), "expected 0 or more");
             return None;

@@ -6,7 +6,7 @@ use gi_core::scene::SceneParts;
 use glam::Vec3;
 
 use crate::diagnostics::Report;
-use crate::load::CameraOverride;
+use crate::options::CameraOverride;
 
 /// Angle of view of a camera that is chosen, degrees.
 const DEFAULT_FOV: f32 = 45.0;

@@ -1,13 +1,14 @@
 //! Scene input: Mitsuba XML (0.5, 0.6 and 3.x) and bare OBJ files become a [`gi_core::scene::SceneParts`].
-//! It is no second scene representation: a file's tree of properties is read once and forgotten.
+//! There is no second scene representation: a file's tree of properties is read once and dropped.
 //!
-//! The way of a file: `document` (text to typed properties with their places) -> `assets` (meshes and
-//! pictures, in parallel) -> `build` (materials, shapes, lights) -> [`Loaded`]. Every problem met on the
-//! way is noted in a `diagnostics::Report`, so that all of them are shown at once.
+//! A file goes through `document` (text to typed properties with source positions), `assets` (meshes and pictures, read in
+//! parallel) and `build` (materials, shapes, lights) to [`Loaded`]. A `diagnostics::Report` collects all problems, so that the
+//! user sees them at once.
 #![forbid(unsafe_code)]
 
 mod assets;
 mod build;
+mod builder;
 mod bytes;
 mod diagnostics;
 mod document;
@@ -21,6 +22,9 @@ mod load;
 mod materials;
 mod media;
 mod obj_scene;
+mod options;
+mod origins;
+mod rotation;
 mod sensor;
 mod shapes;
 mod sky;
@@ -33,4 +37,5 @@ mod value;
 
 pub use diagnostics::Diagnostics;
 pub use export::{ExportError, export_mitsuba};
-pub use load::{CameraOverride, Loaded, Options, load};
+pub use load::load;
+pub use options::{CameraOverride, Loaded, Options};

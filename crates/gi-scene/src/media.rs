@@ -3,7 +3,7 @@
 use gi_core::math::Rgb;
 use gi_core::medium::{Medium, Phase};
 
-use crate::build::Builder;
+use crate::builder::Builder;
 use crate::document::{Class, Meaning, Node};
 
 impl Builder<'_> {

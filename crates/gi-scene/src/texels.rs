@@ -1,17 +1,53 @@
-//! What the numbers of textures may be; looked at once, when they are read.
+//! Picture files of textures, and which numbers their texels may hold. They are checked once, when they are read.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use gi_core::image_io::{Encoding, read_bitmap};
 use gi_core::math::Rgb;
-use gi_core::texture::{Bitmap, Texels, Texture};
+use gi_core::texture::{Bitmap, Lookup, Texels, Wrap};
 
-use crate::build::Origins;
-use crate::textures::BitmapFile;
+use crate::document::Node;
+use crate::files;
 use crate::value::MAX_NUMBER;
 
+/// A picture file and how it is read: pictures with equal keys are read once.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct BitmapFile {
+    pub(crate) path: PathBuf,
+    pub(crate) raw: bool,
+    pub(crate) wrap: Wrap,
+    pub(crate) lookup: Lookup,
+}
+
+impl BitmapFile {
+    /// Read the picture.
+    pub(crate) fn read(&self) -> Result<Bitmap, String> {
+        files::refuse_pointer_file(&self.path)?;
+        let encoding = if self.raw { Encoding::Raw } else { Encoding::Auto };
+        let bitmap = read_bitmap(&self.path, encoding, self.wrap, self.lookup)?;
+        check(&bitmap, &self.path)?;
+        Ok(bitmap)
+    }
+
+    /// How a `bitmap` says that its file is to be read. (Asked twice: when files are gathered and when used.)
+    pub(crate) fn of(node: Node<'_>, path: PathBuf) -> BitmapFile {
+        let wrap = match node.text("wrap_mode").or(node.text("wrap_mode_u")) {
+            Some("mirror") => Wrap::Mirror,
+            Some("clamp" | "zero" | "one" | "black" | "white") => Wrap::Clamp,
+            _ => Wrap::Repeat,
+        };
+        let lookup = match node.text("filter_type") {
+            Some("nearest") => Lookup::Nearest,
+            _ => Lookup::Bilinear,
+        };
+        let raw = node.bool("raw", false) || node.float_opt("gamma") == Some(1.0);
+        BitmapFile { path, raw, wrap, lookup }
+    }
+}
+
 /// Whether a picture's format can hold numbers outside of [0, 1].
-fn holds_floats(path: &Path) -> bool {
+pub(crate) fn holds_floats(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
     ["exr", "hdr", "pfm"].iter().any(|known| extension.eq_ignore_ascii_case(known))
 }
@@ -59,24 +95,4 @@ pub(crate) fn brightest(bitmap: &Bitmap, path: &Path) -> f32 {
     }
     let all = (0..bitmap.height()).flat_map(|y| (0..bitmap.width()).map(move |x| (x, y)));
     all.map(|(x, y)| bitmap.texel(x, y).max()).fold(0.0, f32::max)
-}
-
-/// Of what a texture gives, the least and the largest number.
-pub(crate) fn range(texture: &Texture, origins: &Origins) -> [f32; 2] {
-    let join = |a: [f32; 2], b: [f32; 2]| [a[0].min(b[0]), a[1].max(b[1])];
-    let of = |c: Rgb| c.to_array().map(|v| [v, v]).into_iter().reduce(join).expect("three numbers");
-    match texture {
-        Texture::Constant(c) => of(*c),
-        Texture::Checkerboard { color0, color1, .. } => {
-            join(range(color0, origins), range(color1, origins))
-        }
-        Texture::Bitmap { bitmap, scale, .. } => {
-            let floats = origins.bitmap_file(bitmap).is_none_or(|f| holds_floats(&f.path));
-            if !floats {
-                return join([0.0, 0.0], of(*scale));
-            }
-            let rows = (0..bitmap.height()).flat_map(|y| (0..bitmap.width()).map(move |x| (x, y)));
-            rows.map(|(x, y)| of(bitmap.texel(x, y) * *scale)).reduce(join).expect("texels")
-        }
-    }
 }

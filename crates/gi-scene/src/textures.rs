@@ -1,53 +1,15 @@
 //! Textures: pictures, checkerboards, scaled textures.
 
-use std::path::PathBuf;
-
-use gi_core::image_io::{Encoding, read_bitmap};
 use gi_core::math::Rgb;
-use gi_core::texture::{Bitmap, Lookup, Texture, Wrap};
+use gi_core::texture::Texture;
 use glam::{Affine2, Affine3A, Mat2, Vec2};
 
-use crate::build::Builder;
+use crate::builder::Builder;
 use crate::document::{Class, Meaning, Node};
-use crate::{files, texels};
+use crate::texels::{self, BitmapFile};
 
 /// How deep textures may be nested. They are trees, and one that refers to the next twice doubles each time.
 const MAX_NESTING: usize = 6;
-
-/// A picture file and how it is read: pictures with equal keys are read once.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct BitmapFile {
-    pub(crate) path: PathBuf,
-    pub(crate) raw: bool,
-    pub(crate) wrap: Wrap,
-    pub(crate) lookup: Lookup,
-}
-
-impl BitmapFile {
-    /// Read the picture.
-    pub(crate) fn read(&self) -> Result<Bitmap, String> {
-        files::refuse_pointer_file(&self.path)?;
-        let encoding = if self.raw { Encoding::Raw } else { Encoding::Auto };
-        let bitmap = read_bitmap(&self.path, encoding, self.wrap, self.lookup)?;
-        texels::check(&bitmap, &self.path)?;
-        Ok(bitmap)
-    }
-
-    /// How a `bitmap` says that its file is to be read. (Asked twice: when files are gathered and when used.)
-    pub(crate) fn of(node: Node<'_>, path: PathBuf) -> BitmapFile {
-        let wrap = match node.text("wrap_mode").or(node.text("wrap_mode_u")) {
-            Some("mirror") => Wrap::Mirror,
-            Some("clamp" | "zero" | "one" | "black" | "white") => Wrap::Clamp,
-            _ => Wrap::Repeat,
-        };
-        let lookup = match node.text("filter_type") {
-            Some("nearest") => Lookup::Nearest,
-            _ => Lookup::Bilinear,
-        };
-        let raw = node.bool("raw", false) || node.float_opt("gamma") == Some(1.0);
-        BitmapFile { path, raw, wrap, lookup }
-    }
-}
 
 impl Builder<'_> {
     /// A parameter that may vary over the surface: a number, a colour or a texture.
@@ -67,7 +29,7 @@ impl Builder<'_> {
     /// A share of light (a reflectance, an opacity, a weight): as [`Builder::texture`], and in [0, 1].
     pub(crate) fn share(&mut self, node: Node<'_>, name: &'static str, default: f32) -> Texture {
         let texture = self.texture(node, name, Texture::grey(default), Meaning::Factor);
-        let [least, most] = texels::range(&texture, &self.origins);
+        let [least, most] = self.origins.range(&texture);
         if least >= 0.0 && most <= 1.0 {
             return texture;
         }
@@ -91,7 +53,7 @@ impl Builder<'_> {
         let white = Texture::Constant(Rgb::WHITE);
         let mut texture = self.texture(node, name, white.clone(), Meaning::Light);
         self.lift_texels(node, &mut texture);
-        let [least, most] = texels::range(&texture, &self.origins);
+        let [least, most] = self.origins.range(&texture);
         let fine =
             node.check_light(name, Rgb::grey(least)) && node.check_light(name, Rgb::grey(most));
         if fine { texture } else { white }

@@ -111,6 +111,14 @@ pub(crate) fn snake_case(name: &str) -> String {
     out
 }
 
+/// Refuse a vertex so far away that areas and distances overflow.
+pub(crate) fn check_size(p: Vec3) -> Result<(), String> {
+    if p.abs().max_element() <= MAX_NUMBER {
+        return Ok(());
+    }
+    Err(format!("a vertex is too far away: {p}, at most 1e15"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

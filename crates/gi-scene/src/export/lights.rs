@@ -3,8 +3,8 @@ use gi_core::math::{Frame, Rgb};
 use glam::{Affine3A, Mat3, Vec3};
 
 use super::{Exporter, degrees, numbers};
-use crate::build::LightOrigin;
-use crate::sky::SunSky;
+use crate::origins::LightOrigin;
+use crate::sky::model::SunSky;
 
 impl Exporter<'_> {
     /// All lights that are no surfaces.

@@ -9,7 +9,7 @@ use gi_core::texture::{Bitmap, Lookup, Texture, Wrap};
 use glam::{Affine2, Affine3A, Mat3, Vec2, Vec3};
 
 use super::{Exporter, channels, free_name};
-use crate::load::Loaded;
+use crate::options::Loaded;
 
 /// The materials that are written at the top level: those with a name in the file and those that several use.
 pub(super) fn names(loaded: &Loaded, taken: &mut HashSet<String>) -> Vec<Option<String>> {

@@ -18,7 +18,8 @@ use gi_core::math::Rgb;
 use gi_core::medium::{Medium, Phase};
 
 use crate::diagnostics::Diagnostics;
-use crate::load::{Loaded, Options, load};
+use crate::load::load;
+use crate::options::{Loaded, Options};
 use xml::{Xml, degrees, numbers};
 
 /// Why an export failed.

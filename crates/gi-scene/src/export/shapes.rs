@@ -3,8 +3,9 @@ use gi_core::geometry::{Geometry, Mesh, Shape};
 use glam::{Affine3A, Mat3, Vec3};
 
 use super::Exporter;
-use crate::build::ShapeOrigin;
-use crate::shapes::{MeshFile, MeshKind, ply};
+use crate::origins::ShapeOrigin;
+use crate::shapes::mesh_file::{MeshFile, MeshKind};
+use crate::shapes::ply;
 
 impl Exporter<'_> {
     /// All shapes, groups and instances.

@@ -3,7 +3,7 @@
 use gi_core::material::Material;
 use gi_core::texture::Texture;
 
-use crate::build::Builder;
+use crate::builder::Builder;
 use crate::document::{Class, Node};
 use crate::value;
 

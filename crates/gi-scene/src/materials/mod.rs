@@ -9,7 +9,7 @@ use gi_core::material::{BentNormals, Distribution, Material, Roughness};
 use gi_core::math::Rgb;
 use gi_core::texture::Texture;
 
-use crate::build::Builder;
+use crate::builder::Builder;
 use crate::document::{Class, Meaning, Node};
 
 /// The plugins that are understood.

@@ -2,9 +2,8 @@
 
 use gi_core::texture::Texture;
 
-use crate::build::Builder;
+use crate::builder::Builder;
 use crate::document::{Meaning, Node};
-use crate::texels;
 
 /// Largest roughness.
 const MAX_ALPHA: f32 = 10.0;
@@ -20,7 +19,7 @@ impl Builder<'_> {
         default: Texture,
     ) -> Texture {
         let alpha = self.texture(node, name, default.clone(), Meaning::Factor);
-        let [least, most] = texels::range(&alpha, &self.origins);
+        let [least, most] = self.origins.range(&alpha);
         if 0.0 <= least && most <= MAX_ALPHA {
             return alpha;
         }
@@ -34,7 +33,7 @@ impl Builder<'_> {
     pub(super) fn exponent(&mut self, node: Node<'_>) -> Texture {
         let default = Texture::grey(30.0);
         let exponent = self.texture(node, "exponent", default.clone(), Meaning::Factor);
-        let [least, most] = texels::range(&exponent, &self.origins);
+        let [least, most] = self.origins.range(&exponent);
         if least < 0.0 {
             let message = format!("`exponent` is {least}");
             node.report.error(node.place_of("exponent"), message, "expected 0 or more");

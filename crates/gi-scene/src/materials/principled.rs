@@ -4,9 +4,8 @@ use gi_core::material::{Material, Principled, PrincipledThin};
 use gi_core::texture::Texture;
 
 use super::ior;
-use crate::build::Builder;
+use crate::builder::Builder;
 use crate::document::{Meaning, Node};
-use crate::texels;
 
 /// Mitsuba's choice of samples, which ours makes by itself.
 const SAMPLING_RATES: [&str; 6] = [
@@ -74,7 +73,7 @@ impl Builder<'_> {
         [low, high]: [f32; 2],
     ) -> Texture {
         let texture = self.texture(node, name, Texture::grey(default), Meaning::Factor);
-        let [least, most] = texels::range(&texture, &self.origins);
+        let [least, most] = self.origins.range(&texture);
         if low <= least && most <= high {
             return texture;
         }

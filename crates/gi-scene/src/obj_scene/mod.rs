@@ -11,12 +11,12 @@ use gi_core::filter::Filter;
 use gi_core::geometry::{Geometry, Shape};
 use gi_core::scene::SceneParts;
 
-use crate::build::{Origins, ShapeOrigin};
 use crate::diagnostics::Report;
 use crate::files;
 use crate::framing;
 use crate::hash::Hash;
-use crate::load::{Loaded, Options};
+use crate::options::{Loaded, Options};
+use crate::origins::{Origins, ShapeOrigin};
 use crate::shapes::{obj, smooth};
 use crate::statements::{latin_1, name_before_comment};
 use mtl::Entry;

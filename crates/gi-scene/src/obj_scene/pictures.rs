@@ -12,7 +12,7 @@ use super::Reader;
 use super::mtl::Map;
 use crate::files::{self, Found};
 use crate::statements::{name_before_comment, unquoted};
-use crate::textures::BitmapFile;
+use crate::texels::BitmapFile;
 use crate::value;
 
 /// Pictures that were looked for and read.

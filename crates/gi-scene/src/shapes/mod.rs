@@ -1,21 +1,20 @@
 //! Shape plugins.
 
+pub(crate) mod mesh_file;
 pub(crate) mod obj;
 pub(crate) mod ply;
 mod serialized;
 pub(crate) mod smooth;
 mod solids;
 
-use std::path::PathBuf;
-
-use gi_core::geometry::{Geometry, Mesh, Shape};
+use gi_core::geometry::{Geometry, Shape};
 use gi_core::material::Material;
 use gi_core::texture::Texture;
-use glam::{Affine3A, Vec3};
+use glam::Vec3;
 
-use crate::build::{Builder, ShapeOrigin};
+use crate::builder::Builder;
 use crate::document::{Class, Node};
-use crate::value::MAX_NUMBER;
+use crate::origins::ShapeOrigin;
 
 /// The plugins that are understood.
 const KNOWN: [&str; 10] = [
@@ -30,135 +29,6 @@ const KNOWN: [&str; 10] = [
     "shapegroup",
     "instance",
 ];
-
-/// A mesh file and how it is read: files with equal keys are read once.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct MeshFile {
-    pub(crate) path: PathBuf,
-    pub(crate) kind: MeshKind,
-}
-
-/// The format of a mesh file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum MeshKind {
-    /// Wavefront; `flip`: v = 0 is the bottom of the picture, as is usual there.
-    Obj { flip: bool },
-    /// Stanford.
-    Ply { flip: bool },
-    /// Mitsuba's own; a file holds several.
-    Serialized { index: usize },
-}
-
-/// What a mesh file holds.
-#[derive(Clone, Debug)]
-pub(crate) struct ReadMesh {
-    pub(crate) mesh: Mesh,
-    /// Whether Mitsuba 3 reads the same from this file.
-    pub(crate) portable: bool,
-    /// What of the file was left out.
-    pub(crate) note: Option<String>,
-}
-
-impl MeshFile {
-    /// The plugins that read files.
-    pub(crate) const KINDS: [&'static str; 3] = ["obj", "ply", "serialized"];
-
-    /// What a shape says about its file.
-    pub(crate) fn of(node: Node<'_>, path: PathBuf) -> MeshFile {
-        let kind = match node.plugin() {
-            "obj" => MeshKind::Obj { flip: node.bool("flip_tex_coords", true) },
-            "ply" => MeshKind::Ply { flip: node.bool("flip_tex_coords", false) },
-            _ => {
-                let index = node.int_opt("shape_index").unwrap_or(0);
-                MeshKind::Serialized { index: usize::try_from(index).unwrap_or(usize::MAX) }
-            }
-        };
-        MeshFile { path, kind }
-    }
-
-    /// Read the mesh. Its vertices are finite and its indices in range.
-    pub(crate) fn parse(&self, bytes: &[u8]) -> Result<ReadMesh, String> {
-        let plain = |mesh, portable| ReadMesh { mesh, portable, note: None };
-        let read = match self.kind {
-            MeshKind::Obj { flip } => {
-                let mut contents = obj::parse(bytes, flip)?;
-                let note = contents.note(&self.path.display().to_string());
-                let (_, mesh) = contents.meshes.pop().ok_or("it holds no faces")?;
-                ReadMesh { mesh, portable: contents.portable, note }
-            }
-            MeshKind::Ply { flip } => plain(ply::parse(bytes, flip)?, true),
-            MeshKind::Serialized { index } => plain(serialized::parse(bytes, index)?, false),
-        };
-        check(&read.mesh)?;
-        Ok(read)
-    }
-}
-
-/// What every mesh must hold, whatever format it came in.
-fn check(mesh: &Mesh) -> Result<(), String> {
-    if let Some(i) = mesh.positions.iter().position(|p| !p.is_finite()) {
-        return Err(format!("vertex {i} is not finite: {}", mesh.positions[i]));
-    }
-    mesh.positions.iter().try_for_each(|p| check_size(*p))?;
-    if let Some(i) = mesh.uvs.iter().position(|uv| !uv.is_finite()) {
-        return Err(format!("texture coordinate {i} is not finite: {}", mesh.uvs[i]));
-    }
-    let count = mesh.positions.len();
-    if let Some(k) = mesh.triangles.iter().position(|t| t.iter().any(|&i| i as usize >= count)) {
-        let t = mesh.triangles[k];
-        return Err(format!("triangle {k} names vertices {t:?} of {count}"));
-    }
-    if mesh.triangles.is_empty() {
-        return Err("it holds no faces".into());
-    }
-    Ok(())
-}
-
-/// Refuse a vertex so far away that areas and distances overflow.
-fn check_size(p: Vec3) -> Result<(), String> {
-    if p.abs().max_element() <= MAX_NUMBER {
-        return Ok(());
-    }
-    Err(format!("a vertex is too far away: {p}, at most 1e15"))
-}
-
-/// Where a mesh goes and how its normals are made.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Placement {
-    pub(crate) to_world: Affine3A,
-    face_normals: bool,
-    max_smooth_angle: Option<f32>,
-}
-
-impl Placement {
-    /// What a shape says about it.
-    pub(crate) fn of(node: Node<'_>) -> Placement {
-        Placement {
-            to_world: node.transform("to_world"),
-            face_normals: node.bool("face_normals", false),
-            max_smooth_angle: node.float_opt("max_smooth_angle"),
-        }
-    }
-
-    /// Move the mesh. As in Mitsuba, one without normals gets smooth ones unless face normals are asked for.
-    /// Returns how many normals were none and had to be replaced.
-    pub(crate) fn apply(&self, mesh: &mut Mesh) -> usize {
-        if self.face_normals || !self.to_world.inverse().is_finite() {
-            mesh.normals.clear();
-        }
-        let replaced = smooth::replace_bad_normals(mesh);
-        mesh.transform(&self.to_world);
-        if self.face_normals {
-            return replaced;
-        }
-        match self.max_smooth_angle {
-            Some(degrees) => smooth::smooth_up_to(mesh, degrees.to_radians()),
-            None if mesh.normals.is_empty() => mesh.smooth_normals(),
-            None => smooth::face_the_normals(mesh),
-        }
-        replaced
-    }
-}
 
 /// Say that nothing of a shape is seen, or less than was drawn.
 fn note_flatness(node: Node<'_>, name: &str, geometry: &Geometry) {

@@ -210,7 +210,7 @@ fn position(text: &str, index: usize) -> Result<Vec3, String> {
     if !p.iter().all(|x| x.is_finite()) {
         return Err(format!("vertex {index} is not finite: {}", without_comment(text)));
     }
-    super::check_size(Vec3::from(p))?;
+    crate::value::check_size(Vec3::from(p))?;
     Ok(Vec3::from(p))
 }
 

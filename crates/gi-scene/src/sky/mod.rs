@@ -1,5 +1,6 @@
 //! Sun and sky: the analytic sky of Hosek and Wilkie as a picture at infinity, the sun as a disc.
 
+pub(crate) mod model;
 pub(crate) mod sun;
 
 use gi_core::light::LightSource;
@@ -8,10 +9,12 @@ use gi_core::texture::{Bitmap, Lookup, Texels, Wrap};
 use glam::{Affine3A, Mat3, Vec3};
 use hw_skymodel::rgb::{Channel, SkyParams, SkyState};
 
-use crate::build::{Builder, LightOrigin};
+use crate::builder::Builder;
 use crate::document::{Meaning, Node};
-use crate::emitters::rotation;
+use crate::origins::LightOrigin;
+use crate::rotation::rotation;
 use crate::value::MAX_NUMBER;
+use model::SunSky;
 use sun::Moment;
 
 /// Size of the sky's picture: its finest feature, the glow round the sun, is a few degrees wide.
@@ -20,25 +23,6 @@ const SIZE: [usize; 2] = [512, 256];
 const LUMINOSITY_INTEGRAL: f32 = 106.750_26;
 /// A sun of no size would be a direction of infinite radiance; this one is as small as floats can tell.
 const SMALLEST_RADIUS: f32 = 1e-4;
-
-/// What a `sun`, `sky` or `sunsky` says.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct SunSky {
-    pub(crate) turbidity: f32,
-    pub(crate) albedo: Rgb,
-    /// Towards the sun, world.
-    pub(crate) sun_direction: Vec3,
-    /// Factor on the sun; zero where there is none.
-    pub(crate) sun_scale: f32,
-    /// Factor on the sky.
-    pub(crate) sky_scale: f32,
-    /// Angular radius of the sun, radians.
-    pub(crate) angular_radius: f32,
-    /// From (south, west, up) to the world.
-    pub(crate) to_world: Affine3A,
-    /// Whether the sky goes on below the horizon.
-    pub(crate) extend: bool,
-}
 
 /// Add the lights of a `sun`, `sky` or `sunsky`.
 pub(crate) fn add(builder: &mut Builder<'_>, node: Node<'_>) {

@@ -1,0 +1,89 @@
+//! Where the parts of a scene came from: an export writes the same files again.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use gi_core::math::Rgb;
+use gi_core::texture::{Bitmap, Texture};
+use glam::Affine3A;
+
+use crate::shapes::mesh_file::MeshFile;
+use crate::sky::model::SunSky;
+use crate::texels::{BitmapFile, holds_floats};
+
+/// Where the parts of a scene came from: what an export writes instead of the parts themselves.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Origins {
+    /// Names of the materials.
+    pub(crate) materials: Vec<Option<String>>,
+    /// Names of the media.
+    pub(crate) media: Vec<Option<String>>,
+    /// Of each shape, how its geometry was given.
+    pub(crate) shapes: Vec<ShapeOrigin>,
+    /// The same for each group.
+    pub(crate) groups: Vec<Vec<ShapeOrigin>>,
+    /// Of each light.
+    pub(crate) lights: Vec<LightOrigin>,
+    /// By the address of the picture, which is kept alive beside it.
+    bitmaps: HashMap<usize, (Arc<Bitmap>, BitmapFile)>,
+}
+
+/// How a shape's geometry was given.
+#[derive(Clone, Debug)]
+pub(crate) enum ShapeOrigin {
+    /// By a file that Mitsuba 3 reads as we do.
+    File(MeshFile, Affine3A),
+    /// As `rectangle` or `cube`.
+    Unit(&'static str, Affine3A),
+    /// In some other way: the geometry itself says all.
+    Itself,
+}
+
+/// How a light was given.
+#[derive(Clone, Debug)]
+pub(crate) enum LightOrigin {
+    /// As an `envmap`.
+    Picture(PathBuf),
+    /// As `sun`, `sky` or `sunsky`; the next light may be part of the same.
+    SunSky(SunSky),
+    /// Part of the light before.
+    SameAsBefore,
+    /// The light itself says all.
+    Itself,
+}
+
+impl Origins {
+    /// Remember where a picture came from.
+    pub(crate) fn note_bitmap(&mut self, bitmap: &Arc<Bitmap>, file: &BitmapFile) {
+        let known = self.bitmaps.entry(Arc::as_ptr(bitmap).addr());
+        known.or_insert_with(|| (bitmap.clone(), file.clone()));
+    }
+
+    /// Where a picture came from.
+    pub(crate) fn bitmap_file(&self, bitmap: &Arc<Bitmap>) -> Option<&BitmapFile> {
+        self.bitmaps.get(&Arc::as_ptr(bitmap).addr()).map(|(_, file)| file)
+    }
+
+    /// The smallest and the largest number that a texture gives.
+    pub(crate) fn range(&self, texture: &Texture) -> [f32; 2] {
+        let join = |a: [f32; 2], b: [f32; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+        let of =
+            |c: Rgb| c.to_array().map(|v| [v, v]).into_iter().reduce(join).expect("three numbers");
+        match texture {
+            Texture::Constant(c) => of(*c),
+            Texture::Checkerboard { color0, color1, .. } => {
+                join(self.range(color0), self.range(color1))
+            }
+            Texture::Bitmap { bitmap, scale, .. } => {
+                let floats = self.bitmap_file(bitmap).is_none_or(|f| holds_floats(&f.path));
+                if !floats {
+                    return join([0.0, 0.0], of(*scale));
+                }
+                let rows =
+                    (0..bitmap.height()).flat_map(|y| (0..bitmap.width()).map(move |x| (x, y)));
+                rows.map(|(x, y)| of(bitmap.texel(x, y) * *scale)).reduce(join).expect("texels")
+            }
+        }
+    }
+}

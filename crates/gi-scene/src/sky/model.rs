@@ -1,0 +1,23 @@
+//! The parameters of a sun and a sky.
+
+use gi_core::math::Rgb;
+use glam::{Affine3A, Vec3};
+
+/// What a `sun`, `sky` or `sunsky` says.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct SunSky {
+    pub(crate) turbidity: f32,
+    pub(crate) albedo: Rgb,
+    /// Towards the sun, world.
+    pub(crate) sun_direction: Vec3,
+    /// Factor on the sun; zero where there is none.
+    pub(crate) sun_scale: f32,
+    /// Factor on the sky.
+    pub(crate) sky_scale: f32,
+    /// Angular radius of the sun, radians.
+    pub(crate) angular_radius: f32,
+    /// From (south, west, up) to the world.
+    pub(crate) to_world: Affine3A,
+    /// Whether the sky goes on below the horizon.
+    pub(crate) extend: bool,
+}
