@@ -2,9 +2,11 @@
 
 use glam::Vec2;
 
-use super::resolve::lobe;
+use super::microfacet::Microfacets;
+use super::principled::{Solid, Thin};
 use super::{Coat, Lobe};
 use crate::material::{Material, Roughness};
+use crate::math::sqr;
 use crate::texture::Texture;
 
 /// A material with what depends on it alone.
@@ -56,9 +58,56 @@ impl PreparedMaterial {
         }
     }
 
-    /// The lobe at a point, if there are no children.
+    /// The lobe at texture coordinates `uv`; `None` for a material that has children.
+    #[inline]
     pub(crate) fn lobe_at(&self, uv: Vec2) -> Option<Lobe<'_>> {
-        lobe(self, uv)
+        let facets = |r: &Roughness| {
+            Microfacets::new(r.distribution, Vec2::new(r.alpha_u.scalar(uv), r.alpha_v.scalar(uv)))
+        };
+        Some(match &self.material {
+            Material::Diffuse { reflectance } => Lobe::Diffuse { albedo: reflectance.eval(uv) },
+            Material::RoughDiffuse { reflectance, alpha } => Lobe::OrenNayar {
+                albedo: reflectance.eval(uv),
+                sigma_sq: sqr(alpha.scalar(uv)) * 0.5,
+            },
+            Material::Conductor { eta, k, reflectance, roughness } => {
+                let (eta, k, tint) = (*eta, *k, reflectance.eval(uv));
+                match roughness {
+                    None => Lobe::Conductor { eta, k, tint },
+                    Some(r) => Lobe::RoughConductor { eta, k, tint, facets: facets(r) },
+                }
+            }
+            Material::Dielectric { eta, reflectance, transmittance, roughness } => {
+                let (eta, reflect, transmit) = (*eta, reflectance.eval(uv), transmittance.eval(uv));
+                match roughness {
+                    None => Lobe::Dielectric { eta, reflect, transmit },
+                    Some(r) => Lobe::RoughDielectric { eta, reflect, transmit, facets: facets(r) },
+                }
+            }
+            Material::ThinDielectric { eta, reflectance, transmittance } => Lobe::ThinDielectric {
+                eta: *eta,
+                reflect: reflectance.eval(uv),
+                transmit: transmittance.eval(uv),
+            },
+            Material::Plastic { diffuse, specular, .. } => Lobe::Plastic {
+                coat: self.coat.as_ref()?,
+                diffuse: diffuse.eval(uv),
+                specular: specular.eval(uv),
+            },
+            Material::Phong { diffuse, specular, exponent } => Lobe::Phong {
+                diffuse: diffuse.eval(uv),
+                specular: specular.eval(uv),
+                exponent: exponent.scalar(uv).max(0.0),
+            },
+            Material::Principled(p) => Lobe::Principled(Solid::at(p, uv)),
+            Material::PrincipledThin(p) => Lobe::PrincipledThin(Thin::at(p, uv)),
+            Material::Null => Lobe::Null,
+            Material::Mask { .. }
+            | Material::TwoSided { .. }
+            | Material::Blend { .. }
+            | Material::Bump { .. }
+            | Material::NormalMap { .. } => return None,
+        })
     }
 }
 

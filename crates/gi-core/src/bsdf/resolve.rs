@@ -1,15 +1,13 @@
 //! From a material to the lobes at a point.
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 use super::bend::Bend;
 use super::prepared::PreparedMaterial;
 use super::{Bsdf, Component, Lobe, MAX_COMPONENTS, Parts, Transport, Way};
-use crate::bsdf::microfacet::Microfacets;
-use crate::bsdf::principled::{Solid, Thin};
 use crate::geometry::{Surface, Tangents};
-use crate::material::{BentNormals, Material, Roughness};
-use crate::math::{Frame, Rgb, sqr};
+use crate::material::{BentNormals, Material};
+use crate::math::{Frame, Rgb};
 use crate::texture::Texture;
 
 /// What resolving a material needs to know.
@@ -42,7 +40,7 @@ impl<'a> Bsdf<'a> {
         let eye = (transport == Transport::Radiance).then_some(wo);
         let context = Context { materials, surface, tangents, wo, eye };
         let way = Way { transport, ng: surface.ng };
-        if let Some(lobe) = lobe(&materials[id], surface.uv) {
+        if let Some(lobe) = materials[id].lobe_at(surface.uv) {
             let frame = context.oriented(&materials[id], frame);
             let material = id as u32;
             let parts = Parts::One(Component {
@@ -127,7 +125,7 @@ impl<'a> Context<'a, '_> {
                 self.collect(*inner, self.bent(at, self.mapped(at.frame, map), *normals), out);
             }
             _ => {
-                if let Some(lobe) = lobe(prepared, uv) {
+                if let Some(lobe) = prepared.lobe_at(uv) {
                     let frame = self.oriented(prepared, at.frame);
                     out.push(lobe, Place { frame, ..at }, id);
                 }
@@ -199,55 +197,4 @@ fn side(front: usize, back: usize, frame: Frame, wo: Vec3) -> (usize, Frame) {
 #[inline]
 fn opposite(frame: Frame) -> Frame {
     Frame { s: frame.s, t: -frame.t, n: -frame.n }
-}
-
-/// The lobe of a material without children.
-#[inline]
-pub(super) fn lobe(prepared: &PreparedMaterial, uv: Vec2) -> Option<Lobe<'_>> {
-    let facets = |r: &Roughness| {
-        Microfacets::new(r.distribution, Vec2::new(r.alpha_u.scalar(uv), r.alpha_v.scalar(uv)))
-    };
-    Some(match &prepared.material {
-        Material::Diffuse { reflectance } => Lobe::Diffuse { albedo: reflectance.eval(uv) },
-        Material::RoughDiffuse { reflectance, alpha } => {
-            Lobe::OrenNayar { albedo: reflectance.eval(uv), sigma_sq: sqr(alpha.scalar(uv)) * 0.5 }
-        }
-        Material::Conductor { eta, k, reflectance, roughness } => {
-            let (eta, k, tint) = (*eta, *k, reflectance.eval(uv));
-            match roughness {
-                None => Lobe::Conductor { eta, k, tint },
-                Some(r) => Lobe::RoughConductor { eta, k, tint, facets: facets(r) },
-            }
-        }
-        Material::Dielectric { eta, reflectance, transmittance, roughness } => {
-            let (eta, reflect, transmit) = (*eta, reflectance.eval(uv), transmittance.eval(uv));
-            match roughness {
-                None => Lobe::Dielectric { eta, reflect, transmit },
-                Some(r) => Lobe::RoughDielectric { eta, reflect, transmit, facets: facets(r) },
-            }
-        }
-        Material::ThinDielectric { eta, reflectance, transmittance } => Lobe::ThinDielectric {
-            eta: *eta,
-            reflect: reflectance.eval(uv),
-            transmit: transmittance.eval(uv),
-        },
-        Material::Plastic { diffuse, specular, .. } => Lobe::Plastic {
-            coat: prepared.coat.as_ref()?,
-            diffuse: diffuse.eval(uv),
-            specular: specular.eval(uv),
-        },
-        Material::Phong { diffuse, specular, exponent } => Lobe::Phong {
-            diffuse: diffuse.eval(uv),
-            specular: specular.eval(uv),
-            exponent: exponent.scalar(uv).max(0.0),
-        },
-        Material::Principled(p) => Lobe::Principled(Solid::at(p, uv)),
-        Material::PrincipledThin(p) => Lobe::PrincipledThin(Thin::at(p, uv)),
-        Material::Null => Lobe::Null,
-        Material::Mask { .. }
-        | Material::TwoSided { .. }
-        | Material::Blend { .. }
-        | Material::Bump { .. }
-        | Material::NormalMap { .. } => return None,
-    })
 }

@@ -7,7 +7,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::target::Ball;
+use super::ball::Ball;
 use super::{Discrete, Emission, EmitterPoint, Light, Lights, PointSource};
 use crate::math::{Bounds, Frame, Rgb, sqr};
 

@@ -5,6 +5,7 @@
 
 mod aim;
 mod area;
+mod ball;
 mod distribution;
 mod emit;
 mod environment;

@@ -6,6 +6,7 @@ use std::f32::consts::PI;
 use glam::Vec3;
 
 use super::aim::{Aim, Weighted};
+use super::ball::{Ball, joined};
 use super::{Emission, EmitterPoint, Light, Lights, PointSource};
 use crate::geometry::{Geometry, Shape};
 use crate::math::{Frame, Rgb, sqr};
@@ -17,12 +18,6 @@ pub struct Targets {
     spheres: Vec<Ball>,
     /// Instead of them: no path is left out.
     aim: Option<Aim>,
-}
-
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Ball {
-    pub(super) center: Vec3,
-    pub(super) radius: f32,
 }
 
 /// Most spheres; each start of a path looks at all of them.
@@ -119,45 +114,6 @@ impl Targets {
         let count = self.spheres.iter().filter(|b| b.is_on_line(p, d)).count().max(1);
         Some((p, total / count as f32))
     }
-}
-
-impl Ball {
-    /// Area of its shadow.
-    pub(super) fn shadow(&self) -> f32 {
-        PI * sqr(self.radius)
-    }
-
-    /// A point of its shadow across the normal of `frame`, uniformly by area, in the plane through its middle.
-    pub(super) fn point_of_shadow(&self, frame: &Frame, u: [f32; 2]) -> Vec3 {
-        let q = warp::disk(u) * self.radius;
-        self.center + frame.s * q.x + frame.t * q.y
-    }
-
-    /// Whether the line through `p` along unit `d` meets it.
-    pub(super) fn is_on_line(&self, p: Vec3, d: Vec3) -> bool {
-        (self.center - p).cross(d).length_squared() <= sqr(self.radius)
-    }
-
-    /// 1 - cos of the half angle of the cone that the ball fills from `p`; `None` from inside.
-    pub(super) fn one_minus_cos(&self, p: Vec3) -> Option<f32> {
-        let sin_sq = sqr(self.radius) / (self.center - p).length_squared();
-        (sin_sq < 0.9999).then(|| sin_sq / (1.0 + (1.0 - sin_sq).sqrt()))
-    }
-}
-
-/// A ball round one or two.
-fn joined(balls: &[Ball]) -> Ball {
-    let [a, b] = *balls else { return balls[0] };
-    let distance = a.center.distance(b.center);
-    if distance + b.radius <= a.radius {
-        return a;
-    }
-    if distance + a.radius <= b.radius {
-        return b;
-    }
-    let radius = 0.5 * (distance + a.radius + b.radius);
-    let along = (b.center - a.center) / distance.max(f32::MIN_POSITIVE);
-    Ball { center: a.center + along * (radius - a.radius), radius: radius * 1.000_01 }
 }
 
 /// Middle and radius of a sphere round a shape.
