@@ -8,6 +8,7 @@ use gi_core::geometry::{Geometry, Shape};
 use gi_core::light::LightSource;
 use gi_core::material::Material;
 use gi_core::math::Rgb;
+use gi_core::medium::MediumId;
 use gi_core::medium::{Medium, Phase};
 use gi_core::scene::SceneParts;
 use gi_core::technique::Technique;
@@ -34,7 +35,7 @@ fn medium(sigma_t: f32, albedo: f32) -> Medium {
 }
 
 fn solid(geometry: Geometry) -> Shape {
-    Shape { interior: Some(0), ..Shape::new("solid", geometry, 0) }
+    Shape { interior: Some(MediumId::new(0)), ..Shape::new("solid", geometry, 0) }
 }
 
 fn params(volume_photons: usize) -> Params {

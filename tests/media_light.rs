@@ -10,6 +10,7 @@ use gi_core::geometry::Shape;
 use gi_core::light::LightSource;
 use gi_core::material::Material;
 use gi_core::math::Rgb;
+use gi_core::medium::MediumId;
 use gi_core::medium::{Medium, Phase};
 use gi_core::scene::SceneParts;
 use gi_core::texture::Texture;
@@ -80,7 +81,7 @@ fn ball(center: Vec3, radius: f32, material: usize) -> Shape {
 fn a_medium_of_albedo_one_cannot_be_seen_in_a_white_furnace() {
     for (sigma_t, g) in [(0.5, 0.0), (4.0, 0.7), (4.0, -0.4)] {
         let parts = SceneParts {
-            shapes: vec![Shape { interior: Some(0), ..ball(Vec3::ZERO, 0.6, 0) }],
+            shapes: vec![Shape { interior: Some(MediumId::new(0)), ..ball(Vec3::ZERO, 0.6, 0) }],
             materials: vec![Material::Null],
             media: vec![mist(sigma_t, g)],
             lights: vec![LightSource::Constant { radiance: Rgb::WHITE }],
@@ -97,7 +98,7 @@ fn a_furnace_filled_with_a_medium_of_albedo_one_reads_one_over_one_minus_a() {
     // The camera is inside. What is scattered just before it would count without bound: it sees from its near plane on.
     let (mut parts, camera) = furnace(0.5);
     parts.media = vec![mist(0.8, 0.3)];
-    parts.shapes[0].exterior = Some(0);
+    parts.shapes[0].exterior = Some(MediumId::new(0));
     let world = World::new(parts, &CameraSpec { near: 0.3, ..camera });
     assert_reads("full furnace", &world, 64, 2.0);
 }
@@ -108,7 +109,7 @@ fn murky() -> World {
     let floor = [[-2.0, -1.0, -2.0], [-2.0, -1.0, 2.0], [2.0, -1.0, 2.0], [2.0, -1.0, -2.0]];
     let lamp = [[-0.6, 1.6, -0.4], [0.2, 1.6, -0.4], [0.2, 1.6, 0.4], [-0.6, 1.6, 0.4]];
     let phase = Phase::HenyeyGreenstein { g: 0.5 };
-    let (air, thin, dense) = (Some(0), Some(1), Some(2));
+    let [air, thin, dense] = [0, 1, 2].map(|k| Some(MediumId::new(k)));
     let within = |interior, exterior, shape| Shape { interior, exterior, ..shape };
     let emission = Some(Texture::Constant(Rgb::new(5.0, 4.0, 3.0)));
     let parts = SceneParts {

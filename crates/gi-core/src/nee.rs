@@ -1,6 +1,7 @@
 //! Next-event estimation: light sampled from a point of a surface or a medium, weighted against sampling of what scatters
 //! there.
 
+use crate::medium::MediumId;
 use glam::Vec3;
 
 use crate::bsdf::Bsdf;
@@ -35,7 +36,7 @@ pub fn direct_light(
 #[inline]
 pub fn direct_light_through_media(
     scene: &Scene,
-    (surface, medium): (&Surface, Option<usize>),
+    (surface, medium): (&Surface, Option<MediumId>),
     bsdf: &Bsdf,
     wo: Vec3,
     sampler: &mut Sampler,
@@ -50,7 +51,7 @@ pub fn direct_light_through_media(
 #[inline]
 pub fn direct_light_within(
     scene: &Scene,
-    medium: usize,
+    medium: MediumId,
     p: Vec3,
     wo: Vec3,
     sampler: &mut Sampler,
@@ -62,7 +63,7 @@ pub fn direct_light_within(
 #[inline]
 pub fn all_direct_light_within(
     scene: &Scene,
-    medium: usize,
+    medium: MediumId,
     p: Vec3,
     wo: Vec3,
     sampler: &mut Sampler,
@@ -73,7 +74,7 @@ pub fn all_direct_light_within(
 #[inline]
 fn light_within(
     scene: &Scene,
-    medium: usize,
+    medium: MediumId,
     (p, wo): (Vec3, Vec3),
     sampler: &mut Sampler,
     weigh: impl FnOnce(f32, f32) -> f32,

@@ -1,5 +1,6 @@
 //! The one shape of every technique: prepare once, then passes.
 
+use crate::medium::MediumId;
 use std::path::Path;
 
 use crate::camera::Camera;
@@ -25,7 +26,7 @@ pub struct Setting<'a> {
 
 impl Setting<'_> {
     /// The medium that the camera stands in: one for all pixels, even if its lens reaches through a boundary.
-    pub fn camera_medium(&self) -> Option<usize> {
+    pub fn camera_medium(&self) -> Option<MediumId> {
         let [w, h] = self.camera.size();
         let ray = self.camera.ray([0.5 * w as f32, 0.5 * h as f32], [0.5; 2]);
         self.scene.medium_at(ray.at(ray.tmin), ray.d)

@@ -1,6 +1,7 @@
 //! The one light walk: paths from the lights, vertex by vertex. Light tracing, photon maps, progressive photon
 //! mapping and virtual point lights all take their light from here.
 
+use crate::medium::MediumId;
 use glam::Vec3;
 
 use crate::bsdf::{Bsdf, Scatter, Transport};
@@ -37,7 +38,7 @@ pub struct LightVertex<'a> {
     /// Whether the last scattering, if any, was by a delta lobe.
     pub after_delta: bool,
     /// The medium that the path reached it in, for walks through media.
-    pub medium: Option<usize>,
+    pub medium: Option<MediumId>,
 }
 
 /// A light path that is being walked.
@@ -56,7 +57,7 @@ pub struct LightWalk<'a> {
     after_delta: bool,
     /// Whether media absorb and scatter, and the one that the path is in.
     media: bool,
-    medium: Option<usize>,
+    medium: Option<MediumId>,
 }
 
 /// Dimensions of the sampler that emission uses, and that one scattering may use.
@@ -108,7 +109,7 @@ impl<'a> LightWalk<'a> {
     }
 
     /// The medium that the path is in, for walks through media.
-    pub fn medium(&self) -> Option<usize> {
+    pub fn medium(&self) -> Option<MediumId> {
         self.medium
     }
 

@@ -1,5 +1,6 @@
 //! What a scene is built from, and what has been built so far.
 
+use gi_core::medium::MediumId;
 use std::collections::{HashMap, HashSet};
 
 use gi_core::scene::SceneParts;
@@ -23,7 +24,7 @@ pub(crate) struct Builder<'a> {
     pub(crate) black: Option<usize>,
     pub(crate) grey: Option<usize>,
     pub(crate) null: Option<usize>,
-    pub(crate) medium_of: HashMap<ObjectId, usize>,
+    pub(crate) medium_of: HashMap<ObjectId, MediumId>,
     pub(crate) group_of: HashMap<ObjectId, usize>,
     pub(crate) built_shapes: HashSet<ObjectId>,
     /// Emitters that belong to shapes.

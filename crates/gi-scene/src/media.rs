@@ -1,6 +1,7 @@
 //! Participating media.
 
 use gi_core::math::Rgb;
+use gi_core::medium::MediumId;
 use gi_core::medium::{Medium, Phase};
 
 use crate::builder::Builder;
@@ -8,7 +9,7 @@ use crate::document::{Class, Meaning, Node};
 
 impl Builder<'_> {
     /// The medium of an object, made when first asked for; `None` after a reported problem.
-    pub(crate) fn medium(&mut self, node: Node<'_>) -> Option<usize> {
+    pub(crate) fn medium(&mut self, node: Node<'_>) -> Option<MediumId> {
         if let Some(&known) = self.medium_of.get(&node.id) {
             return Some(known);
         }
@@ -19,8 +20,9 @@ impl Builder<'_> {
         let medium = homogeneous(node)?;
         self.parts.media.push(medium);
         self.origins.media.push(node.object().id.clone());
-        self.medium_of.insert(node.id, self.parts.media.len() - 1);
-        Some(self.parts.media.len() - 1)
+        let id = MediumId::new(self.parts.media.len() - 1);
+        self.medium_of.insert(node.id, id);
+        Some(id)
     }
 }
 

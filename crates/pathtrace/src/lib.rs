@@ -17,6 +17,7 @@ mod params;
 use gi_core::bytes::{Reader, Writer};
 use gi_core::eye::{EyeEvent, EyeWalk};
 use gi_core::film::{Film, Sample};
+use gi_core::medium::MediumId;
 use gi_core::technique::{Setting, Technique};
 
 pub use params::{Mode, Params};
@@ -100,7 +101,7 @@ impl PathTracer<'_> {
     }
 
     /// The same in media: a medium may scatter the path before it reaches the next surface [slide 34].
-    fn path_in_media(&self, pixel: [usize; 2], index: u32, medium: Option<usize>) -> Sample {
+    fn path_in_media(&self, pixel: [usize; 2], index: u32, medium: Option<MediumId>) -> Sample {
         let walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
         let mut walk = walk.through_media(medium);
         while let Some(event) = &walk.next_event() {

@@ -6,6 +6,7 @@ use gi_core::film::{Components, Film, Sample};
 use gi_core::filter::FilterTable;
 use gi_core::light::Light;
 use gi_core::math::Rgb;
+use gi_core::medium::MediumId;
 use gi_core::sampler::Sampler;
 use gi_core::walk::{LightEvent, LightVertex, LightWalk, MediumVertex, Roulette, walk_in_order};
 use glam::Vec3;
@@ -158,7 +159,7 @@ impl PathTracer<'_> {
     }
 
     /// The share of light that passes from a point, in `medium`, to the camera.
-    fn visibility(&self, p: Vec3, ng: Vec3, medium: Option<usize>, c: &Connection) -> Rgb {
+    fn visibility(&self, p: Vec3, ng: Vec3, medium: Option<MediumId>, c: &Connection) -> Rgb {
         let scene = self.setting.scene;
         let ray = scene.tree().shadow_ray(p, ng, c.end);
         if scene.has_media() {
@@ -170,7 +171,7 @@ impl PathTracer<'_> {
 
     /// What only the eye can find: light from infinity seen directly, and the layers of the first surface. The eye is in
     /// `medium`.
-    fn look(&self, [x, y]: [usize; 2], index: u32, mut medium: Option<usize>) -> Sample {
+    fn look(&self, [x, y]: [usize; 2], index: u32, mut medium: Option<MediumId>) -> Sample {
         let (scene, camera) = (self.setting.scene, self.setting.camera);
         let mut sampler = Sampler::new(self.setting.seed, (y * camera.size()[0] + x) as u32, index);
         let [u, v] = sampler.next_2d();

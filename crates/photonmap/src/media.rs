@@ -1,5 +1,6 @@
 //! What is known of the light that a medium scatters back along a beam: photons, the dipole, and samples of lights.
 
+use gi_core::medium::MediumId;
 use gi_core::technique::Setting;
 
 use crate::dipole::Dipoles;
@@ -34,7 +35,8 @@ pub(crate) fn check(setting: &Setting, params: &Params) -> Result<(), String> {
     }
     let scene = setting.scene;
     let solids = Solids::of(scene);
-    if !params.knows_media(scene) || !(0..scene.media().len()).any(|m| solids.is_dark(m)) {
+    let mut media = (0..scene.media().len()).map(MediumId::new);
+    if !params.knows_media(scene) || !media.any(|m| solids.is_dark(m)) {
         return Err(NO_SOLID.into());
     }
     let is_inside = setting.camera_medium().is_some_and(|m| solids.is_dark(m));

@@ -1,5 +1,6 @@
 //! Solid bodies of a translucent medium: which media fill them, and which surfaces bound the same one.
 
+use gi_core::medium::MediumId;
 use std::collections::HashMap;
 
 use gi_core::geometry::{Geometry, Shape};
@@ -23,7 +24,8 @@ impl Solids {
     /// Find the media that fill solid bodies.
     pub(crate) fn of(scene: &Scene) -> Self {
         let media = scene.media();
-        let is_it = |m: usize, side: Option<usize>| side.is_some_and(|s| media[s] == media[m]);
+        let is_it =
+            |m: usize, side: Option<MediumId>| side.is_some_and(|s| media[s.index()] == media[m]);
         let bounds = |shape: &Shape, m| is_it(m, shape.interior) || is_it(m, shape.exterior);
         let lights = 0..scene.lights().all().len();
         let lit = (0..media.len())
@@ -36,8 +38,8 @@ impl Solids {
     }
 
     /// Whether a medium fills solid bodies only, and no point of it is reached by light straight from a light.
-    pub(crate) fn is_dark(&self, medium: usize) -> bool {
-        self.solid[medium] && !self.lit[medium]
+    pub(crate) fn is_dark(&self, medium: MediumId) -> bool {
+        self.solid[medium.index()] && !self.lit[medium.index()]
     }
 }
 
@@ -152,7 +154,7 @@ mod tests {
         };
         let sides = [[0, 2, 1], [0, 1, 3], [0, 3, 2]];
         let boundary = |geometry, material, inside| Shape {
-            interior: Some(inside),
+            interior: Some(MediumId::new(inside)),
             ..Shape::new("boundary", geometry, material)
         };
         // One mesh of two bodies, the lid of one of them as a shape of its own, and a cloud.
@@ -184,7 +186,7 @@ mod tests {
         let scene = Scene::new(parts).expect("a scene");
         let solids = Solids::of(&scene);
         assert_eq!(solids.solid, [true, false, false]);
-        assert!(solids.is_dark(0) && !solids.is_dark(1));
+        assert!(solids.is_dark(MediumId::new(0)) && !solids.is_dark(MediumId::new(1)));
         let found = Bodies::of(&scene);
         let bodies: Vec<u32> = (0..13).map(|prim| found.body(prim)).collect();
         assert_eq!(bodies, [0, 0, 0, 3, 3, 3, 3, 7, 7, 7, 10, 10, 12]);

@@ -1,5 +1,6 @@
 //! The eye walk in participating media [slide 34].
 
+use crate::medium::MediumId;
 use glam::Vec3;
 
 use super::{EyeVertex, EyeWalk, LastScattering, Remainder};
@@ -34,8 +35,8 @@ pub struct EyeMediumVertex {
     pub p: Vec3,
     /// Unit direction back along the path.
     pub wo: Vec3,
-    /// The medium, by its index in [`crate::scene::Scene::media`].
-    pub medium: usize,
+    /// The medium.
+    pub medium: MediumId,
     /// Fraction of the scattering here that no estimate has accounted for.
     remainder: Rgb,
     u_phase: [f32; 2],
@@ -49,8 +50,8 @@ pub struct Beam {
     pub ray: Ray,
     /// Distance to its far end, world units; may be infinite.
     pub reach: f32,
-    /// The medium, by its index in [`crate::scene::Scene::media`].
-    pub medium: usize,
+    /// The medium.
+    pub medium: MediumId,
     /// Where the path has just entered the medium. `None` if it begins there, or was reflected or scattered inside.
     pub entered: Option<Entrance>,
     /// Number of segments from the camera, this one included.
@@ -83,7 +84,7 @@ impl<'a> EyeWalk<'a> {
     /// The same path, attenuated and scattered by media. `medium` is the one that it starts in
     /// ([`crate::technique::Setting::camera_medium`]).
     #[inline]
-    pub fn through_media(mut self, medium: Option<usize>) -> Self {
+    pub fn through_media(mut self, medium: Option<MediumId>) -> Self {
         self.knows_media = true;
         self.medium = medium;
         self

@@ -27,6 +27,7 @@ mod media;
 mod remainder;
 mod vertex;
 
+use crate::medium::MediumId;
 use glam::Vec3;
 
 use crate::bsdf::{Scatter, Transport};
@@ -73,7 +74,7 @@ pub struct EyeWalk<'a> {
     /// Whether media scatter the path ([`EyeWalk::through_media`]).
     knows_media: bool,
     /// The medium that the next segment starts in.
-    medium: Option<usize>,
+    medium: Option<MediumId>,
     /// Where the path has just entered that medium.
     entered: Option<Entrance>,
     /// The end of the next segment, if it is known already.

@@ -1,5 +1,6 @@
 //! A vertex of the eye walk, and what a technique may add there.
 
+use crate::medium::MediumId;
 use glam::Vec3;
 
 use crate::bsdf::{Bsdf, DiffusePart};
@@ -21,7 +22,7 @@ pub struct EyeVertex<'a> {
     /// Length of the path from the camera to here, world units.
     pub length: f32,
     /// The medium that the path came through.
-    pub medium: Option<usize>,
+    pub medium: Option<MediumId>,
     /// What one unit of estimated radiance adds to the sample.
     pub throughput: Rgb,
     /// Fraction of the scattering here that no earlier estimate has accounted for.

@@ -1,3 +1,4 @@
+use crate::medium::MediumId;
 use glam::{Affine3A, Vec3};
 
 use super::Mesh;
@@ -79,9 +80,9 @@ pub struct Shape {
     /// Emitted radiance on the side of the normal, if this is an area light.
     pub emission: Option<Texture>,
     /// Index into [`crate::scene::SceneParts::media`] of what lies against the normal.
-    pub interior: Option<usize>,
+    pub interior: Option<MediumId>,
     /// Index into [`crate::scene::SceneParts::media`] of what lies on the side of the normal.
-    pub exterior: Option<usize>,
+    pub exterior: Option<MediumId>,
     /// Turn all normals round.
     pub flip_normals: bool,
 }

@@ -9,6 +9,23 @@ mod phase;
 use crate::math::Rgb;
 pub use phase::Phase;
 
+/// Which of [`crate::scene::Scene::media`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct MediumId(u32);
+
+impl MediumId {
+    /// The medium at `index` of the scene's media.
+    pub fn new(index: usize) -> Self {
+        MediumId(u32::try_from(index).expect("fewer than 2^32 media"))
+    }
+
+    /// Its index in the scene's media.
+    #[inline]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
 /// A medium of constant density.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Medium {
@@ -38,9 +55,9 @@ pub enum Flight {
     },
 }
 
-/// The first of `media` that is equal to number `index`: equal media are one.
-pub fn first_equal(media: &[Medium], index: usize) -> usize {
-    media.iter().position(|m| *m == media[index]).unwrap_or(index)
+/// The first of `media` that equals `id`: equal media count as one.
+pub fn first_equal(media: &[Medium], id: MediumId) -> MediumId {
+    media.iter().position(|m| *m == media[id.index()]).map_or(id, MediumId::new)
 }
 
 impl Medium {

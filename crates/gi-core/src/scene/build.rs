@@ -10,6 +10,7 @@ use crate::bsdf::{MAX_COMPONENTS, PreparedMaterial, check_children, component_co
 use crate::geometry::{Geometry, Instance, Shape};
 use crate::light::Lights;
 use crate::math::Bounds;
+use crate::medium::MediumId;
 
 /// Why a scene could not be made ready.
 #[derive(Clone, Debug, PartialEq)]
@@ -123,7 +124,7 @@ impl Scene {
         let lights = Lights::new(&shapes[..own_shapes], lights, sphere);
         let instances = instances.iter().map(prepare_instance).collect();
         let materials = prepared;
-        let is_there = |m: usize| !media[m].sigma_t.is_black();
+        let is_there = |m: MediumId| !media[m.index()].sigma_t.is_black();
         let has_media =
             shapes.iter().any(|s| s.interior.into_iter().chain(s.exterior).any(is_there));
         let mut scene = Scene {
@@ -176,7 +177,11 @@ fn check(parts: &SceneParts) -> Result<(), SceneError> {
                 "shape \"{name}\" has a material that is not there"
             )));
         }
-        if [shape.interior, shape.exterior].into_iter().flatten().any(|m| m >= parts.media.len()) {
+        if [shape.interior, shape.exterior]
+            .into_iter()
+            .flatten()
+            .any(|m| m.index() >= parts.media.len())
+        {
             return Err(SceneError::Dangling(format!(
                 "shape \"{name}\" has a medium that is not there"
             )));

@@ -1,5 +1,6 @@
 //! What shines at a point, and what is in between.
 
+use crate::medium::MediumId;
 use glam::{Vec2, Vec3};
 
 use super::Scene;
@@ -175,7 +176,7 @@ impl Scene {
         &self,
         mut ray: Ray,
         end: Option<u32>,
-        mut medium: Option<usize>,
+        mut medium: Option<MediumId>,
     ) -> Rgb {
         let length = ray.d.length();
         let toward = -ray.d / length;

@@ -3,6 +3,7 @@
 //! A shape that names a medium for either of its sides is a boundary: who crosses it comes into what it says of that side,
 //! nothing where it says nothing. Other shapes change nothing. (Mitsuba's rule.)
 
+use crate::medium::MediumId;
 use glam::Vec3;
 
 use super::Scene;
@@ -31,10 +32,10 @@ impl Scene {
         self.has_media
     }
 
-    /// A medium by its index in [`Scene::media`].
+    /// One of [`Scene::media`].
     #[inline]
-    pub fn medium(&self, index: usize) -> &Medium {
-        &self.media[index]
+    pub fn medium(&self, id: MediumId) -> &Medium {
+        &self.media[id.index()]
     }
 
     /// The medium on the side of `surface` that `d` points to, for a path that is in `current`.
@@ -43,8 +44,8 @@ impl Scene {
         &self,
         surface: &Surface,
         d: Vec3,
-        current: Option<usize>,
-    ) -> Option<usize> {
+        current: Option<MediumId>,
+    ) -> Option<MediumId> {
         let shape = &self.shapes[surface.shape as usize];
         if !shape.is_boundary() {
             return current;
@@ -54,7 +55,7 @@ impl Scene {
 
     /// The medium at `p`: what the first boundary that is seen from there says of its near side. `first` is where to look first.
     /// Boundaries behind opaque surfaces are asked only where none is seen; nothing is there where there is none at all.
-    pub fn medium_at(&self, p: Vec3, first: Vec3) -> Option<usize> {
+    pub fn medium_at(&self, p: Vec3, first: Vec3) -> Option<MediumId> {
         if !self.has_media {
             return None;
         }
@@ -111,18 +112,18 @@ impl Scene {
 
     /// The medium that light of light number `light` starts in.
     #[inline]
-    pub fn medium_round_light(&self, light: usize) -> Option<usize> {
+    pub fn medium_round_light(&self, light: usize) -> Option<MediumId> {
         self.light_media.get(light).copied().flatten()
     }
 
     /// What a medium leaves of light over a distance, world units, which may be infinite.
     #[inline]
-    pub fn dimmed(&self, medium: Option<usize>, distance: f32) -> Rgb {
-        medium.map_or(Rgb::WHITE, |m| self.media[m].transmittance(distance))
+    pub fn dimmed(&self, medium: Option<MediumId>, distance: f32) -> Rgb {
+        medium.map_or(Rgb::WHITE, |m| self.medium(m).transmittance(distance))
     }
 
     /// The share of light that passes along a ray segment that starts in `medium`: what masks, panes and media leave.
-    pub fn transmittance_through_media(&self, ray: Ray, medium: Option<usize>) -> Rgb {
+    pub fn transmittance_through_media(&self, ray: Ray, medium: Option<MediumId>) -> Rgb {
         self.transmittance_through_media_to(ray, None, medium)
     }
 
@@ -131,7 +132,7 @@ impl Scene {
         &self,
         ray: Ray,
         end: Option<u32>,
-        medium: Option<usize>,
+        medium: Option<MediumId>,
     ) -> Rgb {
         match self.tree.any(&ray) {
             None => self.dimmed(medium, (ray.tmax - ray.tmin) * ray.d.length()),
@@ -144,7 +145,7 @@ impl Scene {
     pub fn visibility_through_media(
         &self,
         surface: &Surface,
-        medium: Option<usize>,
+        medium: Option<MediumId>,
         light: &LightSample,
     ) -> Rgb {
         let medium = self.medium_toward(surface, light.wi, medium);
@@ -159,7 +160,7 @@ impl Scene {
     pub fn visibility_from_within(
         &self,
         p: Vec3,
-        medium: Option<usize>,
+        medium: Option<MediumId>,
         light: &LightSample,
     ) -> Rgb {
         let ray = match light.p {

@@ -1,5 +1,6 @@
 //! What is odd about the media of a scene, and what is assumed then.
 
+use crate::medium::MediumId;
 use std::collections::{BTreeSet, HashMap};
 
 use glam::Vec3;
@@ -23,8 +24,11 @@ impl Scene {
             return Vec::new();
         }
         let mut warnings = Vec::new();
-        for medium in (0..self.media.len()).filter(|&k| first_equal(&self.media, k) == k) {
-            warnings.extend(self.open_boundary(&self.media[medium]));
+        for medium in (0..self.media.len())
+            .map(MediumId::new)
+            .filter(|&id| first_equal(&self.media, id) == id)
+        {
+            warnings.extend(self.open_boundary(self.medium(medium)));
         }
         warnings.extend(self.disagreements());
         warnings
@@ -32,7 +36,7 @@ impl Scene {
 
     /// A medium whose boundaries, all taken together, have edges that an odd number of triangles meet at.
     fn open_boundary(&self, medium: &Medium) -> Option<String> {
-        let is_it = |side: Option<usize>| side.is_some_and(|m| self.media[m] == *medium);
+        let is_it = |side: Option<MediumId>| side.is_some_and(|m| self.medium(m) == medium);
         let bounds = |s: &&Shape| is_it(s.interior) || is_it(s.exterior);
         let mut edges: HashMap<[[u32; 3]; 2], (u32, &str)> = HashMap::new();
         for shape in self.shapes.iter().filter(bounds) {
@@ -92,7 +96,7 @@ impl Scene {
 
     /// What a boundary says of its side toward `d`.
     fn medium_beside(&self, surface: &Surface, d: Vec3) -> Option<&Medium> {
-        self.medium_toward(surface, d, None).map(|m| &self.media[m])
+        self.medium_toward(surface, d, None).map(|m| self.medium(m))
     }
 
     /// The boundary's surface at a point of it, met by a ray from a little above.

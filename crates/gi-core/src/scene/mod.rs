@@ -43,7 +43,7 @@ pub struct Scene {
     /// Whether any shape parts media.
     has_media: bool,
     /// The medium round each light; empty where there are no media.
-    light_media: Vec<Option<usize>>,
+    light_media: Vec<Option<crate::medium::MediumId>>,
 }
 
 /// An instance with what its surfaces need.

@@ -3,6 +3,7 @@
 use super::SceneParts;
 use super::media_check::is_closed;
 use crate::geometry::{Geometry, Shape};
+use crate::medium::MediumId;
 
 impl SceneParts {
     /// Let `interior` of every closed boundary be what it encloses. A normal decides where media lie, and a mesh that is wound
@@ -37,7 +38,7 @@ fn enclose(shapes: &mut [Shape], warnings: &mut Vec<String>) {
             turn(shapes, &[k]);
         }
     }
-    let mut media: Vec<Option<usize>> = open.iter().map(|&k| shapes[k].interior).collect();
+    let mut media: Vec<Option<MediumId>> = open.iter().map(|&k| shapes[k].interior).collect();
     media.sort_unstable();
     media.dedup();
     for medium in media {
@@ -79,7 +80,7 @@ mod tests {
         let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].map(|p| p + offset).to_vec();
         let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
         let mesh = Mesh { positions, triangles, ..Mesh::default() };
-        Shape { interior: Some(0), ..Shape::new("body", Geometry::Mesh(mesh), 0) }
+        Shape { interior: Some(MediumId::new(0)), ..Shape::new("body", Geometry::Mesh(mesh), 0) }
     }
 
     fn turned(shape: &Shape) -> Shape {
@@ -88,7 +89,7 @@ mod tests {
         Shape { geometry: Geometry::Mesh(mesh), ..shape.clone() }
     }
 
-    fn interiors(shapes: Vec<Shape>) -> (Vec<Option<usize>>, usize) {
+    fn interiors(shapes: Vec<Shape>) -> (Vec<Option<MediumId>>, usize) {
         let mut parts = SceneParts { shapes, ..SceneParts::default() };
         let warnings = parts.enclose_media();
         (parts.shapes.iter().map(|s| s.interior).collect(), warnings.len())
@@ -98,11 +99,14 @@ mod tests {
     fn a_boundary_that_is_wound_inward_has_its_medium_inside() {
         for offset in [Vec3::ZERO, Vec3::new(50.0, -30.0, 7.0)] {
             let body = tetrahedron(offset);
-            assert_eq!(interiors(vec![body.clone()]), (vec![Some(0)], 0));
-            assert_eq!(interiors(vec![turned(&body), body.clone()]), (vec![None, Some(0)], 1));
+            assert_eq!(interiors(vec![body.clone()]), (vec![Some(MediumId::new(0))], 0));
+            assert_eq!(
+                interiors(vec![turned(&body), body.clone()]),
+                (vec![None, Some(MediumId::new(0))], 1)
+            );
             let flipped = Shape { flip_normals: true, ..body.clone() };
             assert_eq!(interiors(vec![flipped.clone()]), (vec![None], 1));
-            assert_eq!(interiors(vec![turned(&flipped)]), (vec![Some(0)], 0));
+            assert_eq!(interiors(vec![turned(&flipped)]), (vec![Some(MediumId::new(0))], 0));
         }
     }
 
@@ -117,9 +121,12 @@ mod tests {
             mesh.triangles.iter().map(face).collect()
         };
         let body = tetrahedron(Vec3::new(2.0, 1.0, -4.0));
-        assert_eq!(interiors(faces(&body)), (vec![Some(0); 4], 0));
+        assert_eq!(interiors(faces(&body)), (vec![Some(MediumId::new(0)); 4], 0));
         assert_eq!(interiors(faces(&turned(&body))), (vec![None; 4], 4));
         // An open bowl says nothing of what is inside.
-        assert_eq!(interiors(faces(&turned(&body))[1..].to_vec()), (vec![Some(0); 3], 0));
+        assert_eq!(
+            interiors(faces(&turned(&body))[1..].to_vec()),
+            (vec![Some(MediumId::new(0)); 3], 0)
+        );
     }
 }

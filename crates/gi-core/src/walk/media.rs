@@ -1,5 +1,6 @@
 //! The light walk in media.
 
+use crate::medium::MediumId;
 use glam::Vec3;
 
 use super::{
@@ -60,8 +61,8 @@ pub struct MediumVertex {
     pub p: Vec3,
     /// Unit direction back to where the light came from.
     pub wo: Vec3,
-    /// The medium, by its index in [`crate::scene::Scene::media`].
-    pub medium: usize,
+    /// The medium.
+    pub medium: MediumId,
     /// Power that is scattered here, what is absorbed apart; already divided by all densities, not by the number of paths. Over all
     /// paths these powers add up, per volume, to sigma_s times radiance integrated over directions.
     pub power: Rgb,

@@ -67,7 +67,7 @@ impl Exporter<'_> {
         self.material(shape.material)?;
         for (side, medium) in [("interior", shape.interior), ("exterior", shape.exterior)] {
             if let Some(index) = medium {
-                let id = self.media[index].clone();
+                let id = self.media[index.index()].clone();
                 self.xml.empty("ref", &[("name", side), ("id", &id)]);
             }
         }

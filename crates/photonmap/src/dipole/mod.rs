@@ -20,6 +20,7 @@
 mod entries;
 mod profile;
 
+use gi_core::medium::MediumId;
 use std::collections::BTreeMap;
 
 use gi_core::eye::{Beam, Entrance};
@@ -49,9 +50,9 @@ pub(crate) struct Dipoles {
 }
 
 /// A body by one of its primitives, and the first of the scene's media that is equal to what fills it.
-type Body = (u32, usize);
+type Body = (u32, MediumId);
 
-fn body(scene: &Scene, bodies: &Bodies, prim: u32, medium: usize) -> Body {
+fn body(scene: &Scene, bodies: &Bodies, prim: u32, medium: MediumId) -> Body {
     (bodies.body(prim), first_equal(scene.media(), medium))
 }
 
@@ -101,7 +102,7 @@ impl Dipoles {
 /// A photon that enters a body, before it is packed: its power is not yet divided by the number of paths.
 struct Entering {
     prim: u32,
-    medium: usize,
+    medium: MediumId,
     p: Vec3,
     power: Rgb,
     depth: u8,

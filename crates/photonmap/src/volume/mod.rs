@@ -16,7 +16,7 @@ mod shoot;
 
 use gi_core::eye::Beam;
 use gi_core::film::Components;
-use gi_core::medium::{Medium, first_equal};
+use gi_core::medium::{Medium, MediumId, first_equal};
 
 use crate::order::Order;
 use crate::params::Params;
@@ -44,12 +44,16 @@ impl VolumeMaps {
     pub(crate) fn shoot(
         source: &Source,
         params: &Params,
-        is_wanted: impl Fn(usize) -> bool + Sync,
+        is_wanted: impl Fn(MediumId) -> bool + Sync,
     ) -> Self {
         let media = source.scene.media();
         // No photon is stored where nothing is scattered, however many are shot.
-        let is_wanted = |m: usize| !media[m].only_absorbs() && is_wanted(m);
-        let count = if (0..media.len()).any(is_wanted) { params.volume_photons } else { 0 };
+        let is_wanted = |m: MediumId| !media[m.index()].only_absorbs() && is_wanted(m);
+        let count = if (0..media.len()).map(MediumId::new).any(is_wanted) {
+            params.volume_photons
+        } else {
+            0
+        };
         let shot = shoot::shoot(source, count, &maps_of(media), &is_wanted);
         Self::build(shot, media, params.volume_lookup, Order::Any)
     }
@@ -94,7 +98,7 @@ impl VolumeMaps {
     pub fn radiance(&self, beam: &Beam, medium: &Medium, depth: u8) -> Components {
         let mut out = Components::default();
         let wi = -beam.ray.d;
-        let map = &self.maps[self.map_of[beam.medium]];
+        let map = &self.maps[self.map_of[beam.medium.index()]];
         // All beams but those from an eye inside the medium begin at a surface.
         let from_surface = beam.entered.is_some() || beam.segments > 1;
         map.pierced(&beam.ray, beam.reach, from_surface, |stored, t, density| {
@@ -115,5 +119,5 @@ impl VolumeMaps {
 
 /// For each medium its map.
 fn maps_of(media: &[Medium]) -> Vec<usize> {
-    (0..media.len()).map(|m| first_equal(media, m)).collect()
+    (0..media.len()).map(|m| first_equal(media, MediumId::new(m)).index()).collect()
 }

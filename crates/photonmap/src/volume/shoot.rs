@@ -1,6 +1,7 @@
 //! Photon tracing in media.
 
 use gi_core::math::Rgb;
+use gi_core::medium::MediumId;
 use gi_core::rng::{bits_to_unit, hash_words};
 use gi_core::walk::{LightEvent, MediumVertex};
 
@@ -37,7 +38,7 @@ pub(super) fn shoot(
     source: &Source,
     count: usize,
     map_of: &[usize],
-    is_wanted: &(impl Fn(usize) -> bool + Sync),
+    is_wanted: &(impl Fn(MediumId) -> bool + Sync),
 ) -> VolumeShot {
     let kept = if count > 0 { share_to_keep(source, is_wanted) } else { 1.0 };
     let Hits { chunks, emitted, gave_up } = collect(count, |k| chunk(source, k, kept, is_wanted));
@@ -48,13 +49,13 @@ pub(super) fn shoot(
         // The normal says nothing here.
         let photon = Photon::new(vertex.p, power, vertex.wo, vertex.wo, kind);
         let depth = (vertex.depth + 1).min(255) as u8;
-        photons[map_of[vertex.medium]].push(VolumePhoton { photon, depth });
+        photons[map_of[vertex.medium.index()]].push(VolumePhoton { photon, depth });
     }
     VolumeShot { photons, emitted, kept, gave_up }
 }
 
 /// Share of the scatterings to keep, found out from the first chunk of paths.
-fn share_to_keep(source: &Source, is_wanted: &impl Fn(usize) -> bool) -> f32 {
+fn share_to_keep(source: &Source, is_wanted: &impl Fn(MediumId) -> bool) -> f32 {
     let Chunk { hits, ends } = chunk(source, 0, 1.0, is_wanted);
     let starts = std::iter::once(&0).chain(&ends);
     let scattered = ends.iter().zip(starts).filter(|(end, start)| end > start).count();
@@ -66,7 +67,7 @@ fn chunk(
     source: &Source,
     chunk: u64,
     keep: f32,
-    is_wanted: &impl Fn(usize) -> bool,
+    is_wanted: &impl Fn(MediumId) -> bool,
 ) -> Chunk<Scattering> {
     let mut out = Chunk { hits: Vec::new(), ends: Vec::new() };
     for path in paths(chunk) {
