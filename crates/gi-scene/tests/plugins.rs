@@ -9,7 +9,7 @@ use gi_core::geometry::Geometry;
 use gi_core::light::LightSource;
 use gi_core::material::{Distribution, Material};
 use gi_core::math::Rgb;
-use gi_core::medium::{Medium, Phase};
+use gi_core::medium::{Medium, MediumId, Phase};
 use gi_core::texture::Texture;
 use glam::{Vec2, Vec3};
 
@@ -263,7 +263,7 @@ fn media_have_their_defaults_and_either_parametrisation() {
         let loaded = scene(&body);
         assert_eq!(
             (loaded.parts.shapes[0].interior, loaded.parts.shapes[0].exterior),
-            (Some(0), None)
+            (Some(MediumId::new(0)), None)
         );
         loaded.parts.media[0].clone()
     };
