@@ -1,5 +1,5 @@
-//! The one light walk: paths from the lights, vertex by vertex. Light tracing, photon maps, progressive photon
-//! mapping and virtual point lights all take their light from here.
+//! The light walk: paths from the lights, vertex by vertex. Its twin is [`crate::eye::EyeWalk`]. Light tracing, photon maps,
+//! progressive photon mapping and virtual point lights all use it.
 
 use crate::medium::MediumId;
 use glam::Vec3;
@@ -28,16 +28,15 @@ pub struct LightVertex<'a> {
     pub wo: Vec3,
     /// How the light scatters here ([`Transport::Power`]).
     pub bsdf: Bsdf<'a>,
-    /// Power that arrives, before this surface takes its share; already divided by all densities, not by
-    /// the number of paths.
+    /// Power that arrives, before this surface absorbs any. It is divided by all densities, but not by the number of paths.
     pub power: Rgb,
-    /// Scatterings before this point, straight passes not counted.
+    /// Number of scatterings before this point. Passing straight through a surface is not one.
     pub depth: u32,
     /// Number of scatterings before this point that were not by delta lobes.
     pub non_delta: u32,
     /// Whether the last scattering, if any, was by a delta lobe.
     pub after_delta: bool,
-    /// The medium that the path reached it in, for walks through media.
+    /// The medium that the path came through.
     pub medium: Option<MediumId>,
 }
 
@@ -50,29 +49,29 @@ pub struct LightWalk<'a> {
     /// The flat primitive that the ray leaves.
     left: Option<u32>,
     power: Rgb,
-    /// Surface points met, straight passes counted: each has dimensions of its own.
+    /// Number of surface points met, straight passes included. Each has its own sampler dimensions.
     met: u32,
     depth: u32,
     non_delta: u32,
     after_delta: bool,
-    /// Whether media absorb and scatter, and the one that the path is in.
+    /// Whether media attenuate and scatter the path, and the medium that it is in.
     media: bool,
     medium: Option<MediumId>,
 }
 
-/// Dimensions of the sampler that emission uses, and that one scattering may use.
+/// Sampler dimensions of emission, of a vertex, and of its scattering alone.
 const EMISSION_DIMENSIONS: u32 = 3;
 const VERTEX_DIMENSIONS: u32 = 8;
 const SCATTER_DIMENSIONS: u32 = 2;
 
 impl<'a> LightWalk<'a> {
-    /// Begin a path at a light; `None` where nothing shines.
+    /// Begin a path at a light; `None` if the scene emits no light.
     pub fn begin(scene: &'a Scene, mut sampler: Sampler) -> Option<Self> {
         let (u_light, u_p, u_d) = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
         Some(Self::follow(scene, sampler, scene.emit(u_light, u_p, u_d)?))
     }
 
-    /// Begin a path at a light toward targets: the others are left out, the powers of these are right.
+    /// Begin a path that can hit a target. Paths that cannot are never sampled; powers are unbiased for those that can.
     pub fn begin_toward(scene: &'a Scene, mut sampler: Sampler, targets: &Targets) -> Option<Self> {
         let (u_light, u_p, u_d) = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
         Some(Self::follow(scene, sampler, scene.emit_toward(targets, u_light, u_p, u_d)?))
@@ -113,18 +112,18 @@ impl<'a> LightWalk<'a> {
         self.medium
     }
 
-    /// Power that leaves the last vertex, divided by all densities, not by the number of paths.
+    /// Power that leaves the last vertex. It is divided by all densities, but not by the number of paths.
     pub fn power(&self) -> Rgb {
         self.power
     }
 
-    /// The sampler, for what a visitor draws at a vertex (a lens point, say): at most
-    /// six dimensions a vertex.
+    /// The sampler, for random numbers that a technique needs at a vertex, for example a lens point. It may use at most six
+    /// dimensions per vertex.
     pub fn sampler(&mut self) -> &mut Sampler {
         &mut self.sampler
     }
 
-    /// Walk to the next surface, straight through what lets light pass.
+    /// Follow the path to the next surface.
     pub fn next_vertex(&mut self) -> Option<LightVertex<'a>> {
         if self.power.is_black() {
             return None;
@@ -142,7 +141,7 @@ impl<'a> LightWalk<'a> {
         LightVertex { surface, wo, bsdf, power, depth, non_delta, after_delta, medium }
     }
 
-    /// Scatter at a vertex that [`LightWalk::next_vertex`] gave. Returns whether the path goes on.
+    /// Draw the direction in which the path continues from a vertex of [`LightWalk::next_vertex`]. Returns whether it does.
     pub fn scatter(&mut self, vertex: &LightVertex<'a>, roulette: Roulette) -> bool {
         self.sampler
             .jump_to(EMISSION_DIMENSIONS + (self.met + 1) * VERTEX_DIMENSIONS - SCATTER_DIMENSIONS);
@@ -152,7 +151,7 @@ impl<'a> LightWalk<'a> {
         self.leave(vertex, &s, roulette, u_roulette)
     }
 
-    /// Go on as `s` says.
+    /// Continue in the direction of `s`.
     #[inline]
     fn leave(
         &mut self,
@@ -163,7 +162,7 @@ impl<'a> LightWalk<'a> {
     ) -> bool {
         let surface = &vertex.surface;
         let mut factor = s.weight;
-        // A path that passes straight through has not met anything.
+        // Passing straight through is not a scattering.
         if !s.null {
             let survival = roulette.survival(u_roulette, factor, vertex.depth);
             let Some(survival) = survival else { return false };
@@ -187,29 +186,29 @@ impl<'a> LightWalk<'a> {
 pub enum Roulette {
     /// Never.
     Off,
-    /// In proportion to what the surface absorbs, from this scattering on (1 is the first): powers then
-    /// stay nearly equal \[Jensen01\]. Very long paths end even where nothing absorbs.
+    /// With the probability that the surface absorbs the light: powers stay nearly equal \[Jensen01\]. Very long paths may end
+    /// even where nothing absorbs.
     ByAlbedo {
-        /// The first scattering that may end the path.
+        /// The first scattering that may end the path; 1 is the first of all.
         from: u32,
     },
-    /// As the caller says, who lets this share of all paths go on.
+    /// The caller has decided, with a known survival probability.
     Decided {
-        /// Whether this one does.
+        /// Whether this path continues.
         survives: bool,
-        /// The share, above 0.
+        /// Survival probability, above 0.
         survival: f32,
     },
 }
 
-/// A path may be this long before roulette is played with what absorbs nothing too: one that total reflection has caught in
-/// glass would never end.
+/// From this depth on roulette is also played where nothing absorbs. Otherwise a path that total reflection has trapped in glass
+/// would never end.
 const LONG: u32 = 1000;
-/// The largest share that goes on from a scattering of a long path.
+/// Largest survival probability at a scattering of a long path.
 const MAX_SURVIVAL: f32 = 0.999;
 
 impl Roulette {
-    /// The share of all paths that go on from a scattering that leaves `factor` of the power, if this one does.
+    /// Survival probability at a scattering that keeps `factor` of the power; `None` if the path ends.
     #[inline]
     fn survival(self, u: f32, factor: Rgb, depth: u32) -> Option<f32> {
         let (survives, survival) = match self {

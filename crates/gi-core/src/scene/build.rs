@@ -12,12 +12,12 @@ use crate::light::Lights;
 use crate::math::Bounds;
 use crate::medium::MediumId;
 
-/// Why a scene could not be made ready.
+/// Why a scene could not be built.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SceneError {
-    /// A shape or instance names a material, medium or group that is not there, or a child after its parent.
+    /// A shape or instance names a material, medium or group that does not exist, or a child stands after its parent.
     Dangling(String),
-    /// A shape whose points no tree can hold.
+    /// A shape that the tree cannot contain.
     Shape {
         /// The shape's name.
         name: String,
@@ -26,7 +26,7 @@ pub enum SceneError {
     },
     /// A material that blends more than [`MAX_COMPONENTS`] lobes.
     TooManyLobes {
-        /// The name of a shape that has it.
+        /// The name of a shape with this material.
         shape: String,
         /// How many it blends.
         lobes: usize,
@@ -36,14 +36,14 @@ pub enum SceneError {
         /// How far it reaches, world units.
         extent: f32,
     },
-    /// A shining shape in a group: its copies would have to be lights.
+    /// An emitting shape in a group: its copies would have to be lights.
     ShiningGroup {
         /// The shape's name.
         shape: String,
     },
 }
 
-/// The diagonal of the largest scene: the square of its square is still a number.
+/// Largest diagonal of a scene: its fourth power is still a finite float.
 const LARGEST: f32 = 8e9;
 
 impl fmt::Display for SceneError {
@@ -72,7 +72,7 @@ impl fmt::Display for SceneError {
 impl std::error::Error for SceneError {}
 
 impl Scene {
-    /// Make a scene ready: build its trees and tables.
+    /// Build the scene: its trees and tables.
     ///
     /// # Errors
     /// See [`SceneError`]. An empty scene is fine.
@@ -148,7 +148,7 @@ impl Scene {
     }
 }
 
-/// A sphere round the scene, a little wider than it needs to be so that light from outside starts outside.
+/// A sphere round the scene. It is slightly too large, so that light from infinity starts outside the scene.
 fn bounding_sphere(bounds: Bounds) -> (Vec3, f32) {
     if bounds.is_empty() {
         return (Vec3::ZERO, 1.0);
@@ -165,7 +165,7 @@ fn prepare_instance(instance: &Instance) -> PreparedInstance {
     }
 }
 
-/// Check that every index points at something.
+/// Check that every index is valid.
 fn check(parts: &SceneParts) -> Result<(), SceneError> {
     if !check_children(&parts.materials) {
         return Err(SceneError::Dangling("a material stands before one that it is made of".into()));
@@ -209,7 +209,7 @@ fn check(parts: &SceneParts) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Count primitives through all shapes.
+/// Number the primitives of all shapes.
 fn number_primitives(shapes: &[Shape]) -> Result<(Vec<u32>, Vec<u32>), SceneError> {
     let mut first = Vec::with_capacity(shapes.len());
     let mut shape_of = Vec::new();

@@ -1,4 +1,4 @@
-//! What focuses light: mirrors and glass, perfect ones and nearly perfect ones.
+//! Shapes that focus light: perfect and nearly perfect mirrors and glass.
 
 use super::Scene;
 use crate::bsdf::PreparedMaterial;
@@ -8,17 +8,17 @@ use crate::material::{Material, Roughness};
 use crate::texture::Texture;
 
 impl Scene {
-    /// What a light path must meet first to be focused: everything that has a delta lobe.
+    /// All shapes with a delta lobe: a light path must meet one of them first to be focused.
     pub fn focusing(&self) -> Targets {
         self.targets(|material| self.materials[material].has_delta)
     }
 
-    /// As [`Scene::focusing`], with what has a lobe of metal or glass whose alpha may be below `alpha`.
+    /// Also includes shapes of metal or glass whose roughness may be below `alpha`.
     pub fn focusing_below(&self, alpha: f32) -> Targets {
         self.targets(|material| may_focus(&self.materials, material, alpha))
     }
 
-    /// All shapes with some materials.
+    /// All shapes whose material is accepted.
     fn targets(&self, is_wanted: impl Fn(usize) -> bool) -> Targets {
         let own = self.shapes.len() - self.group_shapes.iter().map(|g| g.len()).sum::<usize>();
         let is_wanted = |shape: &&Shape| is_wanted(shape.material);
@@ -46,7 +46,7 @@ fn may_focus(materials: &[PreparedMaterial], id: usize, alpha: f32) -> bool {
     prepared.has_delta || is_sharp || children.into_iter().any(|c| may_focus(materials, c, alpha))
 }
 
-/// Whether either alpha is below `alpha` anywhere, as far as is known without reading pictures.
+/// Whether the roughness may be below `alpha` somewhere. Pictures are not read: they may.
 fn may_be_below(roughness: &Roughness, alpha: f32) -> bool {
     [&roughness.alpha_u, &roughness.alpha_v].into_iter().any(|texture| match texture {
         Texture::Constant(c) => c.mean() < alpha,

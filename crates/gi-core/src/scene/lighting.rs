@@ -1,4 +1,4 @@
-//! What shines at a point, and what is in between.
+//! Light that arrives at a point, and visibility.
 
 use crate::medium::MediumId;
 use glam::{Vec2, Vec3};
@@ -11,7 +11,7 @@ use crate::math::Rgb;
 use crate::ray::{Hit, Ray};
 
 impl Scene {
-    /// Radiance that `surface` itself sends along `wo`.
+    /// Radiance that `surface` emits along `wo`.
     #[inline]
     pub fn emitted(&self, surface: &Surface, wo: Vec3) -> Rgb {
         match &self.shapes[surface.shape as usize].emission {
@@ -20,13 +20,13 @@ impl Scene {
         }
     }
 
-    /// Radiance from infinity along `-d`, of all distant lights.
+    /// Radiance that all lights at infinity send along `-d`.
     pub fn background(&self, d: Vec3) -> Rgb {
         self.lights.distant().map(|(_, light)| light.escaped(d).0).sum()
     }
 
-    /// What each distant light sends along `-d`, with the density per solid angle of [`Scene::sample_light`]
-    /// drawing it.
+    /// Radiance that each light at infinity sends along `-d`, and the density per solid angle with which
+    /// [`Scene::sample_light`] draws that direction.
     pub fn escaped(&self, d: Vec3) -> impl Iterator<Item = (Rgb, f32)> {
         self.lights.distant().map(move |(k, light)| {
             let (radiance, pdf_w) = light.escaped(d);
@@ -34,7 +34,7 @@ impl Scene {
         })
     }
 
-    /// Draw light that arrives at `p`, shadows not yet looked at: `u` chooses the light and the point on it.
+    /// Sample light that arrives at `p`, without visibility. `u` chooses the light and the point on it.
     #[inline]
     pub fn sample_light(&self, p: Vec3, u: [f32; 2]) -> Option<LightSample> {
         let (light, probability, u0) = self.lights.choose(u[0])?;
@@ -45,7 +45,7 @@ impl Scene {
         Some(sample)
     }
 
-    /// Density per solid angle at `p` with which [`Scene::sample_light`] draws the shining point `surface`.
+    /// Density per solid angle at `p` with which [`Scene::sample_light`] draws the emitting point `surface`.
     #[inline]
     pub fn light_pdf_w(&self, p: Vec3, surface: &Surface) -> f32 {
         let primitive = surface.prim - self.first_primitive[surface.shape as usize];
@@ -63,7 +63,7 @@ impl Scene {
         self.lights.emit(u_light, u_p, u_d, |s, k, point| self.emission_at(s, k, point))
     }
 
-    /// Begin a light path at a light that the caller chose, with the probability that it says.
+    /// Begin a light path at a light that the caller chose, with the caller's probability.
     pub fn emit_from(
         &self,
         chosen: (usize, f32),
@@ -85,13 +85,13 @@ impl Scene {
         self.lights.emit_toward(targets, u_light, u_p, u_d, emission)
     }
 
-    /// Targets that leave no light path out, and bring those from infinity mostly to points that matter, each with its weight:
-    /// where light is to be scattered first, and where it is to end. `None` where none does, or nothing shines from infinity.
+    /// Targets that aim most light paths from infinity at weighted points: where light should be scattered first, and where it
+    /// should end. Every light path can still be sampled. `None` without such points, or without lights at infinity.
     pub fn around(&self, points: [Vec<(Vec3, f32)>; 2]) -> Option<Targets> {
         Targets::around(points, &self.lights)
     }
 
-    /// Radiance of a shining primitive at one of its points.
+    /// Radiance of an emitting primitive at one of its points.
     #[inline]
     fn emission_at(&self, shape: u32, primitive: u32, point: &EmitterPoint) -> Rgb {
         match &self.shapes[shape as usize].emission {
@@ -101,7 +101,7 @@ impl Scene {
         }
     }
 
-    /// The share of light that reaches `surface` from where a light sample says.
+    /// Fraction of the light of a light sample that reaches `surface`.
     #[inline]
     pub fn visibility(&self, surface: &Surface, light: &LightSample) -> Rgb {
         let ray = match light.p {
@@ -111,19 +111,19 @@ impl Scene {
         self.transmittance_to(ray, self.flat_end(light))
     }
 
-    /// The share of light that passes along a ray segment: 0 or 1, or what masks and panes leave.
+    /// Fraction of light that passes along a ray segment: 0 or 1, or the transmittance of masks and panes.
     #[inline]
     pub fn transmittance(&self, ray: Ray) -> Rgb {
         self.transmittance_to(ray, None)
     }
 
-    /// [`Scene::transmittance`] to a point of the flat primitive `end`. That cannot stand in its own way, but rounding would
-    /// put it there: where a sliver is met along its length is known badly.
+    /// [`Scene::transmittance`] to a point of the flat primitive `end`, which is ignored: it cannot occlude its own point, but
+    /// rounding makes it seem so for slivers, whose hit points are inaccurate along their length.
     #[inline]
     pub fn transmittance_to(&self, ray: Ray, end: Option<u32>) -> Rgb {
         match self.tree.any(&ray) {
             None => Rgb::WHITE,
-            // Whatever it is that was found first: an opaque one ends the question.
+            // Any hit will do: an opaque one ends the search.
             Some(prim) if !self.lets_pass(prim, end) => Rgb::BLACK,
             Some(_) => self.transmittance_through::<false>(ray, end, None),
         }
@@ -134,13 +134,13 @@ impl Scene {
         self.materials[self.shapes[self.shape_of[prim as usize] as usize].material].has_null
     }
 
-    /// Whether a segment that ends on the primitive `end` may go on where it meets `prim`.
+    /// Whether a segment that ends on the primitive `end` continues past a hit of `prim`.
     #[inline]
     pub(super) fn lets_pass(&self, prim: u32, end: Option<u32>) -> bool {
         self.has_null && self.has_null_at(prim) || Some(prim) == end
     }
 
-    /// The primitive that light comes from, if that is flat.
+    /// The primitive of a light sample, if it is flat.
     #[inline]
     pub(super) fn flat_end(&self, light: &LightSample) -> Option<u32> {
         let [shape, primitive] = light.primitive?;
@@ -170,8 +170,8 @@ impl Scene {
         (flat && surface.instance == Hit::NO_INSTANCE).then_some(surface.prim)
     }
 
-    /// What surfaces that let light straight through, and with `MEDIA` media too, leave of light along a segment that
-    /// starts in `medium` and ends on the primitive `end`.
+    /// Transmittance of surfaces that let light pass straight through, and with `MEDIA` of media too, along a segment that starts
+    /// in `medium` and ends on the primitive `end`.
     pub(super) fn transmittance_through<const MEDIA: bool>(
         &self,
         mut ray: Ray,

@@ -1,7 +1,7 @@
-//! Which medium is where, and what is left of light that passes through media.
+//! Which medium lies where, and how much light passes through media.
 //!
-//! A shape that names a medium for either of its sides is a boundary: who crosses it comes into what it says of that side,
-//! nothing where it says nothing. Other shapes change nothing. (Mitsuba's rule.)
+//! A shape that names a medium for either of its sides is a boundary. A path that crosses it enters the medium of the other
+//! side, or none if that side names none. Other shapes do not change the medium. This is Mitsuba's rule.
 
 use crate::medium::MediumId;
 use glam::Vec3;
@@ -13,7 +13,7 @@ use crate::math::Rgb;
 use crate::medium::Medium;
 use crate::ray::Ray;
 
-/// Directions to look for boundaries in: none is along an axis or a diagonal, where scenes have their edges.
+/// Directions in which boundaries are looked for. None lies along an axis or a diagonal, where scenes have edges.
 const LOOK: [Vec3; 8] = [
     Vec3::new(0.31, 0.84, 0.45),
     Vec3::new(-0.42, -0.79, 0.45),
@@ -26,7 +26,7 @@ const LOOK: [Vec3; 8] = [
 ];
 
 impl Scene {
-    /// Whether any shape is the boundary of a medium that absorbs or scatters.
+    /// Whether any shape is the boundary of a medium that is not empty.
     #[inline]
     pub fn has_media(&self) -> bool {
         self.has_media
@@ -38,7 +38,7 @@ impl Scene {
         &self.media[id.index()]
     }
 
-    /// The medium on the side of `surface` that `d` points to, for a path that is in `current`.
+    /// The medium on the side of `surface` that `d` points to. A surface that is not a boundary keeps `current`.
     #[inline]
     pub fn medium_toward(
         &self,
@@ -53,8 +53,8 @@ impl Scene {
         if d.dot(surface.ng) > 0.0 { shape.exterior } else { shape.interior }
     }
 
-    /// The medium at `p`: what the first boundary that is seen from there says of its near side. `first` is where to look first.
-    /// Boundaries behind opaque surfaces are asked only where none is seen; nothing is there where there is none at all.
+    /// The medium at `p`: that of the near side of the first visible boundary. `first` is the first direction to look in.
+    /// Boundaries behind opaque surfaces count only if no other is visible. Without any boundary there is no medium.
     pub fn medium_at(&self, p: Vec3, first: Vec3) -> Option<MediumId> {
         if !self.has_media {
             return None;
@@ -69,9 +69,9 @@ impl Scene {
         look(false).or_else(|| look(true)).flatten()
     }
 
-    /// The first boundary along a ray; `through` opaque surfaces too if so said.
+    /// The first boundary along a ray; with `through`, also behind opaque surfaces.
     pub(super) fn first_boundary(&self, mut ray: Ray, through: bool) -> Option<Surface> {
-        // A ray that grazes a mesh may meet it very often: it says nothing then.
+        // A ray that grazes a mesh may hit it very often. Then it finds nothing.
         for _ in 0..256 {
             let (surface, _) = self.intersect(&ray)?;
             if self.shapes[surface.shape as usize].is_boundary() {
@@ -85,7 +85,7 @@ impl Scene {
         None
     }
 
-    /// Find out which medium each light stands in.
+    /// Find the medium that each light stands in.
     pub(super) fn find_media_round_lights(&mut self) {
         if !self.has_media {
             return;
@@ -116,13 +116,13 @@ impl Scene {
         self.light_media.get(light).copied().flatten()
     }
 
-    /// What a medium leaves of light over a distance, world units, which may be infinite.
+    /// Transmittance of a medium over a distance (world units), which may be infinite.
     #[inline]
     pub fn dimmed(&self, medium: Option<MediumId>, distance: f32) -> Rgb {
         medium.map_or(Rgb::WHITE, |m| self.medium(m).transmittance(distance))
     }
 
-    /// The share of light that passes along a ray segment that starts in `medium`: what masks, panes and media leave.
+    /// Fraction of light that passes along a ray segment that starts in `medium`: transmittance of masks, panes and media.
     pub fn transmittance_through_media(&self, ray: Ray, medium: Option<MediumId>) -> Rgb {
         self.transmittance_through_media_to(ray, None, medium)
     }
@@ -156,7 +156,7 @@ impl Scene {
         self.transmittance_through_media_to(ray, self.flat_end(light), medium)
     }
 
-    /// The share of light that reaches the point `p` inside `medium` from where a light sample says.
+    /// Fraction of the light of a light sample that reaches the point `p` inside `medium`.
     pub fn visibility_from_within(
         &self,
         p: Vec3,
@@ -164,7 +164,7 @@ impl Scene {
         light: &LightSample,
     ) -> Rgb {
         let ray = match light.p {
-            // No surface to be lifted off.
+            // There is no surface to offset the origin from.
             Some(q) => self.tree.shadow_ray(p, Vec3::ZERO, q),
             None => Ray::new(p, light.wi),
         };

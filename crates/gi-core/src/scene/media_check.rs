@@ -1,4 +1,4 @@
-//! What is odd about the media of a scene, and what is assumed then.
+//! Warnings about the media of a scene.
 
 use crate::medium::MediumId;
 use std::collections::{BTreeSet, HashMap};
@@ -10,15 +10,15 @@ use crate::geometry::{Geometry, Shape, Surface};
 use crate::medium::{Medium, first_equal};
 use crate::ray::Ray;
 
-/// Points of each boundary from which its neighbours are looked for.
+/// Number of points on each boundary from which its neighbours are looked for.
 const POINTS: usize = 64;
 
-/// A boundary's piece to look from: a point of it, and its normal there.
+/// A point of a boundary and its normal there.
 type Post = (Vec3, Vec3);
 
 impl Scene {
-    /// What is odd about the scene's media, a line each: boundaries that leave a medium open, and neighbouring boundaries that do
-    /// not say the same of what lies between them, as where media overlap or one solid stands in another's medium.
+    /// One warning per problem: boundaries that are not closed, and neighbouring boundaries that disagree about the medium between
+    /// them, for example because media overlap.
     pub fn media_warnings(&self) -> Vec<String> {
         if !self.has_media {
             return Vec::new();
@@ -34,7 +34,7 @@ impl Scene {
         warnings
     }
 
-    /// A medium whose boundaries, all taken together, have edges that an odd number of triangles meet at.
+    /// A warning if the boundaries of a medium, taken together, have edges where an odd number of triangles meet.
     fn open_boundary(&self, medium: &Medium) -> Option<String> {
         let is_it = |side: Option<MediumId>| side.is_some_and(|m| self.medium(m) == medium);
         let bounds = |s: &&Shape| is_it(s.interior) || is_it(s.exterior);
@@ -47,7 +47,7 @@ impl Scene {
                     }
                 }
                 Geometry::Sphere { .. } => {}
-                // Their rims are curved: no mesh joins them exactly, and nobody can say whether they are closed.
+                // Their rims are curved and no mesh joins them exactly: whether they are closed is unknown.
                 Geometry::Disk { .. } | Geometry::Cylinder { .. } => return None,
             }
         }
@@ -60,12 +60,12 @@ impl Scene {
         ))
     }
 
-    /// Pairs of boundaries that see each other and do not agree, and boundaries of media without end.
+    /// Warnings about boundaries that face each other and disagree, and about media without an end.
     fn disagreements(&self) -> Vec<String> {
         let (mut pairs, mut endless) = (BTreeSet::new(), BTreeSet::new());
         let own = self.shapes.len() - self.group_shapes.iter().map(|g| g.len()).sum::<usize>();
         for shape in self.shapes[..own].iter().filter(|s| s.is_boundary()) {
-            // The normal is that of the surface as rays meet it, which shading normals may turn.
+            // Shading normals may turn the normal, so take it from a hit.
             for surface in posts(shape).into_iter().filter_map(|(p, n)| self.surface_at(p, n)) {
                 for d in [surface.ng, -surface.ng] {
                     let here = self.medium_beside(&surface, d);
@@ -94,12 +94,12 @@ impl Scene {
         pairs.into_iter().map(say).chain(endless).collect()
     }
 
-    /// What a boundary says of its side toward `d`.
+    /// The medium that a boundary names for its side toward `d`.
     fn medium_beside(&self, surface: &Surface, d: Vec3) -> Option<&Medium> {
         self.medium_toward(surface, d, None).map(|m| self.medium(m))
     }
 
-    /// The boundary's surface at a point of it, met by a ray from a little above.
+    /// The surface at a point of a boundary, hit by a ray from slightly above.
     fn surface_at(&self, p: Vec3, n: Vec3) -> Option<Surface> {
         let gap = 1e-4 * self.radius();
         let ray = Ray { tmax: 2.0 * gap, ..Ray::new(p + n * gap, -n) };
@@ -108,25 +108,25 @@ impl Scene {
     }
 }
 
-/// Count the edges of a triangle; points that have the same coordinates are one.
+/// Count the edges of a triangle. Points with equal coordinates are the same.
 fn count_edges<'a>(
     corners: [Vec3; 3],
     name: &'a str,
     edges: &mut HashMap<[[u32; 3]; 2], (u32, &'a str)>,
 ) {
-    // -0 and 0 are one coordinate.
+    // -0 and 0 are the same coordinate.
     let bits = corners.map(|p| p.to_array().map(|x| (x + 0.0).to_bits()));
     for k in 0..3 {
         let mut edge = [bits[k], bits[(k + 1) % 3]];
         edge.sort_unstable();
-        // An edge without length is none: fans at a pole have them.
+        // Skip edges without length, as fans at a pole have them.
         if edge[0] != edge[1] {
             edges.entry(edge).or_insert((0, name)).0 += 1;
         }
     }
 }
 
-/// Whether some shapes, taken together, leave no edge open.
+/// Whether shapes, taken together, have no open edge.
 pub(super) fn is_closed<'s>(shapes: impl Iterator<Item = &'s Shape>) -> bool {
     let mut edges: HashMap<[[u32; 3]; 2], (u32, &str)> = HashMap::new();
     for shape in shapes {
@@ -150,7 +150,7 @@ fn posts(shape: &Shape) -> Vec<Post> {
                 .filter_map(|k| {
                     let [a, b, c] = mesh.corners(k);
                     let n = (b - a).cross(c - a).try_normalize()?;
-                    // Off the middle, where neighbours that were made alike would be met at their edges.
+                    // Not in the middle: neighbours of the same construction would be hit at their edges.
                     Some((a * 0.41 + b * 0.27 + c * 0.32, n))
                 })
                 .collect()

@@ -1,4 +1,4 @@
-//! The scene: what a file gives ([`SceneParts`]), made ready for rays ([`Scene`]).
+//! The scene: the contents of a file ([`SceneParts`]), prepared for rendering ([`Scene`]).
 
 mod build;
 mod focusing;
@@ -22,10 +22,10 @@ use crate::ray::{Hit, Ray};
 pub use build::SceneError;
 pub use parts::SceneParts;
 
-/// A scene ready for rays. It does not change once made.
+/// A scene prepared for rendering. It never changes.
 pub struct Scene {
     shapes: Vec<Shape>,
-    /// Number of the first primitive of each shape; primitives are counted through all shapes.
+    /// Number of the first primitive of each shape. Primitives are numbered through all shapes.
     first_primitive: Vec<u32>,
     /// Shape of each primitive.
     shape_of: Vec<u32>,
@@ -38,15 +38,15 @@ pub struct Scene {
     tree: Bvh,
     bounds: Bounds,
     origin: Vec3,
-    /// Whether anything lets light straight through, so that shadow rays must look.
+    /// Whether any surface lets light pass straight through, so that shadow rays must evaluate what they hit.
     has_null: bool,
-    /// Whether any shape parts media.
+    /// Whether any shape is the boundary of a medium.
     has_media: bool,
-    /// The medium round each light; empty where there are no media.
+    /// The medium that each light stands in; empty if the scene has no media.
     light_media: Vec<Option<crate::medium::MediumId>>,
 }
 
-/// An instance with what its surfaces need.
+/// An instance, prepared for surface points.
 struct PreparedInstance {
     group: usize,
     to_world: Affine3A,
@@ -55,7 +55,7 @@ struct PreparedInstance {
 }
 
 impl Scene {
-    /// All shapes, those of groups after the others.
+    /// All shapes. Those of groups stand after the others.
     pub fn shapes(&self) -> &[Shape] {
         &self.shapes
     }
@@ -105,21 +105,21 @@ impl Scene {
         0.5 * self.bounds.extent().length()
     }
 
-    /// What a ray meets first; [`Scene::surface`] makes a surface point of it.
+    /// The first hit along a ray. [`Scene::surface`] turns it into a surface point.
     #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         self.tree.closest(ray)
     }
 
-    /// The first surface that a ray meets, and the ray parameter there.
+    /// The first surface point along a ray, and the ray parameter there.
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<(Surface, f32)> {
         let hit = self.tree.closest(ray)?;
         Some((self.surface(ray, &hit), hit.t))
     }
 
-    /// [`Scene::intersect`] for a ray that leaves the flat primitive `left`, which it cannot meet again; a sliver would be
-    /// met at a point of it far from where the ray is.
+    /// [`Scene::intersect`] for a ray that leaves the flat primitive `left`. It cannot hit that primitive again, but rounding makes
+    /// it seem so for slivers.
     #[inline]
     pub fn intersect_behind(&self, mut ray: Ray, left: Option<u32>) -> Option<(Surface, f32)> {
         let mut hit = self.tree.closest(&ray)?;
@@ -130,13 +130,13 @@ impl Scene {
         Some((self.surface(&ray, &hit), hit.t))
     }
 
-    /// The ray that leaves `surface` along `d`, lifted off it.
+    /// The ray that leaves `surface` along `d`. Its origin is offset from the surface.
     #[inline]
     pub fn spawn(&self, surface: &Surface, d: Vec3) -> Ray {
         Ray::new(self.tree.offset_origin(surface.p, surface.ng, d), d)
     }
 
-    /// How light scatters at `surface` for paths that came from `wo`.
+    /// The BSDF at `surface`, for a path that came from `wo`.
     #[inline]
     pub fn bsdf(&self, surface: &Surface, wo: Vec3, transport: Transport) -> Bsdf<'_> {
         let id = self.shapes[surface.shape as usize].material;

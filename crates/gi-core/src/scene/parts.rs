@@ -1,4 +1,4 @@
-//! The scene as a file gives it.
+//! The contents of a scene file.
 
 use crate::geometry::{Instance, Shape};
 use crate::light::LightSource;
@@ -6,21 +6,21 @@ use crate::material::Material;
 use crate::medium::Medium;
 use glam::Vec3;
 
-/// Everything that a scene file gives but the camera.
+/// The contents of a scene file, without the camera.
 #[derive(Clone, Debug, Default)]
 pub struct SceneParts {
-    /// Shapes, each once, in world space.
+    /// Shapes, in world space.
     pub shapes: Vec<Shape>,
-    /// Groups of shapes that appear through [`SceneParts::instances`] only.
+    /// Groups of shapes that appear only through [`SceneParts::instances`].
     pub groups: Vec<Vec<Shape>>,
     /// Copies of groups.
     pub instances: Vec<Instance>,
-    /// Materials; children stand before their parents.
+    /// Materials. Children stand before their parents.
     pub materials: Vec<Material>,
     /// Media.
     pub media: Vec<Medium>,
-    /// Lights that are no surfaces.
+    /// Lights that are not surfaces.
     pub lights: Vec<LightSource>,
-    /// Where the origin of all these coordinates lies in those of the file, see [`SceneParts::recentre`].
+    /// Position of this origin in the coordinates of the file, see [`SceneParts::recentre`].
     pub origin: Vec3,
 }

@@ -1,4 +1,4 @@
-//! Scenes far from the world's origin, where single precision has few digits left.
+//! Scenes far from the world's origin, where single precision has few digits.
 
 use glam::{Vec3, Vec3A};
 
@@ -7,13 +7,12 @@ use crate::geometry::{Geometry, Shape};
 use crate::light::LightSource;
 use crate::math::Bounds;
 
-/// A scene that is farther from the origin than this, in its own radii, is moved there.
+/// A scene farther from the origin than this many of its radii is moved to it.
 const FAR: f32 = 8.0;
 
 impl SceneParts {
-    /// Move a scene that lies far from the world's origin there, and return by how much to move what else stands in the
-    /// world, the camera say. Gaps between rays and surfaces grow with the coordinates: ten kilometres out they are
-    /// centimetres, and shift what light paths find.
+    /// Move a scene that lies far from the world's origin to it. Returns the offset by which the camera must be moved too. The
+    /// offset of ray origins grows with the coordinates: at ten kilometres it is centimetres, and changes the picture.
     pub fn recentre(&mut self) -> Vec3 {
         let bounds = self.bounds();
         if bounds.is_empty() {
@@ -37,7 +36,7 @@ impl SceneParts {
         -center
     }
 
-    /// The box round all shapes and instances.
+    /// Bounding box of all shapes and instances.
     fn bounds(&self) -> Bounds {
         let around = |shapes: &[Shape]| {
             shapes.iter().map(|s| s.geometry.bounds()).fold(Bounds::EMPTY, Bounds::union)

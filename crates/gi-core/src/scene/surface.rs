@@ -56,7 +56,7 @@ impl Scene {
         }
     }
 
-    /// Derivatives of the position at `surface` by its texture coordinates; any two tangents where there are none.
+    /// Derivatives of the position by the texture coordinates. Without texture coordinates, any two tangents.
     pub fn tangents(&self, surface: &Surface) -> Tangents {
         let shape = &self.shapes[surface.shape as usize];
         let instance = self.instances.get(surface.instance as usize);
@@ -98,7 +98,7 @@ impl Scene {
         }
     }
 
-    /// Texture coordinates at a point of a primitive that shines.
+    /// Texture coordinates at a point of an emitting primitive.
     pub(super) fn texture_coordinates(
         &self,
         shape: u32,
@@ -135,7 +135,7 @@ fn on_mesh(mesh: &Mesh, k: usize, b: Vec2) -> Local {
     Local { p, ng: if ng.dot(ns) < 0.0 { -ng } else { ng }, ns, uv }
 }
 
-/// Unit normal of a triangle with these edges, however small they are.
+/// Unit normal of a triangle with these edges, also if they are tiny.
 #[inline]
 fn triangle_normal(e1: Vec3, e2: Vec3) -> Vec3 {
     e1.cross(e2).try_normalize().unwrap_or_else(|| {
@@ -157,7 +157,7 @@ fn mesh_tangents(mesh: &Mesh, k: usize) -> Option<Tangents> {
     (t.dpdu.is_finite() && t.dpdv.is_finite()).then_some(t)
 }
 
-/// A point near a solid, brought onto it.
+/// Project a point near a solid onto it.
 fn on_solid(solid: &Geometry, p: Vec3, b: Vec2) -> Local {
     match solid {
         Geometry::Sphere { center, radius, axes } => {

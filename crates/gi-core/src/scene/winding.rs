@@ -1,4 +1,4 @@
-//! Which side of a medium's boundary is inside.
+//! Find the inner side of a medium's boundary.
 
 use super::SceneParts;
 use super::media_check::is_closed;
@@ -6,9 +6,9 @@ use crate::geometry::{Geometry, Shape};
 use crate::medium::MediumId;
 
 impl SceneParts {
-    /// Let `interior` of every closed boundary be what it encloses. A normal decides where media lie, and a mesh that is wound
-    /// inward turns its normals round: its medium would be all the world but the inside. Shapes that are only together
-    /// closed, as six rectangles are, are looked at together. Returns a warning for each boundary that was turned.
+    /// Make `interior` of every closed boundary the enclosed side. Normals decide on which side a medium lies. A mesh with inward
+    /// winding has inward normals, so its medium would fill the world outside. Shapes that are closed only together, such as
+    /// six rectangles, are examined together. Returns a warning for each boundary that was turned.
     pub fn enclose_media(&mut self) -> Vec<String> {
         let mut warnings = Vec::new();
         let lists = std::iter::once(&mut self.shapes).chain(&mut self.groups);
@@ -17,7 +17,7 @@ impl SceneParts {
     }
 }
 
-/// Turn the boundaries among some shapes that face inward.
+/// Turn the boundaries that face inward.
 fn enclose(shapes: &mut [Shape], warnings: &mut Vec<String>) {
     let mut turn = |shapes: &mut [Shape], of: &[usize]| {
         for &k in of {
@@ -51,8 +51,8 @@ fn enclose(shapes: &mut [Shape], warnings: &mut Vec<String>) {
     }
 }
 
-/// The volume that a shape encloses, negative where its normals point inward; the share of it that an open mesh has in the
-/// volume of a closed one.
+/// The enclosed volume of a shape, negative if its normals point inward. For an open mesh: its part of the volume of a closed
+/// one.
 fn volume(shape: &Shape) -> f64 {
     let volume = match &shape.geometry {
         Geometry::Sphere { radius, .. } => f64::from(*radius).powi(3),

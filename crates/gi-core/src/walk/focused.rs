@@ -1,39 +1,39 @@
-//! How much light is focused by mirrors and glass, which paths from the eye find badly or not at all.
+//! Measure how much light is focused by mirrors and glass. Paths from the eye find such light rarely or never.
 
 use super::{LightWalk, Roulette};
 use crate::light::Light;
 use crate::sampler::Sampler;
 use crate::scene::Scene;
 
-/// Paths that are asked.
+/// Number of light paths that are traced.
 const PATHS: u32 = 4096;
-/// What keeps their numbers apart from those of all others.
+/// Separates their random numbers from all others.
 const SALT: u32 = 0x666f_6375;
-/// Delta lobes that one of them follows at most.
+/// Maximum number of delta scatterings per path.
 const MOST_MET: u32 = 32;
-/// Directions of paths from the eye, as a fraction of the sphere, in which a lamp is rarely found.
+/// A lamp is small if it covers less than this fraction of the sphere of directions.
 const SMALL: f32 = 2e-3;
 
-/// Shares of the light that reaches surfaces which scatter by other than delta lobes, by its first such surface.
+/// Fractions of the light that reaches a first surface with other than delta lobes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Focused {
-    /// It came over delta lobes from a light without extent: paths from the eye cannot find it.
+    /// Light that came over delta lobes from a point, spot or directional light: paths from the eye cannot find it.
     pub unreachable: f32,
-    /// It came over delta lobes from a small lamp: paths from the eye find it rarely, as few bright pixels.
+    /// Light that came over delta lobes from a small lamp: paths from the eye find it rarely, as a few bright pixels.
     pub rare: f32,
 }
 
-/// Shares below this do not matter.
+/// Smaller fractions do not matter.
 const LITTLE: f32 = 0.01;
 
 impl Focused {
-    /// Whether light that paths from the eye find badly is more than a trace.
+    /// Whether the fraction of such light is large enough to matter.
     pub fn matters(&self) -> bool {
         self.unreachable >= LITTLE || self.rare >= LITTLE
     }
 }
 
-/// Ask a few light paths.
+/// Trace a few light paths and measure the fractions.
 pub fn focused(scene: &Scene, seed: u32) -> Focused {
     let (mut all, mut found) = (0.0, Focused::default());
     for path in 0..PATHS {
@@ -63,13 +63,12 @@ pub fn focused(scene: &Scene, seed: u32) -> Focused {
     found
 }
 
-/// Whether a path of the eye cannot meet the light.
+/// Whether a path from the eye cannot hit the light.
 fn is_delta(light: &Light) -> bool {
     matches!(light, Light::Point { .. } | Light::Spot { .. } | Light::Directional { .. })
 }
 
-/// Whether a light fills little of the sphere of directions round the middle of the scene: a sun, or a shape at the
-/// distance of the scene's radius.
+/// Whether a light covers little of the sphere of directions, as seen from the distance of the scene's radius.
 fn is_small(scene: &Scene, light: &Light) -> bool {
     match light {
         Light::DistantDisc { one_minus_cos, .. } => 0.5 * one_minus_cos < SMALL,

@@ -19,12 +19,12 @@ use crate::ray::Ray;
 pub enum LightEvent<'a> {
     /// A surface.
     Surface(LightVertex<'a>),
-    /// A point of a medium, where it is scattered.
+    /// A point of a medium that scatters the path.
     Medium(MediumVertex),
 }
 
 impl LightEvent<'_> {
-    /// Where.
+    /// Its position.
     pub fn p(&self) -> Vec3 {
         match self {
             LightEvent::Surface(v) => v.surface.p,
@@ -32,7 +32,7 @@ impl LightEvent<'_> {
         }
     }
 
-    /// Scatterings before, straight passes not counted.
+    /// Number of scatterings before. Passing straight through a surface is not one.
     pub fn depth(&self) -> u32 {
         match self {
             LightEvent::Surface(v) => v.depth,
@@ -63,29 +63,29 @@ pub struct MediumVertex {
     pub wo: Vec3,
     /// The medium.
     pub medium: MediumId,
-    /// Power that is scattered here, what is absorbed apart; already divided by all densities, not by the number of paths. Over all
-    /// paths these powers add up, per volume, to sigma_s times radiance integrated over directions.
+    /// Power that is scattered here, without the absorbed part. It is divided by all densities, but not by the number of paths.
+    /// Summed over all paths, and per volume, these powers are sigma_s times radiance integrated over directions.
     pub power: Rgb,
-    /// Scatterings before this point, straight passes not counted.
+    /// Number of scatterings before this point. Passing straight through a surface is not one.
     pub depth: u32,
     /// Number of scatterings before this point that were not by delta lobes. Those in media count.
     pub non_delta: u32,
     /// Whether the last scattering, if any, was by a delta lobe.
     pub after_delta: bool,
-    /// Share of the power that is scattered.
+    /// Fraction of the power that is scattered.
     left: Rgb,
 }
 
 impl<'a> LightWalk<'a> {
-    /// The same path, which media absorb and scatter: to be walked by [`LightWalk::next_event`].
+    /// The same path, attenuated and scattered by media. Walk it with [`LightWalk::next_event`].
     pub fn through_media(mut self) -> Self {
         self.media = self.scene.has_media();
         self.medium = self.scene.medium_round_light(self.emission.light as usize);
         self
     }
 
-    /// Walk to the next surface, or to where a medium scatters the path before. Where there are media, a visitor has one
-    /// dimension less than on surfaces alone.
+    /// Follow the path to the next surface, or to the point where a medium scatters it. In a scene with media the technique may
+    /// use one sampler dimension less per vertex.
     pub fn next_event(&mut self) -> Option<LightEvent<'a>> {
         if !self.media {
             return self.next_vertex().map(LightEvent::Surface);
@@ -99,7 +99,7 @@ impl<'a> LightWalk<'a> {
             let (surface, _) = self.scene.intersect_behind(self.ray, self.left)?;
             return Some(LightEvent::Surface(self.vertex(surface)));
         };
-        // Nothing beyond where the path is scattered needs to be looked for.
+        // Nothing beyond the point of scattering needs to be found.
         let medium = self.scene.medium(index);
         let t = medium.distance(self.power, u);
         let met = self.scene.intersect_behind(Ray { tmax: t, ..self.ray }, self.left);
@@ -121,7 +121,7 @@ impl<'a> LightWalk<'a> {
         }
     }
 
-    /// Scatter at a point of a medium that [`LightWalk::next_event`] gave. Returns whether the path goes on.
+    /// Draw the direction in which the path continues from a point of a medium. Returns whether it does.
     pub fn scatter_within(&mut self, vertex: &MediumVertex, roulette: Roulette) -> bool {
         let next = EMISSION_DIMENSIONS + (self.met + 1) * VERTEX_DIMENSIONS;
         self.sampler.jump_to(next - SCATTER_DIMENSIONS);

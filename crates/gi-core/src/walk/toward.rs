@@ -1,4 +1,4 @@
-//! Light that is scattered far from all that matters, aimed there.
+//! Light that is scattered far from everything that matters is aimed at it.
 
 use super::{
     EMISSION_DIMENSIONS, LightVertex, LightWalk, Roulette, SCATTER_DIMENSIONS, VERTEX_DIMENSIONS,
@@ -8,12 +8,12 @@ use crate::light::Targets;
 use crate::math::Rgb;
 use crate::warp;
 
-/// Share of the paths that go toward the goal where there is one to go to.
+/// Fraction of the paths that are aimed at the goal, if there is one.
 const GUIDED: f32 = 0.5;
 
 impl<'a> LightWalk<'a> {
-    /// As [`LightWalk::scatter`], but from afar half of the paths go to where [`Targets`] round points have their goal. No path
-    /// is left out; those that are aimed are not ended by roulette, their powers being small as it is.
+    /// As [`LightWalk::scatter`], but half of the paths that scatter far from the goal of [`Targets`] are aimed at it. Every path
+    /// can still be sampled. Roulette does not end aimed paths, because their powers are small already.
     pub fn scatter_toward(
         &mut self,
         vertex: &LightVertex<'a>,
