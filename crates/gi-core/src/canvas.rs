@@ -52,8 +52,8 @@ impl Canvas {
         });
     }
 
-    /// Mix `colour` in where `inside`, the distance in pixels from the edge inwards at a pixel's middle, says so.
-    /// Nothing reaches further than `reach` from the box round `a` and `b`.
+    /// Blend `colour` into pixels. `inside` gives the distance of a pixel's centre from the edge, positive inside (pixels). Only
+    /// pixels within `reach` of the box round `a` and `b` change.
     fn cover(&mut self, a: Vec2, b: Vec2, reach: f32, colour: Rgb, inside: impl Fn(Vec2) -> f32) {
         let (low, high) = (a.min(b) - (reach + 1.0), a.max(b) + (reach + 1.0));
         if !(low.is_finite() && high.is_finite()) {
@@ -75,8 +75,8 @@ impl Canvas {
     }
 }
 
-/// Where the picture shows the world point `p` on a surface with normal `n`: `None` outside of the picture,
-/// from behind, and where something stands before it.
+/// Where the picture shows the world point `p` on a surface with normal `n`. `None` if it is outside of the picture, seen from
+/// behind, or occluded.
 pub fn seen_at(scene: &Scene, camera: &Camera, p: Vec3, n: Vec3) -> Option<Vec2> {
     let c = camera.connect(p, [0.5; 2], 0.0)?;
     let facing = c.wi.dot(n) > 0.0;
@@ -84,8 +84,8 @@ pub fn seen_at(scene: &Scene, camera: &Camera, p: Vec3, n: Vec3) -> Option<Vec2>
     (facing && !scene.transmittance(ray).is_black()).then(|| Vec2::from_array(c.film))
 }
 
-/// Where the picture shows the world point `p`, which is on no surface: `None` outside of the picture, and where something opaque
-/// stands before it. Glass is taken not to bend the way.
+/// Where the picture shows the world point `p`, which is not on a surface. `None` if it is outside of the picture, or an opaque
+/// surface occludes it. Refraction is ignored.
 pub fn seen_within(scene: &Scene, camera: &Camera, p: Vec3) -> Option<Vec2> {
     let c = camera.connect(p, [0.5; 2], 0.0)?;
     let mut ray = scene.tree().shadow_ray(p, Vec3::ZERO, c.end);

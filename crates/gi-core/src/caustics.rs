@@ -41,16 +41,16 @@ const SALT: u32 = 0x666f_6373;
 pub struct FocusedLight {
     pilot: Map,
     map: Map,
-    /// Paths of a pass; 0 where nothing focuses light.
+    /// Number of paths per pass; 0 if nothing focuses light.
     paths: u32,
     /// The largest radius, world units.
     largest: f32,
-    /// By how much the radii of this pass have shrunk.
+    /// Factor on the radii in this pass.
     shrink: f32,
 }
 
 impl FocusedLight {
-    /// Shoot the pilot. `pixels` of the picture determine the number of paths; without pixels there are none.
+    /// Trace the pilot. The number of paths depends on `pixels`, the size of the picture; 0 disables focused light.
     pub fn new(scene: &Scene, seed: u32, pixels: usize) -> Self {
         if pixels == 0 || scene.focusing().is_empty() {
             return FocusedLight::default();
@@ -73,21 +73,21 @@ impl FocusedLight {
         self.map.photons.len()
     }
 
-    /// Mean radius over the pilot's photons, as it has shrunk in this pass, world units: how far the light is blurred.
+    /// Mean radius in this pass over the pilot's photons, world units: how far light is blurred.
     pub fn mean_radius(&self) -> f64 {
         let of = |q: &Photon| f64::from(radius(self.largest, self.level(q.p, q.n)));
-        // Some of the photons will do.
+        // A sample of the photons is enough.
         let some = self.pilot.photons.iter().step_by(1 + self.pilot.photons.len() / 1024);
         let (sum, count) = some.fold((0.0, 0u32), |(sum, n), q| (sum + of(q), n + 1));
         f64::from(self.shrink) * sum / f64::from(count.max(1))
     }
 
-    /// What the maps occupy.
+    /// Memory of the maps.
     pub fn memory_bytes(&self) -> usize {
         [&self.pilot, &self.map].map(|m| size_of_val(&m.photons[..])).iter().sum()
     }
 
-    /// Shoot the photons of a pass.
+    /// Trace the photons of a pass.
     pub fn shoot(&mut self, scene: &Scene, seed: u32, pass: u32) {
         if self.is_some() {
             let first = pass.wrapping_mul(self.paths);
@@ -97,8 +97,8 @@ impl FocusedLight {
         }
     }
 
-    /// Radiance toward the eye of focused light at a point. Only photons of at most `deepest` scatterings count. `None` where
-    /// nothing focuses light.
+    /// Radiance of focused light that a point scatters toward `wo`. Only photons after at most `deepest` scatterings count. `None`
+    /// if nothing focuses light.
     pub fn radiance(
         &self,
         scene: &Scene,
@@ -143,7 +143,7 @@ impl FocusedLight {
         Some(seen * (inverse_share / (PI * r * r)))
     }
 
-    /// The same where light that paths from the eye find badly is more than a trace; nothing elsewhere.
+    /// The same, but empty unless paths from the eye would miss a noticeable amount of light.
     pub fn where_it_matters(scene: &Scene, seed: u32, pixels: usize) -> Self {
         let matters = pixels > 0 && focused(scene, seed).matters();
         Self::new(scene, seed, if matters { pixels } else { 0 })
@@ -177,10 +177,9 @@ impl FocusedLight {
         }
     }
 
-    /// The step of the radius at a point: a fixed function of the position, so that it does not depend on the photons that
-    /// are counted.
+    /// The level of the radius at a point. It depends on the pilot only, not on the photons that are counted.
     fn level(&self, p: Vec3, n: Vec3) -> usize {
-        // Finer grids hold less round the point: where a grid holds too little, finer ones need not be asked.
+        // If a grid has too few photons near the point, finer grids do too.
         let may_hold = |&level: &usize| self.pilot.count_near(level, p) >= WANTED as usize;
         let finest = (0..LEVELS).take_while(may_hold).count();
         let holds_enough = |&level: &usize| {

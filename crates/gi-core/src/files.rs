@@ -1,4 +1,4 @@
-//! Files that are written whole or not at all: a killed run leaves the old file or the new one, never half of one.
+//! Atomic writes: a killed run leaves the old file or the new one, never half of one.
 
 use std::ffi::OsStr;
 use std::fs::File;
@@ -37,12 +37,12 @@ pub fn is_table(path: &Path) -> bool {
 /// Write a file: to a temporary name beside it, then rename.
 ///
 /// # Errors
-/// What the system says, without the file's name; the file is as it was.
+/// The system's message, without the file's name. The file is unchanged.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     write_with(path, |out| out.write_all(bytes))
 }
 
-/// The same, its bytes written by `fill`.
+/// The same, with `fill` writing the bytes.
 ///
 /// # Errors
 /// What `fill` or the system says, without the file's name; the file is as it was.
@@ -63,7 +63,7 @@ pub fn write_with(
     done
 }
 
-/// Check before the work that a file can be made where `path` will be; what is there stays as it is.
+/// Check before rendering that `path` can be written. An existing file stays unchanged.
 ///
 /// # Errors
 /// Why it cannot, without the file's name.
@@ -77,7 +77,7 @@ pub fn check_writable(path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Whether two names are those of one file, be it there or not.
+/// Whether two names refer to the same file, which need not exist.
 pub fn is_same(a: &Path, b: &Path) -> bool {
     let place = |path: &Path| {
         let folder = path.parent().filter(|f| !f.as_os_str().is_empty());
@@ -87,7 +87,7 @@ pub fn is_same(a: &Path, b: &Path) -> bool {
     a == b || place(a).is_some_and(|a| Some(a) == place(b))
 }
 
-/// A name of this process's own in the same folder.
+/// A temporary name in the same folder that no other process uses.
 fn beside(path: &Path, what: &str) -> Result<PathBuf> {
     let missing = || Error::new(ErrorKind::InvalidInput, "the name of a file is missing");
     let mut name = path.file_name().ok_or_else(missing)?.to_os_string();

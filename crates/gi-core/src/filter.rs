@@ -134,9 +134,8 @@ impl FilterTable {
         }
     }
 
-    /// Which pixel light that falls on the film at `film` (pixels from the corner, one entry an axis) is given to, and
-    /// with what weight. In the mean every pixel gets the normalised filter's value at its distance. The pixel may lie
-    /// outside.
+    /// Choose the pixel that receives light which falls on the film at `film` (pixels from the corner), and the weight. On average
+    /// every pixel receives the value of the normalised filter at its distance. The pixel may lie outside of the picture.
     #[inline]
     pub fn splat(&self, film: [f32; 2], u: [f32; 2]) -> ([i32; 2], f32) {
         let (x, wx) = self.splat_axis(film[0], u[0]);

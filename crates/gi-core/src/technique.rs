@@ -8,19 +8,18 @@ use crate::film::{Film, Show};
 use crate::math::Rgb;
 use crate::scene::Scene;
 
-/// Where a technique works and with which numbers.
+/// The scene, the camera and the seed that a technique works with.
 #[derive(Clone, Copy)]
 pub struct Setting<'a> {
     /// The world.
     pub scene: &'a Scene,
-    /// Identity of the world: its shapes, materials and lights, not the camera. What was saved of one world
-    /// is of no use in another.
+    /// Hash of the shapes, materials and lights, without the camera. A saved cache or map is valid only for the same hash.
     pub world: u64,
     /// The eye.
     pub camera: &'a Camera,
     /// Seed of every random number.
     pub seed: u32,
-    /// What the picture shows: a technique may leave out what nobody will see.
+    /// Which light the picture shows. A technique may skip the rest.
     pub show: Show,
 }
 
@@ -33,13 +32,13 @@ impl Setting<'_> {
     }
 }
 
-/// A technique of global illumination. After any number of passes the film holds a valid picture, and passes
-/// are independent of one another but for what `prepare` and earlier passes left in `self`.
+/// A technique of global illumination. After any number of passes the film holds a valid picture. A pass depends only on what
+/// `prepare` and earlier passes left in `self`.
 pub trait Technique<'a>: Sized {
-    /// The technique's own knobs.
+    /// The technique's parameters.
     type Params;
 
-    /// Do what is done once: fill caches, build maps.
+    /// Work that is done once: fill caches, build maps.
     ///
     /// # Errors
     /// One line about what the user gave and what cannot be used here: a cache of another scene, say.
@@ -48,39 +47,39 @@ pub trait Technique<'a>: Sized {
     /// Make pass number `index` and add it to the film.
     fn pass(&mut self, index: u32, film: &mut Film);
 
-    /// Whether further passes are not worth their time, by what the technique's parameters say.
+    /// Whether the technique's own stopping criterion is met.
     fn is_done(&self) -> bool {
         false
     }
 
-    /// Whether a pass is the same whatever passes were made before: ranges of passes can then be made apart, and merged.
+    /// Whether a pass does not depend on earlier passes. Ranges of passes can then be rendered apart and merged.
     fn passes_are_independent(&self) -> bool {
         true
     }
 
-    /// What passes have left in `self`, so that another run can go on from there; the film is saved by itself. `None` where
-    /// that cannot be done.
+    /// The state that passes have left in `self`, for a checkpoint. The film is saved separately. `None` if the technique does not
+    /// support checkpoints.
     fn save_state(&self) -> Option<Vec<u8>> {
         None
     }
 
-    /// Go on from what [`Technique::save_state`] gave.
+    /// Continue from the state of [`Technique::save_state`].
     ///
     /// # Errors
-    /// One line: the state is of other parameters, or damaged.
+    /// One line: the state belongs to other parameters, or is damaged.
     fn restore(&mut self, _state: &[u8]) -> Result<(), String> {
         Err("this program cannot go on from a checkpoint".into())
     }
 
-    /// What is worth knowing about the run so far, as names and numbers.
+    /// Statistics of the run so far, as names and numbers.
     fn statistics(&self) -> Vec<(String, f64)> {
         Vec::new()
     }
 
-    /// Which kinds of light path the estimator can reach, for the picture's metadata.
+    /// Which kinds of light path the estimator can find, for the picture's metadata.
     fn reach(&self) -> String;
 
-    /// Pictures that the technique draws of itself, as its parameters ask for.
+    /// Technique pictures that the parameters ask for.
     fn pictures(&self, _film: &Film) -> Vec<Picture> {
         Vec::new()
     }
@@ -91,12 +90,12 @@ pub trait Technique<'a>: Sized {
     }
 }
 
-/// A picture that a technique draws of itself: layers of the EXR, and a PNG of its own.
+/// A technique picture: layers of the EXR, and a PNG.
 #[derive(Clone, Debug)]
 pub struct Picture {
     /// One lower-case word or several joined by hyphens: `OUT.name.png`, and layers `Name.*`.
     pub name: String,
-    /// Channels of the layer: what the picture shows, as numbers in row order. None keeps the view itself.
+    /// Channels of the layer, in row order. If there are none, the layer holds the view.
     pub channels: Vec<(String, Vec<f32>)>,
     /// What the PNG shows, linear, in row order.
     pub view: Vec<Rgb>,

@@ -1,7 +1,7 @@
-//! Light from infinity, aimed: through discs round what matters, each for a share of the paths, the last round the scene.
+//! Aim paths from lights at infinity: through nested discs round the points that matter, the last of which covers the scene.
 //!
-//! A sun lights all of a scene alike, and of ground to the horizon the eye sees a court. Blind paths spread over the scene's
-//! disc; these are dense where they matter and sparse elsewhere, and the power of each says how dense.
+//! A sun lights the whole scene uniformly, but the picture may show only a small part of it. Without aiming, paths spread over
+//! the disc of the scene. Aimed paths are dense where they matter, and the power of each path compensates for that.
 
 use std::f32::consts::PI;
 
@@ -11,35 +11,35 @@ use super::ball::Ball;
 use super::{Discrete, Emission, EmitterPoint, Light, Lights, PointSource};
 use crate::math::{Bounds, Frame, Rgb, sqr};
 
-/// Where paths from infinity go through the scene, and how lights are chosen for them.
+/// A distribution of the lines along which light from infinity enters the scene.
 #[derive(Clone, Debug)]
 pub(crate) struct Aim {
     balls: Vec<Ball>,
     shares: Discrete,
     lights: Discrete,
-    /// Where light that is scattered far from it is to go.
+    /// Light that is scattered far from this ball is aimed at it.
     goal: Ball,
 }
 
-/// A point that matters, and how much.
+/// A point that matters, and its weight.
 pub(super) type Weighted = (Vec3, f32);
 
-/// Spheres round parts of the points, of equal weight each; a power of two.
+/// Number of balls round parts of the points, of equal weight each. A power of two.
 const PARTS: usize = 32;
-/// Share of the paths that they get. The others go through spheres each twice as large as the one before, from half of
-/// all points to the whole scene, a like number through each: the power of a path grows with the square of the distance from
-/// what matters, as the chance falls that it comes there when it is scattered.
+/// Fraction of the paths that go through those balls. The others go through balls that double in size, from half of all points
+/// to the whole scene, the same number through each. So the power of a path grows with the square of its distance from the
+/// points, as the probability falls that it gets there when it is scattered.
 const SHARE: f32 = 0.6;
-/// Least radius of a part, in units of the distance that half of the points lie within.
+/// Smallest radius of a part, relative to the radius that contains half of the points.
 const LEAST: f32 = 0.1;
-/// Radius of the goal, in units of the distance that half of the ends lie within; and how far is far, in radii of the goal.
+/// Radius of the goal, relative to the radius that contains half of the ends; and from how many such radii scattering is aimed.
 const GOAL: f32 = 2.0;
 const FAR: f32 = 2.0;
-/// Least of that distance, in units of the scene's radius.
+/// Smallest such radius, relative to that of the scene.
 const LEAST_CORE: f32 = 1e-4;
 
 impl Aim {
-    /// Aim at the points where light is to be scattered first, and from afar at those where it is to end. `None` where none
+    /// Aim at the points where light should be scattered first, and from far away at those where it should end. `None` if no point
     /// has weight, or no light is at infinity.
     pub(crate) fn new([mut points, mut ends]: [Vec<Weighted>; 2], lights: &Lights) -> Option<Self> {
         for list in [&mut points, &mut ends] {
@@ -68,7 +68,7 @@ impl Aim {
         rings.push(Ball { center: middle, radius: radius * 1.001 });
         let share = (1.0 - SHARE) / rings.len() as f32;
         parts.extend(rings.into_iter().map(|b| (b, share)));
-        // A light at infinity is worth what it sends to where paths are aimed, not all that falls on the scene.
+        // A light at infinity is chosen by its power through the aimed area, not by its power over the whole scene.
         let seen = area / (PI * sqr(radius));
         let worth = |(k, light): (usize, &Light)| {
             lights.probability(k) * if light.is_infinite() { seen } else { 1.0 }
@@ -81,7 +81,7 @@ impl Aim {
         })
     }
 
-    /// As [`Lights::emit`], with the places of parallel light where paths are aimed.
+    /// As [`Lights::emit`], but the origins of parallel light are aimed.
     pub(crate) fn emit(
         &self,
         lights: &Lights,
@@ -96,7 +96,7 @@ impl Aim {
         Some(Emission { p, power: irradiance / density, ..start })
     }
 
-    /// The cone that the goal fills from far away: its axis, and 1 - cos of its half angle.
+    /// The cone in which the goal is seen from far away: its axis, and 1 - cos of its half angle.
     pub(super) fn goal_from(&self, p: Vec3) -> Option<(Frame, f32)> {
         let to = self.goal.center - p;
         if to.length_squared() < sqr(FAR * self.goal.radius) {
@@ -117,7 +117,7 @@ impl Aim {
     }
 }
 
-/// A sphere that half of the weight lies in, round its middle.
+/// A ball that contains half of the weight.
 fn core(points: &mut [Weighted], least: f32) -> Ball {
     let center = Vec3::from_array([0, 1, 2].map(|axis| {
         let half = sorted_half(points, |p| p[axis]);
@@ -127,7 +127,7 @@ fn core(points: &mut [Weighted], least: f32) -> Ball {
     Ball { center, radius: points[half].0.distance(center).max(least) }
 }
 
-/// Sort points; the first at which half of the weight is reached.
+/// Sort points; return the index at which half of the weight is reached.
 fn sorted_half(points: &mut [Weighted], key: impl Fn(Vec3) -> f32) -> usize {
     points.sort_by(|a, b| key(a.0).total_cmp(&key(b.0)));
     let total: f64 = points.iter().map(|p| f64::from(p.1)).sum();
@@ -139,7 +139,7 @@ fn sorted_half(points: &mut [Weighted], key: impl Fn(Vec3) -> f32) -> usize {
     points.iter().position(reached).unwrap_or(points.len() - 1)
 }
 
-/// Halve points by weight across their longest extent until there are so many parts.
+/// Split points in halves of equal weight along their longest extent, until there are enough parts.
 fn split(points: &mut [Weighted], parts: usize, take: &mut impl FnMut(&[Weighted])) {
     if parts == 1 || points.len() < 2 {
         return take(points);
@@ -161,7 +161,7 @@ fn ball_round(points: &[Weighted], least: f32) -> Ball {
     Ball { center: bounds.center(), radius: (0.5 * bounds.extent().length()).max(least) }
 }
 
-/// Of the area that a path stands for at a point that matters, the geometric mean.
+/// The geometric mean of the area that one path represents at a weighted point.
 fn area(parts: &[(Ball, f32)]) -> f32 {
     let share: f32 = parts.iter().map(|p| p.1).sum();
     let mean: f32 = parts.iter().map(|(b, s)| s / share * (b.shadow() * share / s).ln()).sum();

@@ -1,4 +1,4 @@
-//! Shapes that shine: sampling them from a point, by solid angle where that is stable.
+//! Shapes that emit light: sampling them from a point, by solid angle where that is stable.
 
 use std::f32::consts::PI;
 
@@ -7,23 +7,23 @@ use glam::{Vec2, Vec3};
 use crate::math::{Frame, sqr};
 use crate::warp;
 
-/// One shining primitive. Light leaves on the side of the normal only.
+/// One emitting primitive. Light leaves on the side of the normal only.
 #[derive(Clone, Copy, Debug)]
 pub enum Emitter {
     /// A triangle.
     Triangle {
         /// Corners.
         v: [Vec3; 3],
-        /// Unit normal of the shining side.
+        /// Unit normal of the emitting side.
         normal: Vec3,
     },
-    /// A sphere, shining outward (or inward).
+    /// A sphere, emitting outward (or inward).
     Sphere {
         /// Middle.
         center: Vec3,
         /// Radius.
         radius: f32,
-        /// Whether it shines outward.
+        /// Whether it emits outward.
         outward: bool,
     },
     /// An ellipse.
@@ -32,7 +32,7 @@ pub enum Emitter {
         center: Vec3,
         /// Half axes.
         axes: [Vec3; 2],
-        /// Unit normal of the shining side.
+        /// Unit normal of the emitting side.
         normal: Vec3,
     },
     /// The side of a cylinder.
@@ -41,7 +41,7 @@ pub enum Emitter {
         ends: [Vec3; 2],
         /// Radius.
         radius: f32,
-        /// Whether it shines outward.
+        /// Whether it emits outward.
         outward: bool,
     },
 }
@@ -51,7 +51,7 @@ pub enum Emitter {
 pub struct EmitterPoint {
     /// Position.
     pub p: Vec3,
-    /// Unit normal on the shining side.
+    /// Unit normal on the emitting side.
     pub normal: Vec3,
     /// Parameters as [`crate::ray::Hit`]'s u and v.
     pub uv: Vec2,

@@ -1,8 +1,8 @@
 //! Discrete and piecewise constant distributions.
 
-/// Indices drawn in proportion to weights, by inversion: neighbouring numbers give neighbouring indices,
-/// so that stratified numbers stay stratified. A guide table says where to begin the search \[Chen74\], so that a draw
-/// takes two looks at memory however many indices there are.
+/// Indices drawn in proportion to weights, by inversion: neighbouring random numbers give neighbouring indices, so stratified
+/// numbers stay stratified. A guide table tells where the search begins \[Chen74\]: a draw needs two memory accesses,
+/// whatever the number of indices.
 #[derive(Clone, Debug, Default)]
 pub struct Discrete {
     /// Distribution function at the end of each index's step; the last is exactly one.

@@ -14,26 +14,26 @@ use crate::warp;
 pub struct Emission {
     /// Which light.
     pub light: u32,
-    /// Where the path leaves: on the light, or outside of the scene for lights at infinity.
+    /// Where the path starts: on the light, or outside of the scene for lights at infinity.
     pub p: Vec3,
     /// Unit geometric normal at `p`; the direction itself for lights that are no surfaces.
     pub ng: Vec3,
     /// Unit direction in which the path leaves.
     pub d: Vec3,
-    /// Power that the path carries: emitted radiance times cosine, already divided by all densities
-    /// (choice of the light included), not by the number of paths.
+    /// Power that the path carries: emitted radiance times cosine. It is divided by all densities, that of the light's choice
+    /// included, but not by the number of paths.
     pub power: Rgb,
-    /// What a point sees of the light's point at `p`.
+    /// The start of the path as a point light.
     pub source: PointSource,
 }
 
-/// The light at the start of a path as a light of no extent: what the lecture's accumulation buffer adds up [slide 47]. All
-/// are already divided by the densities of the light and of the point on it.
+/// The start of a light path as a light without extent, as the lecture's accumulation buffer uses it [slide 47]. All values are
+/// divided by the densities of the light and of the point on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointSource {
     /// A point of a surface: intensity is this times the cosine at the surface.
     Oriented(Rgb),
-    /// A point that shines alike in all directions, with this intensity.
+    /// A point with the same intensity in all directions.
     Omni(Rgb),
     /// A spot: the intensity on its axis, without its picture; see [`Light::spot_fade`].
     Spot(Rgb),
@@ -42,7 +42,7 @@ pub enum PointSource {
 }
 
 impl Light {
-    /// Share of a spot's full intensity along unit `d`, coloured by its picture; 1 for other lights.
+    /// Fraction of a spot's full intensity along unit `d`, coloured by its picture; 1 for other lights.
     pub fn spot_fade(&self, d: Vec3) -> Rgb {
         match self {
             Light::Spot { frame, cutoff, beam, slide, .. } => {

@@ -1,6 +1,6 @@
-//! Lights: what shines, chosen in proportion to its power.
+//! Lights, chosen in proportion to their power.
 //!
-//! Every shining primitive is a light of its own, so a mesh of a thousand triangles is a thousand lights; the number
+//! Every emitting primitive is a light of its own, so a mesh of a thousand triangles is a thousand lights; the number
 //! of a light is what many-light methods build their trees over.
 
 mod aim;

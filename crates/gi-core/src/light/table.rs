@@ -89,7 +89,7 @@ pub struct LightSample {
 pub struct Lights {
     lights: Vec<Light>,
     by_power: Discrete,
-    /// For each shape its first light, if it shines.
+    /// For each shape its first light, if it emits light.
     first_of_shape: Vec<Option<u32>>,
     /// Those at infinity.
     distant: Vec<u32>,
@@ -135,7 +135,7 @@ impl Lights {
         self.by_power.probability(light)
     }
 
-    /// Whether nothing shines.
+    /// Whether nothing emits light.
     pub fn is_empty(&self) -> bool {
         self.by_power.is_empty()
     }
@@ -151,7 +151,7 @@ impl Lights {
         self.distant.iter().map(|&k| (k as usize, &self.lights[k as usize]))
     }
 
-    /// The light that primitive `primitive` of shape `shape` is, if it shines.
+    /// The light that primitive `primitive` of shape `shape` is, if it emits light.
     #[inline]
     pub fn of_primitive(&self, shape: u32, primitive: u32) -> Option<usize> {
         self.first_of_shape[shape as usize].map(|first| (first + primitive) as usize)
@@ -332,7 +332,7 @@ pub(super) fn spot_fade(cos: f32, cutoff: f32, beam: f32) -> f32 {
     }
 }
 
-/// Add one light for each primitive of a shining shape.
+/// Add one light for each primitive of a emitting shape.
 fn push_area(lights: &mut Vec<Light>, k: u32, shape: &Shape) {
     let outward = !shape.flip_normals;
     let oriented = |n: Vec3| if outward { n } else { -n };

@@ -1,5 +1,5 @@
-//! Light paths that begin toward chosen things: what projection maps are for \[Jensen01, 5.2\], without their cells.
-//! Or, with light from infinity, all of them, but most where the eye looks: see [`super::aim`].
+//! Light paths that start toward chosen shapes, as projection maps do \[Jensen01, 5.2\] but without their cells. Or, for light
+//! from infinity, paths of which most go where the eye looks: see [`super::aim`].
 
 use std::f32::consts::PI;
 
@@ -12,21 +12,21 @@ use crate::geometry::{Geometry, Shape};
 use crate::math::{Frame, Rgb, sqr};
 use crate::warp;
 
-/// Spheres that hold everything that paths are to be aimed at.
+/// Balls that contain everything that paths are aimed at.
 #[derive(Clone, Debug, Default)]
 pub struct Targets {
     spheres: Vec<Ball>,
-    /// Instead of them: no path is left out.
+    /// If set, it replaces the balls. Every path can then be sampled.
     aim: Option<Aim>,
 }
 
-/// Most spheres; each start of a path looks at all of them.
+/// Maximum number of balls. The start of each path tests all of them.
 const MOST: usize = 32;
 
 impl Targets {
-    /// Spheres round some shapes, or copies of shapes, given as middle and radius.
+    /// Balls round shapes or copies of shapes, given as centre and radius.
     pub fn new(spheres: impl IntoIterator<Item = (Vec3, f32)>) -> Self {
-        // A little wider, so that no rounding puts a point of the shape outside.
+        // Slightly enlarged, so that rounding leaves no point of the shape outside.
         let ball = |(center, radius): (Vec3, f32)| Ball { center, radius: radius * 1.001 };
         let mut spheres: Vec<Ball> = spheres.into_iter().map(ball).collect();
         while spheres.len() > MOST {
@@ -35,14 +35,13 @@ impl Targets {
         Targets { spheres, aim: None }
     }
 
-    /// All paths of `lights`, those from infinity mostly toward some points, by their weights: where they are scattered
-    /// first, and where they end. `None` where no point has weight, or nothing shines from infinity.
+    /// Aim paths from infinity mostly at weighted points: where they are scattered first, and where they end. Every path of
+    /// `lights` can be sampled. `None` if no point has weight, or no light is at infinity.
     pub(crate) fn around(points: [Vec<Weighted>; 2], lights: &Lights) -> Option<Self> {
         Aim::new(points, lights).map(|aim| Targets { aim: Some(aim), ..Targets::default() })
     }
 
-    /// Where light that is scattered at `p`, far from all ends, is to go: a cone round a normal, and 1 - cos of its half
-    /// angle.
+    /// The cone at which light is aimed that is scattered at `p`, far from all ends: its axis, and 1 - cos of its half angle.
     pub(crate) fn goal_from(&self, p: Vec3) -> Option<(Frame, f32)> {
         self.aim.as_ref()?.goal_from(p)
     }
