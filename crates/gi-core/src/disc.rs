@@ -1,8 +1,7 @@
-//! Which part of a disc on a surface can be seen from just above its middle.
+//! The part of a disc on a surface that is visible from just above its centre.
 //!
-//! A density estimate divides the light of a disc by its area. At the edge of a surface a part of the disc hangs over,
-//! and behind a wall without thickness a part belongs to another room: no photon there may count, and the area must
-//! leave out the same part.
+//! A density estimate divides the light on a disc by its area. At the edge of a surface a part of the disc lies in the air, and
+//! behind a thin wall a part belongs to another room. Photons there must not count, and the area must exclude the same part.
 
 use glam::Vec3;
 
@@ -12,17 +11,17 @@ use crate::ray::Ray;
 use crate::scene::Scene;
 use crate::warp;
 
-/// Height of the viewpoint over the surface, in radii of the disc. It sees over what is lower, and a surface that bends
-/// less than this is still one surface.
+/// Height of the viewpoint above the surface, in radii of the disc. Lower obstacles do not hide photons, and a surface that bends
+/// less is still one surface.
 const HEIGHT: f32 = 0.25;
-/// How far below the disc its surface may lie, in radii.
+/// Largest depth of the surface below the disc, in radii.
 const DEPTH: f32 = 0.5;
-/// Least height, in units of the distance that rays are lifted off a surface by.
+/// Smallest height, in units of the offset of ray origins.
 const LEAST_LIFTS: f32 = 16.0;
-/// Trials of [`Disc::inverse_share`] after one that failed: so many runs, each of so many at most.
+/// [`Disc::inverse_share`] makes this many runs after a failed trial, each with at most this many trials.
 const RUNS: u32 = 4;
 const MOST_TRIALS: u32 = 20;
-/// Sheets that let light pass which a probe goes through at most.
+/// Maximum number of transparent sheets that a probe passes.
 const MOST_SHEETS: u32 = 16;
 
 /// A disc on a surface.
@@ -32,23 +31,23 @@ pub struct Disc<'a> {
     p: Vec3,
     frame: Frame,
     radius: f32,
-    /// Least cosine between the disc's normal and that of a surface which belongs to it.
+    /// Smallest cosine between the disc's normal and that of a surface that belongs to it.
     min_cos: f32,
     height: f32,
-    /// The distance that rays are lifted off a surface by.
+    /// Offset of ray origins from a surface.
     lift: f32,
 }
 
 impl<'a> Disc<'a> {
-    /// The disc of `radius` round the point `p` of a surface, seen from the side of the unit normal `n`. Surfaces belong
-    /// to it whose normals are within the angle of cosine `min_cos`.
+    /// The disc of `radius` round the surface point `p`, seen from the side of the unit normal `n`. A surface belongs to it if the
+    /// cosine between the normals is at least `min_cos`.
     pub fn new(scene: &'a Scene, p: Vec3, n: Vec3, radius: f32, min_cos: f32) -> Self {
         let lift = scene.tree().offset_origin(p, n, n).distance(p);
         let height = (HEIGHT * radius).max(LEAST_LIFTS * lift);
         Disc { scene, p, frame: Frame::from_normal(n), radius, min_cos, height, lift }
     }
 
-    /// The same, its viewpoint moved down to half way under what is close above.
+    /// The same, with the viewpoint lowered to half the height of the nearest obstacle above.
     pub fn lowered(self) -> Self {
         let n = self.frame.n;
         let o = self.scene.tree().offset_origin(self.p, n, n);
@@ -65,14 +64,14 @@ impl<'a> Disc<'a> {
         !self.scene.transmittance(sight).is_black()
     }
 
-    /// Whether the point of the disc that `u` (uniform) draws lies on a surface that belongs to it and is seen.
+    /// Whether a random point of the disc (`u` uniform) lies on a visible surface that belongs to it.
     pub fn meets(&self, u: [f32; 2]) -> bool {
         let q = warp::disk(u) * self.radius;
         let above = self.p + self.frame.to_world(Vec3::new(q.x, q.y, self.height));
         self.below(above).is_some_and(|q| self.sees(q))
     }
 
-    /// The point of a surface of the disc under a point above it.
+    /// The surface point of the disc below a point above it.
     fn below(&self, above: Vec3) -> Option<Vec3> {
         let n = self.frame.n;
         let depth = self.height + DEPTH * self.radius;
@@ -92,7 +91,7 @@ impl<'a> Disc<'a> {
         None
     }
 
-    /// Share of the disc that lies on surfaces that are seen, by `count` probes laid out evenly; `offset` shifts them.
+    /// Fraction of the disc that lies on visible surfaces, from `count` evenly spaced probes; `offset` shifts them.
     pub fn share(&self, count: u32, offset: [f32; 2]) -> f32 {
         // A lattice of the golden ratio.
         let u = |i: u32| {
@@ -102,9 +101,8 @@ impl<'a> Disc<'a> {
         (0..count).filter(|i| self.meets(u(*i))).count() as f32 / count as f32
     }
 
-    /// An unbiased estimate of one over the share of the disc that lies on surfaces that are seen: the number of points
-    /// that must be drawn until one does has that mean. One trial where all of the disc does, more elsewhere; `u` gives
-    /// uniform points.
+    /// An unbiased estimate of one over the visible fraction of the disc: the number of random points until one is visible has that
+    /// mean. A fully visible disc needs one trial. `u` gives uniform points.
     pub fn inverse_share(&self, mut u: impl FnMut() -> [f32; 2]) -> f32 {
         let first = u();
         if self.meets(first) {

@@ -1,5 +1,5 @@
-//! Next-event estimation: light sampled from a point of a surface or a medium, weighted against sampling of what scatters
-//! there.
+//! Next-event estimation: sample a light from a point of a surface or a medium. Multiple importance sampling weights it against
+//! BSDF or phase function sampling.
 
 use crate::medium::MediumId;
 use glam::Vec3;
@@ -19,8 +19,8 @@ pub fn power_heuristic(pdf: f32, other: f32) -> f32 {
     1.0 / (1.0 + sqr(other / pdf))
 }
 
-/// Radiance scattered along `wo` of light that comes straight from a light, one light sampled.
-/// Weighted against BSDF sampling: the rest is what [`emitter_weight`] leaves for rays that meet the light.
+/// Radiance scattered along `wo` of light straight from a light source, by one light sample. Rays that hit a light contribute the
+/// rest, weighted by [`emitter_weight`].
 #[inline]
 pub fn direct_light(
     scene: &Scene,
@@ -32,7 +32,7 @@ pub fn direct_light(
     direct_light_seen(scene, surface, bsdf, wo, sampler, |light| scene.visibility(surface, light))
 }
 
-/// The same for a path that reached `surface` in `medium`: media dim the light on its way.
+/// The same for a path that reached `surface` through `medium`. Media attenuate the light on its way.
 #[inline]
 pub fn direct_light_through_media(
     scene: &Scene,
@@ -46,8 +46,8 @@ pub fn direct_light_through_media(
     })
 }
 
-/// Radiance scattered along `wo` at the point `p` inside of a medium, its scattering coefficient apart, of light that comes
-/// straight from a light: one light sampled, weighted against sampling of the phase function.
+/// Radiance scattered along `wo` at the point `p` inside a medium, over its scattering coefficient, of light straight from a light
+/// source. One light sample, weighted against phase function sampling.
 #[inline]
 pub fn direct_light_within(
     scene: &Scene,
@@ -59,7 +59,7 @@ pub fn direct_light_within(
     light_within(scene, medium, (p, wo), sampler, power_heuristic)
 }
 
-/// The whole of that, for those who do not sample the phase function.
+/// The same without the weight, for techniques that do not sample the phase function.
 #[inline]
 pub fn all_direct_light_within(
     scene: &Scene,
@@ -114,8 +114,8 @@ fn direct_light_seen(
     arriving * visibility(&light) * (weight / light.pdf_w)
 }
 
-/// Weight of light met by a BSDF ray drawn with density `pdf_bsdf` that light sampling draws with `pdf_light`.
-/// `None` stands for a delta lobe or the camera, which light sampling cannot compete with.
+/// Weight of a light hit by a ray that BSDF sampling drew with density `pdf_bsdf` and light sampling draws with `pdf_light`.
+/// `None` stands for a delta lobe or the camera: light sampling cannot find these paths.
 #[inline]
 pub fn emitter_weight(pdf_bsdf: Option<f32>, pdf_light: f32) -> f32 {
     pdf_bsdf.map_or(1.0, |pdf| power_heuristic(pdf, pdf_light))

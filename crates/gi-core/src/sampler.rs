@@ -47,14 +47,13 @@ impl Sampler {
         [bits_to_unit(x), bits_to_unit(y)]
     }
 
-    /// Leave a dimension out, so that those that follow keep their places.
+    /// Skip a dimension, so that later ones stay the same.
     #[inline]
     pub fn skip(&mut self) {
         self.dimension += 1;
     }
 
-    /// Go on at dimension `d`, so that a use of the sampler that draws a varying number of numbers
-    /// does not shift those that follow.
+    /// Continue at dimension `d`, so that a varying number of draws does not shift later dimensions.
     #[inline]
     pub fn jump_to(&mut self, d: u32) {
         self.dimension = d;

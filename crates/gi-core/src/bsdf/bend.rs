@@ -1,8 +1,8 @@
 //! Normals that a bump map or a normal map bends.
 //!
-//! Two repairs belong to it. A bent normal may face away from the eye: it is then flipped about the unbent one
-//! \[Schuessler17\]. And light that a bent normal would still see, though the surface itself turns away from it, is faded
-//! out, where it would otherwise end at a hard edge \[Estevez19\]. Both are Mitsuba 3's defaults.
+//! Two repairs follow. A bent normal may face away from the eye; it is then flipped about the unbent normal \[Schuessler17\].
+//! And light fades out toward the terminator of the unbent surface, where it would otherwise end at a hard edge \[Estevez19\].
+//! Both are defaults of Mitsuba 3.
 
 use glam::Vec3;
 
@@ -14,9 +14,9 @@ use crate::math::{Frame, sqr};
 pub(super) struct Bend {
     /// The normal before, on the side that the lobe's normal is on.
     normal: Vec3,
-    /// Squared width of the facets that stand for the bent surface, in [0, 1]; 0 shadows nothing.
+    /// Squared alpha of the facets that represent the bent surface, in [0, 1]; 0 disables shadowing.
     alpha_sq: f32,
-    /// Whether the lobe's normal is flipped for eyes that it faces away from.
+    /// Whether the lobe's normal is flipped if it faces away from the eye.
     flips: bool,
 }
 
@@ -50,7 +50,7 @@ impl Bend {
         Frame::from_normal_tangent(n.normalize(), frame.s)
     }
 
-    /// Share of the eyes over the surface that a lobe's normal faces away from and that it is flipped for.
+    /// Fraction of the eye directions above the surface for which the normal is flipped.
     pub(super) fn share_flipped(&self, frame: &Frame) -> f32 {
         if !self.flips {
             return 0.0;
@@ -58,14 +58,14 @@ impl Bend {
         self.normal.dot(frame.n).clamp(-1.0, 1.0).acos() * std::f32::consts::FRAC_1_PI
     }
 
-    /// Whether both normals see the same side in a direction.
+    /// Whether both normals are on the same side of a direction.
     #[inline]
     pub(super) fn is_seen(&self, frame: &Frame, d: Vec3) -> bool {
         d.dot(self.normal) * d.dot(frame.n) > 0.0
     }
 
-    /// Share of the light from direction `light` that a lobe with this frame gets and sends to `eye`: nothing where only one
-    /// of the two normals sees either [Estevez19, eq. 4].
+    /// Factor on light from direction `light` toward `eye` for a lobe with this frame. Zero if only one of the two normals faces
+    /// either direction [Estevez19, eq. 4].
     #[inline]
     pub(super) fn unshadowed(&self, frame: &Frame, eye: Vec3, light: Vec3) -> f32 {
         if !self.is_seen(frame, eye) || !self.is_seen(frame, light) {
@@ -74,7 +74,7 @@ impl Bend {
         shadowing(self.alpha_sq, light.dot(self.normal))
     }
 
-    /// Mean of that over light from all around, by the cosine with the unbent normal.
+    /// Cosine-weighted mean of that factor over all light directions.
     pub(super) fn mean_unshadowed(&self) -> f32 {
         if self.alpha_sq == 0.0 {
             return 1.0;

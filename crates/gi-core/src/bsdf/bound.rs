@@ -1,8 +1,8 @@
-//! Upper bounds of what is scattered toward a box: how much a cluster of lights may matter at a point [Walter05, 3.3].
+//! Upper bounds of the BSDF for light from a box: the largest contribution of a cluster of lights at a point [Walter05, 3.3].
 //!
-//! All light from a box comes from a cone of directions round it. Each lobe bounds its factors over that cone one by one:
-//! cosines as the box allows, the density of facets by the half vectors' own cone, shadowing by its value at the largest
-//! cosine. What is bounded is what [`Bsdf::f`] and [`Bsdf::f_cos`] return, rounding included.
+//! All light from a box arrives within a cone of directions. Each lobe bounds its factors over that cone separately: the cosines
+//! over the box, the density of facets over the cone of half vectors, and shadowing by its value at the largest cosine. The
+//! bounds hold for the values that [`Bsdf::f`] and [`Bsdf::f_cos`] return, rounding included.
 
 use std::f32::consts::PI;
 
@@ -19,7 +19,7 @@ use crate::math::{Bounds, Frame, INV_PI, Rgb, safe_sqrt, sqr};
 /// The directions from a point to all points of a box.
 #[derive(Clone, Copy, Debug)]
 pub struct Toward {
-    /// Middle and half the extent of the box, the point being the origin.
+    /// Centre of the box relative to the point, and half its extent.
     middle: Vec3,
     half: Vec3,
 }
@@ -27,17 +27,17 @@ pub struct Toward {
 /// A cone round such directions.
 #[derive(Clone, Copy, Debug)]
 struct Cone {
-    /// Unit axis, and half angle; the whole sphere has a sine of 1 and a cosine of 0.
+    /// Unit axis, and sine and cosine of the half angle. The whole sphere has a sine of 1 and a cosine of 0.
     axis: Vec3,
     sin: f32,
     cos: f32,
 }
 
-/// Share by which every bound is raised, against rounding here and in what is bounded.
+/// Relative margin of every bound, against rounding in the bound and in the BSDF.
 const SAFETY: f32 = 1.0 + 5e-4;
 /// Rounding of a coordinate, relative.
 const ROUNDING: f32 = 5e-7;
-/// Stands for infinity, which times nothing would be no number.
+/// Used instead of infinity, because zero times infinity is not a number.
 const UNBOUNDED: f32 = 1e30;
 /// Rounding of a unit vector.
 const UNIT_ROUNDING: f32 = 2e-6;
@@ -52,7 +52,7 @@ impl Toward {
         Toward { middle, half }
     }
 
-    /// The cone: of the box's own sphere.
+    /// The cone of the bounding sphere of the box.
     #[inline]
     fn cone(&self) -> Cone {
         let (distance_sq, radius_sq) = (self.middle.length_squared(), self.half.length_squared());
@@ -83,7 +83,7 @@ impl Toward {
         if cone.sin >= 1.0 { 4.0 * PI } else { 2.0 * PI * (1.0 - cone.cos) }
     }
 
-    /// The largest cosine of a direction with the frame's normal [Walter05, eq. 4]: of the box's own box in that frame.
+    /// The largest cosine of a direction with the frame's normal [Walter05, eq. 4], from the bounds of the box in that frame.
     #[inline]
     pub fn max_cos(&self, frame: &Frame) -> f32 {
         let extent = |axis: Vec3| axis.abs().dot(self.half);
@@ -114,13 +114,13 @@ impl Cone {
     }
 }
 
-/// What is scattered toward a cone at most, by channel.
+/// Upper bounds over a cone, per channel.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ScatterBound {
-    /// Of [`Bsdf::f_cos`] over the cosine of `wi` with the geometric normal; where another normal shades on paths from the
-    /// eye, of [`Bsdf::f`].
+    /// Bound of [`Bsdf::f_cos`] over the cosine of `wi` with the geometric normal. On paths from the eye with a different shading
+    /// normal: of [`Bsdf::f`].
     pub f: Rgb,
-    /// Of [`Bsdf::f_cos`].
+    /// Bound of [`Bsdf::f_cos`].
     pub f_cos: Rgb,
 }
 
@@ -141,7 +141,7 @@ impl std::ops::AddAssign for ScatterBound {
 }
 
 impl Bsdf<'_> {
-    /// Bound what is scattered between `wo` and any of these directions, delta lobes apart.
+    /// Bound the BSDF between `wo` and any of these directions, without delta lobes.
     #[inline]
     pub fn bound(&self, wo: Vec3, toward: &Toward) -> ScatterBound {
         let mut sum = ScatterBound::default();
@@ -153,7 +153,7 @@ impl Bsdf<'_> {
         sum
     }
 
-    /// Whether a lobe, delta lobes apart, lets light through.
+    /// Whether any lobe but a delta lobe transmits light.
     pub fn transmits(&self) -> bool {
         self.components().iter().any(|c| match &c.lobe {
             Lobe::RoughDielectric { .. } => true,
@@ -163,7 +163,7 @@ impl Bsdf<'_> {
         })
     }
 
-    /// Whether the cosines of all lobes are taken with the geometric normal, or its opposite.
+    /// Whether all lobes use the geometric normal, or its opposite.
     #[inline]
     pub fn is_flat(&self) -> bool {
         let ng = self.way.ng;
@@ -171,7 +171,7 @@ impl Bsdf<'_> {
     }
 }
 
-/// What a lobe bounds its factors with. Directions are local.
+/// The cone as a lobe sees it. Directions are local.
 pub(super) struct Cap {
     pub(super) wo: Vec3,
     /// Largest cosine of `wi` above.
@@ -237,7 +237,7 @@ impl Component<'_> {
             f: albedo * INV_PI,
             f_cos: albedo * (INV_PI * cos.max(0.0)),
         };
-        // Lobes that do not count need no bound.
+        // A lobe that does not count needs no bound.
         let rest = self.part.is_none_or(|p| !p.rest.is_black());
         let two_sided = match &self.lobe {
             Lobe::RoughDielectric { .. } => true,

@@ -1,4 +1,4 @@
-//! Narrow lobes apart from broad ones: what many points can light, and what only its own samples find.
+//! Separate narrow lobes from broad ones: virtual lights illuminate broad lobes, BSDF samples find the light in narrow ones.
 
 use glam::Vec3;
 
@@ -7,19 +7,19 @@ use super::{Bsdf, Parts};
 use crate::math::Rgb;
 
 impl<'a> Bsdf<'a> {
-    /// Whether any lobe, delta lobes apart, is narrower than `min_roughness`.
+    /// Whether any lobe that is not a delta lobe is narrower than `min_roughness`.
     #[inline]
     pub fn is_sharp(&self, min_roughness: f32) -> bool {
         self.components().iter().any(|c| c.is_sharp(min_roughness))
     }
 
-    /// The same with a factor on all that is scattered but by delta lobes and by lobes narrower than `min_roughness`, of
-    /// which the diffuse part counts as broad. Directions are drawn as before.
+    /// The same BSDF with a factor on all lobes at least as wide as `min_roughness`. The diffuse part of a narrower lobe also gets
+    /// the factor; delta lobes do not. Sampling is unchanged.
     pub fn with_broad(&self, min_roughness: f32, factor: Rgb) -> Self {
         self.clone().weighed(min_roughness, factor, Rgb::WHITE)
     }
 
-    /// What is scattered neither by delta lobes nor by lobes narrower than `min_roughness`; `None` where there is nothing.
+    /// Only the lobes at least as wide as `min_roughness`; `None` if there are none.
     pub fn broad(&self, wo: Vec3, min_roughness: f32) -> Option<Self> {
         let broad = if self.is_sharp(min_roughness) {
             self.clone().weighed(min_roughness, Rgb::WHITE, Rgb::BLACK)
@@ -29,7 +29,7 @@ impl<'a> Bsdf<'a> {
         broad.components().iter().any(|c| c.scatters(wo)).then_some(broad)
     }
 
-    /// The share of [`Bsdf::f_cos`] that [`Bsdf::broad`] has.
+    /// Fraction of [`Bsdf::f_cos`] that [`Bsdf::broad`] keeps.
     pub fn share_broad(&self, min_roughness: f32, wo: Vec3, wi: Vec3) -> Rgb {
         if !self.is_sharp(min_roughness) {
             return Rgb::WHITE;

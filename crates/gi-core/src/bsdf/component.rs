@@ -1,4 +1,4 @@
-//! A lobe at a point: turned into its frame, bent where a map bends normals, with its share of a blend.
+//! A lobe at a point: its frame, its bent normal, and its weight in a blend.
 
 use glam::Vec3;
 
@@ -7,21 +7,21 @@ use super::lobe::Lobe;
 use super::{Scatter, Transport};
 use crate::math::{Frame, Rgb};
 
-/// A lobe in its own frame with its share of a blend.
+/// A lobe in its own frame, with its weight in a blend.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Component<'a> {
     pub(super) lobe: Lobe<'a>,
     pub(super) frame: Frame,
     pub(super) weight: f32,
-    /// Which of the scene's materials it is of.
+    /// Index of its material in the scene.
     pub(super) material: u32,
-    /// Where a map bends its normal. On paths from the eye the frame is the one that the eye sees.
+    /// Set if a map bends its normal. On paths from the eye, `frame` is already the frame that the eye sees.
     pub(super) bend: Option<Bend>,
-    /// Where only some of what it scatters counts; directions are drawn as ever.
+    /// Set if only a part of the lobe counts. Sampling is unchanged.
     pub(super) part: Option<Part>,
 }
 
-/// Factors on what a lobe scatters, delta lobes apart.
+/// Factors on a lobe. Delta lobes ignore them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Part {
     /// On its diffuse part, see [`Lobe::diffuse_f`].
@@ -34,7 +34,7 @@ impl Part {
     const ALL: Part = Part { diffuse: Rgb::WHITE, rest: Rgb::WHITE };
 }
 
-/// The way a path runs, and the unit geometric normal of where it is.
+/// The direction of a path, and the unit geometric normal at the point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
     pub(super) transport: Transport,
@@ -42,27 +42,28 @@ pub(super) struct Way {
 }
 
 impl Component<'_> {
-    /// f of the lobe as far as it counts. Directions are local.
+    /// f of the part of the lobe that counts. Directions are local.
     #[inline]
     fn lobe_f(&self, wo: Vec3, wi: Vec3, transport: Transport) -> Rgb {
         let f = self.lobe.f(wo, wi, transport);
         match self.part {
             None => f,
             Some(Part { diffuse, rest }) => {
-                // Lobes that scatter less than their mean toward some directions have no rest there.
+                // Where a lobe is below the mean that is its diffuse part, it has no rest.
                 let base = self.lobe.diffuse_f(wo, wi).zip(f, f32::min);
                 base * diffuse + (f - base) * rest
             }
         }
     }
 
-    /// Whether any of it is a lobe narrower than `min_roughness`, delta lobes apart.
+    /// Whether it is narrower than `min_roughness` and not a delta lobe.
     #[inline]
     pub(super) fn is_sharp(&self, min_roughness: f32) -> bool {
         self.lobe.roughness() < min_roughness && self.part.is_none_or(|p| !p.rest.is_black())
     }
 
-    /// The same with factors on what is broad, the lobe's diffuse part at least, and on what is sharper than `min_roughness`.
+    /// The same lobe with a factor `broad` on its diffuse part, and on the rest `sharp` if it is narrower than `min_roughness`, else
+    /// `broad`.
     pub(super) fn weighed(mut self, min_roughness: f32, broad: Rgb, sharp: Rgb) -> Self {
         let Part { diffuse, rest } = self.part.unwrap_or(Part::ALL);
         let factor = if self.is_sharp(min_roughness) { sharp } else { broad };
@@ -70,7 +71,7 @@ impl Component<'_> {
         self
     }
 
-    /// Whether it scatters anything toward `wo` but by delta lobes.
+    /// Whether it scatters any light toward `wo`, delta lobes ignored.
     pub(super) fn scatters(&self, wo: Vec3) -> bool {
         match self.part {
             _ if self.lobe.is_delta() => false,
@@ -82,9 +83,9 @@ impl Component<'_> {
         }
     }
 
-    /// f times the cosine of the arriving light with the lobe's normal. On light paths the light arrives along `wo`, and
-    /// its power is counted by the geometric normal: |cos(wo, n) cos(wi, ng) / cos(wo, ng)| takes the place of the cosine
-    /// of `wi` [Veach97, 5.3.2].
+    /// f times the cosine of the arriving light with the lobe's normal. On light paths the light arrives along `wo`, and its power is
+    /// measured with the geometric normal: |cos(wo, n) cos(wi, ng) / cos(wo, ng)| replaces the cosine of `wi`
+    /// [Veach97, 5.3.2].
     #[inline]
     pub(super) fn f_cos(&self, wo: Vec3, wi: Vec3, way: Way) -> Rgb {
         let (frame, unshadowed) = match (&self.bend, way.transport) {
@@ -109,8 +110,8 @@ impl Component<'_> {
         (f_cos, self.lobe.pdf_w(local_wo, local_wi) * self.weight)
     }
 
-    /// [`Component::f_cos`] over the cosine of `wi` with the normal by which light is counted: the unbent shading normal,
-    /// on light paths the geometric normal.
+    /// [`Component::f_cos`] over the cosine of `wi` with the normal that irradiance is measured with: the unbent shading normal, or
+    /// the geometric normal on light paths.
     #[inline]
     pub(super) fn f(&self, wo: Vec3, wi: Vec3, way: Way) -> Rgb {
         let normal = match (&self.bend, way.transport) {
@@ -125,7 +126,7 @@ impl Component<'_> {
         if cos > 0.0 { self.f_cos(wo, wi, way) / cos } else { Rgb::BLACK }
     }
 
-    /// Density per solid angle with which [`Component::sample`] returns `wi`, times the share of the blend.
+    /// Density per solid angle with which [`Component::sample`] returns `wi`, times the weight in the blend.
     #[inline]
     pub(super) fn pdf_w(&self, wo: Vec3, wi: Vec3, way: Way) -> f32 {
         let within = |frame: &Frame| self.lobe.pdf_w(frame.to_local(wo), frame.to_local(wi));
@@ -138,7 +139,7 @@ impl Component<'_> {
         pdf_w * self.weight
     }
 
-    /// Draw where a path goes on, the share of the blend not yet in the weight.
+    /// Sample a direction. The weight does not yet include the weight in the blend.
     #[inline]
     pub(super) fn sample(&self, wo: Vec3, u_choice: f32, u: [f32; 2], way: Way) -> Option<Scatter> {
         if let Some(flippable) = self.flippable(way) {
@@ -168,8 +169,8 @@ impl Component<'_> {
         Some(s)
     }
 
-    /// On light paths the eye is where the path goes, so that which way the normal is flipped is known only afterwards: the
-    /// frame is drawn as well.
+    /// On light paths the path goes toward the eye, so whether the normal is flipped depends on the sampled direction. The frame is
+    /// sampled first.
     fn sample_flippable(
         &self,
         wo: Vec3,
@@ -201,14 +202,14 @@ impl Component<'_> {
         (pdf_w > 0.0).then_some(Scatter { pdf_w, ..s })
     }
 
-    /// Where the frame depends on where a light path goes: how it is bent, and how often the flipped frame is drawn.
+    /// If the frame depends on the direction of a light path: how it is bent, and the probability of the flipped frame.
     #[inline]
     fn flippable(&self, way: Way) -> Option<(&Bend, f32)> {
         let bend = self.bend.as_ref().filter(|_| way.transport == Transport::Power)?;
         Some((bend, bend.share_flipped(&self.frame))).filter(|(_, share)| *share > 0.0)
     }
 
-    /// Share of diffuse light that a bent lobe gets.
+    /// Fraction of diffuse light that a bent lobe receives.
     pub(super) fn mean_unshadowed(&self) -> f32 {
         self.bend.as_ref().map_or(1.0, Bend::mean_unshadowed)
     }

@@ -1,4 +1,4 @@
-//! The lobes of a BSDF one by one, and their shapes apart from their colours: for techniques that tabulate shapes.
+//! The single lobes of a BSDF, and their shapes without their colours, for techniques that tabulate shapes.
 
 use glam::Vec3;
 
@@ -9,10 +9,10 @@ use crate::math::{Frame, Rgb};
 use crate::scene::Scene;
 use crate::texture::Texture;
 
-/// What kind of light scattering a lobe does, its diffuse part apart.
+/// How a lobe scatters light besides its diffuse part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// A diffuse part and no more, or delta lobes besides it.
+    /// Only a diffuse part, or delta lobes besides it.
     Diffuse,
     /// Scattering over a range of directions, besides a diffuse part if there is one.
     Glossy,
@@ -25,15 +25,15 @@ pub struct LobeView {
     pub material: usize,
     /// What it does.
     pub kind: Kind,
-    /// What [`GlossyLobe::f_cos`] is multiplied by here: colours from textures, the share in a blend, and of a bent normal the
-    /// mean of what reaches it.
+    /// Factor on [`GlossyLobe::f_cos`] here: colours from textures, the weight in a blend, and the mean shadowing of a bent
+    /// normal.
     pub tint: Rgb,
     /// Its frame, normal on the side of the path.
     pub frame: Frame,
 }
 
 impl Bsdf<'_> {
-    /// The lobes that are no delta lobes.
+    /// The lobes that are not delta lobes.
     pub fn lobes(&self) -> impl Iterator<Item = LobeView> {
         self.components().iter().filter(|c| !c.lobe.is_delta()).map(Component::view)
     }
@@ -58,8 +58,8 @@ impl Component<'_> {
     }
 }
 
-/// The shape of a material's glossy lobe: white where textures colour it, its diffuse part taken away, the same at all
-/// points and all round the normal. Directions are local, z along the normal.
+/// The shape of a material's glossy lobe: without texture colours and without its diffuse part. It is the same at all points, and
+/// isotropic. Directions are local, z along the normal.
 #[derive(Clone, Copy, Debug)]
 pub struct GlossyLobe<'a> {
     lobe: Lobe<'a>,

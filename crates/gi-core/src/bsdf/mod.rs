@@ -1,9 +1,8 @@
-//! How light scatters at a point of a surface: a material with its textures read and its normals bent.
+//! The BSDF at a surface point: a material with its textures evaluated and its normals bent.
 //!
 //! Directions are unit, in world space, and point away from the surface: `wo` toward where the path came from,
-//! `wi` toward where it goes on. `f` is the BSDF without the cosine; `f_cos` has the cosine of `wi` with the
-//! shading normal in it. (A blend may join lobes whose normals were bent differently, so there is no
-//! one cosine to multiply afterwards; walks use `f_cos`.)
+//! `wi` toward where it continues. `f` is the BSDF without the cosine; `f_cos` includes the cosine of `wi` with the shading
+//! normal. Walks use `f_cos`, because a blend may join lobes with different normals and then has no single cosine.
 
 mod bend;
 mod bound;
@@ -29,10 +28,10 @@ pub use glossy::{GlossyLobe, Kind, LobeView};
 use lobe::Lobe;
 pub(crate) use prepared::{PreparedMaterial, check_children, component_count};
 
-/// Which way a path runs. Refraction squeezes radiance but not power [Veach97, 5.2].
+/// The direction of a path. Refraction scales radiance, but not power [Veach97, 5.2].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Transport {
-    /// Paths from the eye carry importance backwards: radiance is what is scaled.
+    /// Paths from the camera: radiance is scaled.
     Radiance,
     /// Paths from a light.
     Power,
@@ -52,7 +51,7 @@ impl Transport {
 /// A drawn direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Scatter {
-    /// Where the path goes on.
+    /// Direction in which the path continues.
     pub wi: Vec3,
     /// f times cosine over density.
     pub weight: Rgb,
@@ -60,7 +59,7 @@ pub struct Scatter {
     pub pdf_w: f32,
     /// Whether the direction is one of finitely many: no other way of sampling can find it.
     pub delta: bool,
-    /// Whether the path passed straight through as if nothing were there.
+    /// Whether the path passed straight through the surface.
     pub null: bool,
     /// Index of the medium entered over that of the medium left; 1 unless refracted.
     pub eta: f32,
@@ -78,7 +77,7 @@ impl Scatter {
     }
 }
 
-/// The diffuse part of a BSDF for one `wo`: what irradiance alone answers for.
+/// The diffuse part of a BSDF for one `wo`. Its radiance depends on irradiance only.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiffusePart {
     /// Its albedo: pi times its f, or the mean of that over the cosine-weighted hemisphere.
@@ -87,10 +86,10 @@ pub struct DiffusePart {
     pub normal: Vec3,
 }
 
-/// Most lobes that a material may blend; deeper ones are refused when the scene is made.
+/// Maximum number of lobes of a material. Building the scene fails if there are more.
 pub const MAX_COMPONENTS: usize = 6;
 
-/// (whole - part) / whole, nothing where they differ by rounding only.
+/// (whole - part) / whole, or zero if they differ by rounding only.
 #[inline]
 fn share_left(whole: f32, part: f32) -> f32 {
     let left = if whole > 0.0 { 1.0 - part / whole } else { 0.0 };
@@ -120,22 +119,22 @@ impl<'a> Bsdf<'a> {
         }
     }
 
-    /// f(wo, wi) times |cos| of `wi` with the shading normal. Delta lobes are not in it. For [`Transport::Power`], where
-    /// light arrives along `wo`, f times |cos(wo, ns) cos(wi, ng) / cos(wo, ng)|: power is counted by the geometric normal
+    /// f(wo, wi) times |cos| of `wi` with the shading normal, without delta lobes. For [`Transport::Power`], where light arrives
+    /// along `wo`: f times |cos(wo, ns) cos(wi, ng) / cos(wo, ng)|, because power is measured with the geometric normal
     /// [Veach97, 5.3.2].
     #[inline]
     pub fn f_cos(&self, wo: Vec3, wi: Vec3) -> Rgb {
         self.components().iter().map(|c| c.f_cos(wo, wi, self.way)).sum()
     }
 
-    /// f(wo, wi) without the cosine, as density estimates want it: where a map bends the normal, [`Bsdf::f_cos`] over the
-    /// cosine with the unbent one. Delta lobes are not in it.
+    /// f(wo, wi) without the cosine and without delta lobes, for density estimates. With a bent normal: [`Bsdf::f_cos`] over the
+    /// cosine with the unbent normal.
     #[inline]
     pub fn f(&self, wo: Vec3, wi: Vec3) -> Rgb {
         self.components().iter().map(|c| c.f(wo, wi, self.way)).sum()
     }
 
-    /// Density per solid angle with which [`Bsdf::sample`] returns `wi`, delta lobes apart.
+    /// Density per solid angle with which [`Bsdf::sample`] returns `wi`, without delta lobes.
     #[inline]
     pub fn pdf_w(&self, wo: Vec3, wi: Vec3) -> f32 {
         match &self.parts {
@@ -155,7 +154,7 @@ impl<'a> Bsdf<'a> {
         }
     }
 
-    /// Whether [`Bsdf::sample`] has something to choose between; its `u_choice` is not looked at otherwise.
+    /// Whether [`Bsdf::sample`] uses its `u_choice`.
     #[inline]
     pub fn has_choice(&self) -> bool {
         match &self.parts {
@@ -164,7 +163,7 @@ impl<'a> Bsdf<'a> {
         }
     }
 
-    /// Draw where a path goes on; `None` where it ends. `u_choice` chooses between lobes, `u` within one.
+    /// Sample a direction; `None` if the path is absorbed. `u_choice` chooses the lobe, `u` the direction.
     #[inline]
     pub fn sample(&self, wo: Vec3, u_choice: f32, u: [f32; 2]) -> Option<Scatter> {
         match &self.parts {
@@ -199,7 +198,7 @@ impl<'a> Bsdf<'a> {
         (pdf_w > 0.0).then(|| Scatter { eta: s.eta, ..Scatter::rough(s.wi, f_cos / pdf_w, pdf_w) })
     }
 
-    /// What passes straight through, as a factor on shadow rays (masks, `null`, panes).
+    /// Transmittance for light that passes straight through: a factor on shadow rays (masks, `null`, panes).
     pub fn straight_through(&self, wo: Vec3) -> Rgb {
         self.components()
             .iter()
@@ -207,12 +206,12 @@ impl<'a> Bsdf<'a> {
             .sum()
     }
 
-    /// Whether every lobe is a delta lobe, so that light sampling finds nothing.
+    /// Whether every lobe is a delta lobe. Sampling lights is then useless.
     pub fn is_delta(&self) -> bool {
         self.components().iter().all(|c| c.lobe.is_delta())
     }
 
-    /// Whether the Lambertian part is all that there is, and its normal is not bent.
+    /// Whether the BSDF is Lambertian only, and its normal is not bent.
     pub fn is_diffuse(&self) -> bool {
         matches!(
             self.parts,
@@ -220,7 +219,7 @@ impl<'a> Bsdf<'a> {
         )
     }
 
-    /// The normal above which both directions must lie for light to pass between them; `None` where it may pass otherwise.
+    /// The normal such that f is zero unless both directions lie on its side; `None` if there is none.
     #[inline]
     pub fn opaque_normal(&self) -> Option<Vec3> {
         match &self.parts {
@@ -231,18 +230,19 @@ impl<'a> Bsdf<'a> {
         }
     }
 
-    /// Whether nothing passes to the other side.
+    /// Whether no light passes to the other side.
     pub fn is_opaque(&self) -> bool {
         self.components().iter().all(|c| c.lobe.is_opaque())
     }
 
-    /// Width of the narrowest lobe that is no delta lobe: alpha of its facets, 1 for diffuse ones.
+    /// Roughness (microfacet alpha) of the narrowest lobe that is not a delta lobe; 1 for diffuse lobes.
     pub fn roughness(&self) -> f32 {
         self.components().iter().map(|c| c.lobe.roughness()).fold(1.0, f32::min)
     }
 
-    /// The diffuse part, `None` where there is none: all of a diffuse surface, the base of a plastic with the mean of
-    /// what its coat lets in, what is constant in other lobes. Of a blend whose normals differ, those alike the first.
+    /// The diffuse part, if there is one: the whole of a diffuse surface, the base of a plastic with the mean transmittance of its
+    /// coat, and the constant part of other lobes. In a blend, only components that share the first diffuse normal are
+    /// included.
     pub fn diffuse_part(&self, wo: Vec3) -> Option<DiffusePart> {
         let mut part: Option<DiffusePart> = None;
         for c in self.components() {
@@ -261,8 +261,8 @@ impl<'a> Bsdf<'a> {
         part
     }
 
-    /// The share of [`Bsdf::f_cos`] that [`Bsdf::diffuse_part`] does not stand for. The base of a plastic counts as stood for,
-    /// though its coat lets in a little more from above and less from the side than the mean.
+    /// Fraction of [`Bsdf::f_cos`] that [`Bsdf::diffuse_part`] does not include. The whole base of a plastic counts as included,
+    /// although its coat transmits slightly more light from above, and less from the side, than the mean.
     pub fn beside_diffuse(&self, part: &DiffusePart, wo: Vec3, wi: Vec3) -> Rgb {
         let diffuse = |c: &Component| {
             let unshadowed = c.bend.map_or(1.0, |b| b.unshadowed(&c.frame, wo, wi));
@@ -274,7 +274,7 @@ impl<'a> Bsdf<'a> {
         self.f_cos(wo, wi).zip(diffuse, share_left)
     }
 
-    /// [`Bsdf::diffuse_part`] of a surface that is Lambertian and nothing else, its normal not bent.
+    /// [`Bsdf::diffuse_part`] if the BSDF is Lambertian only, and its normal is not bent.
     #[inline]
     pub fn diffuse_only(&self, wo: Vec3) -> Option<DiffusePart> {
         match &self.parts {
@@ -294,14 +294,14 @@ impl<'a> Bsdf<'a> {
         }
     }
 
-    /// The albedo of a surface that is Lambertian and nothing else; black from behind.
+    /// The albedo if the BSDF is Lambertian only; black from behind.
     #[inline]
     pub fn lambertian(&self, wo: Vec3) -> Option<Rgb> {
         self.diffuse_only(wo).map(|part| part.albedo)
     }
 
-    /// A fast estimate of the reflected share of light from `wo`, for the albedo layer: exact for Lambert,
-    /// the colour of the reflection elsewhere.
+    /// A fast estimate of the albedo for light from `wo`, for the albedo layer. It is exact for Lambertian surfaces; for others it
+    /// is the colour of the reflection.
     pub fn albedo_hint(&self, wo: Vec3) -> Rgb {
         self.components().iter().map(|c| c.lobe.albedo_hint(c.frame.to_local(wo)) * c.weight).sum()
     }

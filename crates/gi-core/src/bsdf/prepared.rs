@@ -1,4 +1,4 @@
-//! A material made ready: what depends on it alone, and what it comes down to at the ends of its parameters' ranges.
+//! Prepared materials: values that depend on the material alone, and simpler materials at the ends of parameter ranges.
 
 use glam::Vec2;
 
@@ -9,16 +9,16 @@ use crate::material::{Material, Roughness};
 use crate::math::sqr;
 use crate::texture::Texture;
 
-/// A material with what depends on it alone.
+/// A material, and values that depend on it alone.
 #[derive(Clone, Debug)]
 pub(crate) struct PreparedMaterial {
     pub(crate) material: Material,
     pub(super) coat: Option<Coat>,
-    /// Whether anything passes straight through.
+    /// Whether any light passes straight through.
     pub(crate) has_null: bool,
-    /// Whether anything is thrown on by a delta lobe.
+    /// Whether a delta lobe scatters light.
     pub(crate) has_delta: bool,
-    /// Whether anything is refracted, and nothing passes straight through.
+    /// Whether light is refracted, and none passes straight through.
     pub(crate) refracts: bool,
     /// Whether the lobes depend on the directions of the texture coordinates.
     pub(super) needs_tangents: bool,
@@ -111,14 +111,14 @@ impl PreparedMaterial {
     }
 }
 
-/// Relative indices closer to 1 than this bend no light that one could see; the half vectors of a rough interface lose
-/// all their digits there.
+/// A relative index of refraction this close to 1 has no visible effect, and half vectors of a rough interface lose all their
+/// digits.
 const SAME_INDEX: f32 = 1e-4;
-/// Facets narrower than this reflect like a mirror: nobody could sample such a lobe by anything but itself.
+/// Facets with a smaller alpha reflect like a mirror. Only BSDF sampling could find light in such a lobe.
 const SMOOTH: f32 = 1e-3;
 
-/// The material that another one comes down to at the end of a range: an interface between equal indices lets light
-/// straight through, and facets without width are a smooth surface.
+/// Simplify a material at the end of a parameter range: an interface between equal indices lets light pass straight through, and
+/// facets without width are a smooth surface.
 fn at_the_ends(mut material: Material) -> Material {
     let smooth = |r: &mut Roughness| {
         let narrow = |t: &Texture| matches!(t, Texture::Constant(a) if a.mean() < SMOOTH);
@@ -142,7 +142,7 @@ fn at_the_ends(mut material: Material) -> Material {
     }
 }
 
-/// Whether the material itself, children apart, has a delta lobe that passes nothing straight through only.
+/// Whether the material itself, without its children, has a delta lobe that does more than pass light straight through.
 fn has_delta(material: &Material) -> bool {
     match material {
         Material::Conductor { roughness: None, .. }
@@ -158,7 +158,7 @@ pub(crate) fn check_children(materials: &[Material]) -> bool {
     materials.iter().enumerate().all(|(k, m)| m.children().into_iter().all(|c| c < k))
 }
 
-/// How many lobes a material comes down to at most.
+/// Maximum number of lobes of a material at a point.
 pub(crate) fn component_count(materials: &[Material], id: usize) -> usize {
     match &materials[id] {
         Material::Mask { inner, .. } => 1 + component_count(materials, *inner),
@@ -175,7 +175,7 @@ pub(crate) fn component_count(materials: &[Material], id: usize) -> usize {
     }
 }
 
-/// Whether the facets are not the same all round.
+/// Whether the facets are anisotropic.
 fn is_anisotropic(material: &Material) -> bool {
     let differ = |r: &Roughness| match (&r.alpha_u, &r.alpha_v) {
         (Texture::Constant(u), Texture::Constant(v)) => u != v,

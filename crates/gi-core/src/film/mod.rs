@@ -1,9 +1,8 @@
-//! The film: what passes add up to.
+//! The film: the sum of all passes.
 //!
-//! Pixels lie in tiles of 16 x 16, tiles in Morton order, so that threads own disjoint pieces and neighbours in
-//! the picture are neighbours in time. A pass has two halves: every pixel takes its sample, then every pixel gathers
-//! the samples round it that the filter reaches, in a fixed order. No pixel is written by two threads, and the bits
-//! are the same for any number of them.
+//! Pixels are stored in tiles of 16 x 16, tiles in Morton order: threads own disjoint tiles, and neighbouring pixels are rendered
+//! one after the other. A pass has two halves. First every pixel takes its sample. Then every pixel gathers the samples within
+//! reach of the filter, in a fixed order. No pixel is written by two threads, and the bits do not depend on their number.
 
 mod kept;
 mod pixel;
@@ -23,7 +22,7 @@ pub use sample::{Components, Sample};
 pub use tiles::PerPixel;
 use tiles::{AREA, TILE, Tiles};
 
-/// The picture while it is made.
+/// The picture while it is rendered.
 pub struct Film {
     tiles: Tiles,
     filter: FilterTable,
@@ -48,7 +47,7 @@ impl Film {
         Film { tiles, filter, show, pixels, kept, passes: 0 }
     }
 
-    /// How samples make a pixel.
+    /// The reconstruction filter.
     pub fn filter(&self) -> &FilterTable {
         &self.filter
     }
@@ -69,7 +68,7 @@ impl Film {
         self.sample_all(&mut nothing, |at, ()| sample(at));
     }
 
-    /// The same, with what a technique keeps for every pixel.
+    /// The same, with data that a technique keeps per pixel.
     pub fn add_pass_with<T: Send>(
         &mut self,
         kept: &mut PerPixel<T>,
@@ -110,7 +109,7 @@ impl Film {
         self.passes += 1;
     }
 
-    /// Add to every pixel what `sample` says, as it is: for pictures that are filtered already.
+    /// Add the result of `sample` to every pixel without filtering, for pictures that are filtered already.
     pub fn add_unfiltered(&mut self, sample: impl Fn([usize; 2]) -> Sample + Sync) {
         self.for_each_pixel(self.nothing(), |film, at, pixel, _, ()| {
             let sample = sample(at);
@@ -120,14 +119,14 @@ impl Film {
         self.passes += 1;
     }
 
-    /// Call `work` for every pixel with its place in the picture, tiles in parallel; with its number in the tile,
-    /// and with the tile's entry of `extra`.
+    /// Call `work` for every pixel, tiles in parallel, with the pixel's position, its index in the tile, and the tile's entry of
+    /// `extra`.
     fn for_each_pixel<E: Send>(
         &mut self,
         extra: impl IndexedParallelIterator<Item = E>,
-        work: impl Fn(&Frame, [usize; 2], &mut Pixel, usize, &mut E) + Sync,
+        work: impl Fn(&PassContext, [usize; 2], &mut Pixel, usize, &mut E) + Sync,
     ) {
-        let frame = Frame { filter: &self.filter, show: self.show, tiles: &self.tiles };
+        let frame = PassContext { filter: &self.filter, show: self.show, tiles: &self.tiles };
         let tiles = self.pixels.par_chunks_mut(AREA).zip(extra).zip(&self.tiles.corners);
         tiles.with_max_len(1).for_each(|((pixels, mut extra), &corner)| {
             for (i, at) in frame.tiles.inside(corner) {
@@ -141,9 +140,8 @@ impl Film {
         rayon::iter::repeat_n((), self.tiles.corners.len())
     }
 
-    /// Everything as named channels: radiance as R G B, its variance (of the mean), direct, indirect and caustic
-    /// light (of one component alone where only that is shown: the others may not have been looked for), albedo,
-    /// normal, depth.
+    /// All named channels: radiance as R G B, its variance (of the mean), direct, indirect and caustic light, albedo, normal and
+    /// depth. If the picture shows one component only, the layers of the others are left out.
     pub fn layers(&self) -> Layers {
         let pixels: Vec<&Pixel> =
             (0..self.size()[0] * self.size()[1]).map(|i| self.pixel(i)).collect();
@@ -187,14 +185,14 @@ impl Film {
     }
 }
 
-/// What stays the same during a pass.
-struct Frame<'a> {
+/// Values that are constant during a pass.
+struct PassContext<'a> {
     filter: &'a FilterTable,
     show: Show,
     tiles: &'a Tiles,
 }
 
-impl Frame<'_> {
+impl PassContext<'_> {
     /// The filter's weights of all samples round a pixel, and their weighted radiance, row by row.
     fn gather(&self, kept: &Kept, [x, y]: [usize; 2]) -> (f32, Components) {
         let reach = self.filter.reach();

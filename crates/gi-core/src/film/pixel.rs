@@ -1,4 +1,4 @@
-//! What a pixel has added up.
+//! The sums of a pixel.
 
 use glam::Vec3;
 
@@ -6,7 +6,7 @@ use super::{Components, Sample, Show};
 use crate::bytes::{Reader, Writer};
 use crate::math::Rgb;
 
-/// What a pixel has added up: over passes, sums of weights W and of weighted radiance A; the pixel is their ratio.
+/// Sums over passes of weights W and of weighted radiance A. The value of the pixel is A / W.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pixel {
     passes: u32,
@@ -25,7 +25,7 @@ pub(super) struct Pixel {
 }
 
 impl Pixel {
-    /// Take a pass in: the weight that fell on the pixel and the weighted radiance.
+    /// Add a pass: the sum of filter weights and the weighted radiance.
     pub(super) fn add(&mut self, weight: f32, radiance: &Components, show: Show) {
         self.passes += 1;
         let w = f64::from(weight);
@@ -42,7 +42,7 @@ impl Pixel {
         }
     }
 
-    /// Take in what the pixel's own sample says of the first surface.
+    /// Add the first surface of the pixel's own sample.
     pub(super) fn add_surface(&mut self, sample: &Sample) {
         let share = 1.0 / (self.passes + 1) as f32;
         self.albedo = self.albedo.lerp(sample.albedo, share);
@@ -50,7 +50,7 @@ impl Pixel {
         self.depth += (sample.depth - self.depth) * share;
     }
 
-    /// Take in what another pixel has added up in passes of its own.
+    /// Add the sums of another pixel, from other passes.
     pub(super) fn merge(&mut self, other: &Pixel) {
         let passes = self.passes + other.passes;
         let share = if passes > 0 { other.passes as f32 / passes as f32 } else { 0.0 };

@@ -1,11 +1,11 @@
-//! What a sample finds, by the kind of light path.
+//! Samples, by the kind of light path.
 
 use glam::Vec3;
 
 use crate::math::Rgb;
 use crate::options::Show;
 
-/// What one sample of a pixel found.
+/// One sample of a pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sample {
     /// Radiance by the kind of path that brought it.
@@ -20,15 +20,15 @@ pub struct Sample {
     pub offset: [f32; 2],
 }
 
-/// Radiance parted by the kind of path; the whole is the sum. In the notation of light paths (E eye, L light,
-/// S delta lobe, D any other):
+/// Radiance by the kind of path; the whole is the sum. In the notation of light paths (E eye, L light, S delta lobe, D any other
+/// lobe):
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Components {
-    /// E S* L and E S* D L: seen, or after one scattering.
+    /// E S* L and E S* D L: light seen directly, or after one scattering.
     pub direct: Rgb,
-    /// E S* D .* D .* L: after two scatterings or more.
+    /// E S* D .* D .* L: light after two or more scatterings.
     pub indirect: Rgb,
-    /// E S* D S+ L: focused by mirrors and glass onto what the eye sees.
+    /// E S* D S+ L: light focused by mirrors and glass onto a surface that the eye sees.
     pub caustic: Rgb,
 }
 
@@ -39,11 +39,11 @@ impl Components {
         self.direct + self.indirect + self.caustic
     }
 
-    /// The kind of path that has met `rough` scatterings on its way from the eye and then, up to the light,
-    /// delta scatterings or none.
+    /// The component of a path with `non_delta` scatterings from the eye, after which there are only delta scatterings up to the
+    /// light (`then_delta`), or none.
     #[inline]
-    pub fn of_path(&mut self, rough: u32, then_delta: bool) -> &mut Rgb {
-        match (rough, then_delta) {
+    pub fn of_path(&mut self, non_delta: u32, then_delta: bool) -> &mut Rgb {
+        match (non_delta, then_delta) {
             (0, _) | (1, false) => &mut self.direct,
             (1, true) => &mut self.caustic,
             _ => &mut self.indirect,
@@ -70,9 +70,10 @@ mod tests {
     #[test]
     fn components_are_disjoint_by_path() {
         let mut c = Components::default();
-        for (rough, delta) in [(0, false), (0, true), (1, false), (1, true), (2, false), (2, true)]
+        for (non_delta, delta) in
+            [(0, false), (0, true), (1, false), (1, true), (2, false), (2, true)]
         {
-            *c.of_path(rough, delta) += Rgb::WHITE;
+            *c.of_path(non_delta, delta) += Rgb::WHITE;
         }
         assert_eq!([c.direct.r, c.caustic.r, c.indirect.r], [3.0, 1.0, 2.0]);
     }

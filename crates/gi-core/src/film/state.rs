@@ -1,11 +1,11 @@
-//! A film as bytes, and two films as one.
+//! Save and restore a film, and merge two films.
 
 use super::Film;
 use super::pixel::Pixel;
 use crate::bytes::{Reader, Writer};
 
 impl Film {
-    /// Everything that the film has added up, bit for bit.
+    /// All sums of the film, bit for bit.
     pub fn save_state(&self) -> Vec<u8> {
         let mut w = Writer::default();
         self.size().into_iter().for_each(|n| w.u64(n as u64));
@@ -14,10 +14,10 @@ impl Film {
         w.into_bytes()
     }
 
-    /// Go on from what [`Film::save_state`] wrote of a film of the same size, filter and component.
+    /// Restore the state that [`Film::save_state`] wrote for a film of the same size, filter and component.
     ///
     /// # Errors
-    /// The bytes are of another size, or damaged; the film is then as it was.
+    /// The bytes belong to another size, or are damaged. The film is then unchanged.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), String> {
         let mut r = Reader::new(bytes);
         let size = [r.u64()?, r.u64()?];

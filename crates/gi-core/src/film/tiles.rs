@@ -61,8 +61,7 @@ fn morton(x: u32, y: u32) -> u64 {
     spread(x) | spread(y) << 1
 }
 
-/// What a technique keeps for every pixel from pass to pass, in the order that the film's pixels lie in: threads own
-/// disjoint pieces of it.
+/// Data that a technique keeps per pixel from pass to pass, in the order of the film's pixels. Threads own disjoint pieces.
 #[derive(Clone, Debug)]
 pub struct PerPixel<T> {
     pub(super) tiles: Tiles,

@@ -1,8 +1,7 @@
-//! Participating media: what light passes through between surfaces, and is absorbed and scattered by.
+//! Participating media: they absorb and scatter light between surfaces.
 //!
-//! Media are homogeneous. Along a ray light is dimmed by T(t) = exp(-sigma_t t) (Beer's law), and at each point
-//! sigma_s = albedo sigma_t of it, per unit of length, is scattered as the phase function says
-//! [slide 34] \[Jensen01, 10.1\].
+//! Media are homogeneous. Transmittance along a ray is T(t) = exp(-sigma_t t) (Beer's law). Per unit of length, the medium scatters
+//! the fraction sigma_s = albedo sigma_t of the light, distributed by the phase function [slide 34] \[Jensen01, 10.1\].
 
 mod phase;
 
@@ -37,20 +36,20 @@ pub struct Medium {
     pub phase: Phase,
 }
 
-/// How a path crosses a piece of a medium. A weight is what the path's throughput (or power) is multiplied by: the share of
-/// light over the density with which this was drawn.
+/// How a path crosses a part of a medium. The weight is a factor on the path's throughput or power: the fraction of light over the
+/// density of this event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Flight {
     /// It is scattered after the distance `t`, world units: T(t) sigma_s over the density of `t`.
     Scattered {
         /// Distance, below that of the far end.
         t: f32,
-        /// Of light that scatters there, the phase function apart.
+        /// Weight of scattered light, without the phase function.
         weight: Rgb,
     },
     /// It reaches the far end: T over the probability of that.
     Passed {
-        /// Of light that passes.
+        /// Weight of light that passes.
         weight: Rgb,
     },
 }
@@ -67,7 +66,7 @@ impl Medium {
         self.albedo * self.sigma_t
     }
 
-    /// The share of light that is left after `distance` world units, which may be infinite: exp(-sigma_t d).
+    /// Transmittance over `distance` world units, which may be infinite: exp(-sigma_t d).
     #[inline]
     pub fn transmittance(&self, distance: f32) -> Rgb {
         // Where nothing is absorbed, an infinite distance takes nothing.
@@ -80,8 +79,8 @@ impl Medium {
         (self.albedo * self.sigma_t).is_black()
     }
 
-    /// Draw a distance in proportion to transmittance in one channel, chosen in proportion to `throughput`, which is not black.
-    /// Infinite where the medium only absorbs: paths then pass, dimmed.
+    /// Sample a distance in proportion to the transmittance of one channel, which is chosen in proportion to `throughput` (not
+    /// black). Infinite if the medium only absorbs: paths then pass, attenuated.
     #[inline]
     pub fn distance(&self, throughput: Rgb, [u_channel, u]: [f32; 2]) -> f32 {
         if self.only_absorbs() {
@@ -98,9 +97,9 @@ impl Medium {
         if sigma > 0.0 { -(1.0 - u).ln() / sigma } else { f32::INFINITY }
     }
 
-    /// What a distance that [`Medium::distance`] drew for the same `throughput` means where the far end is `reach` away. The
-    /// weights divide by the density of all channels together, sum_c p_c sigma_t,c T_c(t), or sum_c p_c T_c(reach): none is
-    /// above 1 / p_c in a channel c, and a grey medium's are the albedo and 1.
+    /// The event of a distance `t` from [`Medium::distance`] with the same `throughput`, if the far end is `reach` away. Weights
+    /// divide by the density over all channels, sum_c p_c sigma_t,c T_c(t) or sum_c p_c T_c(reach). In channel c they are at
+    /// most 1 / p_c; in a grey medium they are the albedo and 1.
     #[inline]
     pub fn flight(&self, t: f32, reach: f32, throughput: Rgb) -> Flight {
         if self.only_absorbs() {
@@ -130,10 +129,9 @@ fn channel_shares(throughput: Rgb) -> Rgb {
     throughput / (throughput.r + throughput.g + throughput.b)
 }
 
-/// Draw a distance in (0, `reach`) along a ray in proportion to one over the squared distance from a point that lies `along`
-/// before the ray's origin's foot and `across` from the ray: single scattering of a point light then varies with
-/// transmittance and phase function only \[Kulla12, 3.1\]. Returns the distance and its density, both in world units.
-/// `across` must be above 0; `reach` may be infinite.
+/// Sample a distance in (0, `reach`) along a ray in proportion to one over the squared distance from a point light (equiangular
+/// sampling) \[Kulla12, 3.1\]. The light is nearest to the ray at the distance `along`, and `across` away from it there. Returns
+/// the distance and its density per world unit. `across` must be above 0; `reach` may be infinite.
 #[inline]
 pub fn equiangular(along: f32, across: f32, reach: f32, u: f32) -> (f32, f32) {
     let (from, to) = ((-along / across).atan(), ((reach - along) / across).atan());
