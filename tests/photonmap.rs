@@ -244,12 +244,21 @@ fn caustics_of_slightly_rough_glass_are_not_left_to_luck() {
             }
         }
     });
+    let seeds = 4;
     let render = |caustic_photons| {
         let params = Params { caustic_photons, ..Params::default() };
-        mean_and_variance(&photons(&world, &params, 128, Show::Indirect))
+        let of = |seed| {
+            let film = world.render::<PhotonMapping>(&params, 64, seed, Show::Indirect);
+            mean_and_variance(&film)
+        };
+        let all: Vec<(f64, f64)> = (0..seeds).map(of).collect();
+        let (mean, variance) = all.iter().fold((0.0, 0.0), |(m, v), of| (m + of.0, v + of.1));
+        let n = f64::from(seeds);
+        (mean / n, variance / (n * n))
     };
     let ((a, va), (b, vb)) = (render(100_000), render(0));
-    assert!(va < 0.3 * vb, "the variance is {va} with the caustic map, {vb} without");
+    // Over single seeds the ratio is 0.24 +- 0.06: of four, 0.4 lies five standard errors above.
+    assert!(va < 0.4 * vb, "the variance is {va} with the caustic map, {vb} without");
     let noise = (va + vb).sqrt() / a;
     assert!((a / b - 1.0).abs() < 0.01 + 3.0 * noise, "{a} is not {b} (noise {noise:.1e})");
 }
