@@ -61,14 +61,15 @@ impl<'a> Gatherer<'_, 'a> {
         Components { direct, indirect, caustic }
     }
 
-    /// Light that comes straight from a light and is scattered once (single scattering), back along a beam. One distance is sampled: half of the time
-    /// in proportion to one over the squared distance from a point of a light, else in proportion to transmittance.
+    /// Single scattering: light straight from a light source that is scattered once, back along a beam. One distance is sampled,
+    /// half of the time in proportion to one over the squared distance from a point of a light, else in proportion to
+    /// transmittance.
     fn single_scattering(&self, beam: &Beam, medium: &Medium, sampler: &mut Sampler) -> Rgb {
         let scene = self.setting.scene;
         let (u_light, [u_way, u]) = (sampler.next_2d(), sampler.next_2d());
         let sigma = medium.sigma_t.mean();
         let by_transmittance = Exponential { sigma, reach: beam.reach };
-        // A point of a light to be near to, as it is drawn from the beam's middle, or one free path away.
+        // Sample a point of a light from the middle of the beam, or from one mean free path away.
         let middle = beam.ray.at((0.5 * beam.reach).min(1.0 / sigma));
         let near = scene.sample_light(middle, u_light).and_then(|light| {
             let to = light.p? - beam.ray.o;
@@ -76,7 +77,7 @@ impl<'a> Gatherer<'_, 'a> {
             let across = (to - beam.ray.d * along).length();
             (across > 1e-6 * to.length()).then_some((along, across))
         });
-        // One sample of both ways, weighted by the balance heuristic.
+        // One sample, weighted by the balance heuristic.
         let (t, pdf) = match near {
             None => by_transmittance.sample(u),
             Some((along, across)) if u_way < 0.5 => {

@@ -1,4 +1,4 @@
-//! Photons as tables and points, to look at.
+//! Export photons as tables and point clouds.
 
 use std::fmt::Write;
 
@@ -51,8 +51,8 @@ fn kind_name(kind: PhotonKind) -> &'static str {
     }
 }
 
-/// Photons as comma-separated values, `origin` being that of the scene: the map that each is of, the kind of its path, where it is, its power, the direction back to
-/// the light, and the surface's normal or the number of the medium.
+/// Photons as comma-separated values: map, kind of path, position, power, direction back to the light, and the surface normal or
+/// the number of the medium. `origin` is that of the scene.
 pub(crate) fn to_csv(
     maps: [Option<&PhotonMap>; 2],
     volume: Option<&VolumeMaps>,
@@ -78,9 +78,9 @@ pub(crate) fn to_csv(
     out.into_bytes()
 }
 
-/// Photons as the points of a binary PLY, `origin` being that of the scene: position, direction back to the light as `nx ny nz`, power, as `type` 0, 1, 2 for
-/// direct, caustic and indirect photons of the global map, 3 for those of the caustic map, 4 and 5 for caustic and indirect
-/// photons in media, and as `medium` the number of the medium, -1 on surfaces.
+/// Photons as the points of a binary PLY: position, direction back to the light (`nx ny nz`), power, `type` and `medium`. `type` is
+/// 0, 1 or 2 for direct, caustic and indirect photons of the global map, 3 for the caustic map, 4 and 5 for caustic and indirect
+/// photons in media. `medium` is -1 on surfaces. `origin` is that of the scene.
 pub(crate) fn to_ply(
     maps: [Option<&PhotonMap>; 2],
     volume: Option<&VolumeMaps>,

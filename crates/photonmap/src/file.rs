@@ -1,4 +1,4 @@
-//! Maps as files, saved for another run.
+//! Save and load maps.
 //!
 //! A saved map is the line `gilab photons 3`, then little-endian numbers: the world's identity (u64), which maps there are
 //! besides the global one (1: caustic, 2: those of media, 4: of these, solids are left to the dipole), the most segments of a path and the layout (u32 each). For each map on
@@ -25,19 +25,19 @@ const DIPOLE: u32 = 4;
 
 /// What a file holds.
 pub(crate) struct Saved {
-    /// Identity of the world that the photons are of.
+    /// Hash of the scene that the photons belong to.
     pub(crate) world: u64,
-    /// Most segments of a path; 0 is unbounded.
+    /// Maximum number of segments of a path; 0 is unbounded.
     pub(crate) max_depth: u32,
-    /// Layout of the trees whose order the photons are in.
+    /// Layout of the trees that define the order of the photons.
     pub(crate) layout: Layout,
     /// The global map.
     pub(crate) global: Shot,
-    /// The caustic map, if it was made.
+    /// The caustic map, if there is one.
     pub(crate) caustic: Option<Shot>,
-    /// The photons of media, if light knew of them.
+    /// The photons in media, if media were simulated.
     pub(crate) volume: Option<VolumeShot>,
-    /// What stood for the light in solids.
+    /// How light in solids was simulated.
     pub(crate) subsurface: Subsurface,
 }
 
@@ -114,7 +114,7 @@ pub(crate) fn to_bytes(
     out
 }
 
-/// A number that hardly any damage leaves as it is.
+/// A checksum.
 fn checksum(bytes: &[u8]) -> u32 {
     bytes.chunks(4).fold(0, |sum, chunk| {
         let mut word = [0; 4];
@@ -191,7 +191,7 @@ impl<'a> Input<'a> {
 
     fn photons(&mut self) -> Result<Vec<Stored>, String> {
         let count = self.u64()?;
-        // A count that the file cannot hold is refused before anything is reserved for it.
+        // Check the count against the size of the file before memory is reserved.
         let size = usize::try_from(count).ok().and_then(|n| n.checked_mul(RECORD));
         let records = self.take(size.ok_or("the file ends too early")?)?;
         let photons: Vec<Stored> = records.chunks_exact(RECORD).map(stored).collect();

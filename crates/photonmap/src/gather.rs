@@ -96,8 +96,8 @@ impl<'a> Gatherer<'_, 'a> {
         Guide::new(frame, self.params.guided, photons.into_iter())
     }
 
-    /// Light that comes to a vertex from direction `wi`, over a surface that scattered it by other than delta lobes: follow
-    /// the ray to the first diffuse surface that is far enough away to read irradiance from the map.
+    /// Radiance that arrives at a vertex from direction `wi` after a scattering by other than a delta lobe. The gather ray ends at the
+    /// first diffuse surface that is far enough away to read precomputed irradiance.
     fn along(&self, v: &EyeVertex<'a>, wi: Vec3, sampler: &mut Sampler) -> Rgb {
         let scene = self.setting.scene;
         let ray = scene.spawn(&v.surface, wi);
@@ -112,7 +112,7 @@ impl<'a> Gatherer<'_, 'a> {
             let Some(w) = &walk.next_vertex() else { break };
             walk.add_emitted(w);
             if w.wants_estimate() {
-                // The caustic map holds the light of sources that is seen over nearly specular surfaces alone.
+                // Light sources that are seen over nearly specular surfaces alone are in the caustic map.
                 let is_focused = self.maps.caustic.is_some()
                     && w.non_delta == 1 + focused
                     && is_near_specular(&w.bsdf, w.wo);
@@ -148,7 +148,7 @@ impl<'a> Gatherer<'_, 'a> {
             let all = Estimate { covers, direct, indirect: e * part.albedo * INV_PI, caustic };
             return (far > radius).then_some(all);
         }
-        // Other lobes need light straight from lights by itself.
+        // Other lobes need direct light separately.
         let e = self.maps.global.irradiance_seen(scene, (p, n, depth), || sampler.next_2d());
         (far * far > e.found.radius_sq).then(|| Estimate {
             covers,
@@ -158,7 +158,7 @@ impl<'a> Gatherer<'_, 'a> {
         })
     }
 
-    /// Most segments of a photon's path that a path of `segments` from the eye may be joined to; `None` if there are none.
+    /// Maximum number of segments of a photon that may be joined to an eye path of `segments` segments; `None` if none may.
     pub(crate) fn photon_depth(&self, segments: u32) -> Option<u8> {
         let Some(most) = self.params.limits.max_depth else { return Some(u8::MAX) };
         let left = most.saturating_sub(segments);

@@ -1,4 +1,4 @@
-//! Gather directions where photons came from \[Jensen95\].
+//! Guide gather rays toward the directions that photons came from \[Jensen95\].
 
 use std::f32::consts::FRAC_PI_4;
 
@@ -6,11 +6,11 @@ use gi_core::math::Frame;
 use gi_core::warp;
 use glam::{Vec2, Vec3};
 
-/// Cells along each side of the unit square that the hemisphere is laid out on.
+/// Number of cells along each side of the unit square that parametrizes the hemisphere.
 const N: usize = 4;
 
-/// A density over the unit square, which [`warp::cosine_hemisphere`] makes a density over directions: cells of equal
-/// area are cells of equal irradiance under a constant sky. It is constant in each cell.
+/// A piecewise constant density over the unit square. [`warp::cosine_hemisphere`] maps the square to directions: cells of equal area
+/// receive equal irradiance under a constant sky.
 pub(crate) struct Guide {
     /// Density of each cell, row by row.
     density: [[f32; N]; N],
@@ -19,8 +19,8 @@ pub(crate) struct Guide {
 }
 
 impl Guide {
-    /// Lead a share `guided` of the directions to where the photons came from, given as unit directions with weights, and the
-    /// rest evenly, so that no direction is drawn less often than by 1 - `guided`. `None` without photons.
+    /// Draw a fraction `guided` of the directions by the weighted photon directions, and the rest by the cosine alone. The density of
+    /// every direction is at least 1 - `guided` of that by the cosine. `None` without photons.
     pub(crate) fn new(
         frame: &Frame,
         guided: f32,
@@ -45,7 +45,7 @@ impl Guide {
         Some(Guide { density, rows })
     }
 
-    /// A local direction and the factor by which its density exceeds that of the cosine. Neighbours in the square stay neighbours.
+    /// A local direction, and the ratio of its density to that by the cosine. The map from the square is continuous.
     pub(crate) fn sample(&self, [u, v]: [f32; 2]) -> (Vec3, f32) {
         let (row, y) = pick(&self.rows, v);
         let (column, x) = pick(&self.density[row], u);
@@ -53,7 +53,7 @@ impl Guide {
     }
 }
 
-/// The cell that `u` falls in where cells have these densities, and the place in the unit interval.
+/// The cell that `u` selects by these densities, and the position within the cell, in [0, 1).
 fn pick(densities: &[f32; N], u: f32) -> (usize, f32) {
     let mut left = u * densities.iter().sum::<f32>();
     for (k, &d) in densities.iter().enumerate() {
@@ -65,7 +65,7 @@ fn pick(densities: &[f32; N], u: f32) -> (usize, f32) {
     unreachable!("the last cell takes what is left")
 }
 
-/// The point of the unit square that [`warp::disk`] takes to a point of the disk.
+/// Inverse of [`warp::disk`].
 fn square(p: Vec2) -> [f32; 2] {
     let r = p.length();
     let place = if p.x == 0.0 && p.y == 0.0 {

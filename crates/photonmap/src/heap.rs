@@ -1,12 +1,12 @@
-//! Points in a balanced binary tree without pointers.
+//! A balanced binary tree of points, without pointers.
 //!
-//! Points lie in the order of the tree. Node i covers a run of them, halved at its middle down to leaves of at most
-//! [`LEAF`]; node 1 is the root, the halves of i are 2 i and 2 i + 1. What is known of each node lies in a list by that number.
+//! Points are stored in the order of the tree. Node i covers a range of them, which is halved down to leaves of at most [`LEAF`]
+//! points. Node 1 is the root; the children of i are 2 i and 2 i + 1. Data of the nodes is stored in lists by that number.
 
 use gi_core::math::Bounds;
 use glam::Vec3;
 
-/// Most points of a leaf.
+/// Maximum number of points of a leaf.
 const LEAF: usize = 8;
 
 /// The shape of the tree.
@@ -16,7 +16,7 @@ pub(crate) struct Heap {
     levels: u32,
 }
 
-/// A node and its run of points.
+/// A node and its range of points.
 #[derive(Clone, Copy)]
 pub(crate) struct Node {
     pub(crate) index: usize,
@@ -41,7 +41,7 @@ impl Node {
 }
 
 impl Heap {
-    /// The shape of a tree over `len` points, which lie in order.
+    /// The shape of a tree over `len` points.
     pub(crate) fn over(len: usize) -> Self {
         let mut levels = 0;
         while len >> levels > LEAF {
@@ -50,7 +50,7 @@ impl Heap {
         Heap { len, levels }
     }
 
-    /// Put points in order: halved at the median along the longest side, again and again.
+    /// Sort points into the order of the tree: split at the median along the longest side, recursively.
     pub(crate) fn order<T: Send>(points: &mut [T], p: impl Fn(&T) -> Vec3 + Copy + Sync) -> Self {
         let heap = Heap::over(points.len());
         halve(points, p, heap.levels);
@@ -65,7 +65,7 @@ impl Heap {
         node.level == self.levels
     }
 
-    /// What is known of each node, by its number: of a leaf from its run, of the others from their halves.
+    /// Compute data for every node: `leaf` from its range, inner nodes from their children.
     pub(crate) fn sum_up<S: Clone>(
         &self,
         leaf: impl Fn(std::ops::Range<usize>) -> S,

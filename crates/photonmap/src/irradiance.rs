@@ -15,35 +15,35 @@ use crate::params::Params;
 use crate::photon::{Payload, Photon, PhotonKind, Rgbe};
 use crate::shoot::Stored;
 
-/// Photons for each place that irradiance is computed at.
+/// Number of photons per place.
 const EVERY: usize = 4;
-/// Distance to the place that is looked up, at most, in largest radii of an estimate.
+/// Largest distance to the place that is looked up, in largest radii of an estimate.
 const REACH: f32 = 2.0;
-/// Rays that probe how much of an estimate's disc there is, and how many more where it is not whole.
+/// Number of rays that probe the visible fraction of a disc, and of additional rays if it is not fully visible.
 const PROBES: u32 = 16;
 const MORE_PROBES: u32 = 64;
-/// Least share of the disc: below it, the estimate is too dark.
+/// Smallest visible fraction of a disc. If less is visible, the estimate is too dark.
 const LEAST_SHARE: f32 = 0.05;
 
-/// How many places irradiance is computed at, for so many photons.
+/// Number of places for a map of `photons` photons.
 pub(crate) fn count(photons: usize) -> usize {
     photons.div_ceil(EVERY)
 }
 
-/// Irradiance where gather rays end.
+/// Irradiance at the ends of gather rays.
 pub(crate) struct IrradianceMap {
-    /// Places, with the irradiance for the power, the radius of its estimate for the direction, and [`PhotonKind::Direct`] where
-    /// all of the estimate's disc is seen.
+    /// Places as photons: their power is the irradiance, their direction encodes the radius of the estimate, and their kind is
+    /// [`PhotonKind::Direct`] if the whole disc of the estimate is visible.
     map: PhotonMap,
     radius_sq: f32,
 }
 
 impl IrradianceMap {
-    /// Estimate the irradiance at places where gather rays end, of light that took at most `depth` segments.
+    /// Estimate the irradiance at places where gather rays end, for light of at most `depth` segments.
     ///
-    /// The places know nothing of the photons. Photons as places \[Christensen99\] would lie where it is bright: what is
-    /// looked up near an edge between bright and dark would come from the bright side, and where photons are few, an
-    /// estimate would hold one too many. Neither is made up for by the paths that answer where there is no place.
+    /// The places do not depend on the photons. If photons were the places \[Christensen99\], most would lie in bright regions: a
+    /// lookup near an edge between bright and dark would find the bright side, and where photons are few, an estimate would
+    /// include the photon at its own place. Both make the picture too bright.
     pub(crate) fn new(setting: &Setting, from: &Estimator, depth: u8, places: &[Place]) -> Self {
         let point =
             |(index, place): (usize, &Place)| at(setting, from, *place, depth, index as u32);
@@ -52,15 +52,14 @@ impl IrradianceMap {
         IrradianceMap { map, radius_sq: REACH * REACH * from.max_radius_sq }
     }
 
-    /// Irradiance and the radius of its estimate at the nearest place on this side that is seen from here; `None` where
-    /// there is none near.
+    /// Irradiance, and the radius of its estimate, at the nearest visible place on this side; `None` if there is none nearby.
     #[inline]
     pub(crate) fn lookup(&self, scene: &Scene, p: Vec3, n: Vec3) -> Option<(Rgb, f32)> {
         let accept = |payload: &Payload| payload.normal().dot(n) > SAME_SIDE;
         let (q, payload) = self.map.near_one(p, self.radius_sq, accept)?;
         let radius = from_half(u16::from_le_bytes([payload.phi, payload.theta]));
         let distance = p.distance(q);
-        // Within half of a disc that is seen whole there is no wall.
+        // There is no wall within half the radius of a fully visible disc.
         let is_clear = payload.kind() == PhotonKind::Direct && 2.0 * distance < radius;
         let is_seen = is_clear || Disc::new(scene, p, n, distance, SAME_SIDE).sees(q);
         is_seen.then(|| (payload.power.to_rgb(), radius))
@@ -104,7 +103,7 @@ fn from_half(x: u16) -> f32 {
     f32::from_bits(u32::from(x) << 16)
 }
 
-/// Irradiance for every depth that a gather ray can ask for: deeper than the deepest photon there is nothing new.
+/// Maps for every depth that a gather ray can ask for, up to that of the deepest photon.
 pub(crate) fn irradiance_maps(
     setting: &Setting,
     params: &Params,

@@ -1,10 +1,10 @@
 //! The fast layout: a balanced kd-tree without pointers over leaves of 32 photons.
 //!
-//! Positions lie in blocks of 32 x, 32 y, 32 z, in the order of the leaves: one search reads whole cache lines, and
-//! the distances of a leaf are three vector loops. What else a photon has lies apart in the same order, and only what
-//! is found is read. All leaves but the last are full, so a node needs nothing but its plane: a subtree of m leaves
-//! has m - 1 nodes in preorder, its left child follows, its right child stands m / 2 behind. That is 20 bytes a photon
-//! and 8 bytes for 32.
+//! Positions are stored in blocks of 32 x, 32 y, 32 z, in the order of the leaves: a search reads whole cache lines, and the
+//! distances of a leaf take three vector loops. The rest of a photon is stored separately in the same order, and is read only for
+//! photons that are found. All leaves but the last are full, so a node stores only its plane: a subtree of m leaves has m - 1
+//! nodes in preorder; the left child follows its parent, and the right child stands m / 2 behind. This takes 20 bytes per photon
+//! and 8 bytes per 32 photons.
 
 use gi_core::math::Bounds;
 use glam::Vec3;
@@ -20,18 +20,18 @@ pub(crate) struct KdTree {
     nodes: Vec<Node>,
     blocks: Vec<Block>,
     pub(crate) payloads: Vec<Payload>,
-    /// Depths of the photons, if they are to be known.
+    /// Depths of the photons, if they are needed.
     pub(crate) depths: Vec<u8>,
 }
 
-/// A split: photons of the left have coordinates of at most `plane`, those of the right of at least that.
+/// A split: coordinates on the left are at most `plane`, those on the right at least `plane`.
 #[derive(Clone, Copy, Debug, Default)]
 struct Node {
     plane: f32,
     axis: u32,
 }
 
-/// The positions of a leaf; what is missing in the last one is infinitely far away.
+/// The positions of a leaf. The last leaf is padded with infinity.
 #[derive(Clone, Copy, Debug)]
 struct Block {
     x: [f32; LEAF],
@@ -52,7 +52,7 @@ struct Pending {
 
 /// Levels that 2^32 photons can need.
 const MAX_DEPTH: usize = 28;
-/// Photons below which another thread is not worth asking.
+/// Subtrees with fewer photons are built by one thread.
 const PARALLEL: usize = 50_000;
 
 impl KdTree {
@@ -109,8 +109,8 @@ impl KdTree {
         });
     }
 
-    /// A photon that `accept` takes, within squared distance `bound` of `p` and at most twice as far as the nearest one:
-    /// cells that can only hold one at more than half of the distance found are left out \[Arya93\].
+    /// An accepted photon within squared distance `bound` of `p`, at most twice as far as the nearest one. The search skips cells
+    /// that are farther than half of the distance found so far \[Arya93\].
     #[inline]
     pub(crate) fn near_one(
         &self,
@@ -134,8 +134,8 @@ impl KdTree {
         best
     }
 
-    /// Visit the leaves near `p`, nearer ones first where the planes say so; `scan` returns the squared distance
-    /// beyond which nothing matters any more.
+    /// Visit the leaves near `p`, roughly in order of distance. `scan` returns the squared distance that limits the rest of the
+    /// search.
     #[inline]
     fn visit(&self, p: Vec3, mut bound: f32, mut scan: impl FnMut(usize) -> f32) {
         let p = p.to_array();
@@ -236,7 +236,7 @@ fn block(photons: &[Stored]) -> Block {
     Block { x: along(0), y: along(1), z: along(2) }
 }
 
-/// Bring photons into the order of the leaves: the median of the longest side parts them, again and again.
+/// Sort photons into the order of the leaves: split at the median of the longest side, recursively.
 fn arrange(photons: &mut [Stored], nodes: &mut [Node], leaves: usize, order: Order) {
     if leaves < 2 {
         return;

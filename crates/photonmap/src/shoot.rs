@@ -47,57 +47,57 @@ pub struct Source<'a> {
     pub media: bool,
 }
 
-/// What was shot.
+/// The photons that were traced.
 pub struct Shot {
     /// Photons in the order of their paths. Powers are already divided by `emitted`.
     pub photons: Vec<Stored>,
-    /// Paths begun.
+    /// Number of paths.
     pub emitted: u64,
-    /// Whether emission was given up before there were as many photons as wanted.
+    /// Whether tracing stopped before there were enough photons.
     pub gave_up: bool,
 }
 
 /// Paths that one task walks; photons are joined in the order of the paths.
 const CHUNK: u64 = 4096;
-/// Chunks between two looks at how many photons there are. Fixed, so that it is the same for any number of threads.
+/// Number of chunks per round. The number of photons is checked after each round. It is fixed, so that results do not depend on
+/// the number of threads.
 const ROUND: u64 = 16;
-/// Paths per wanted photon that are tried whatever they bring, and after which a scene is taken to give no more.
+/// Minimum and maximum number of paths per wanted photon.
 const FEWEST_PATHS: u64 = 8;
 const MOST_PATHS: u64 = 256;
 
-/// Hits of the paths of a chunk, and after which hit each path ended.
+/// Hits of a chunk of paths, and the number of hits up to the end of each path.
 pub(crate) struct Chunk<T> {
     pub(crate) hits: Vec<T>,
     pub(crate) ends: Vec<u32>,
 }
 
-/// Hits in the order of their paths, a list a chunk.
+/// Hits in the order of their paths, one list per chunk.
 pub(crate) struct Hits<T> {
     pub(crate) chunks: Vec<Vec<T>>,
-    /// Paths begun.
+    /// Number of paths.
     pub(crate) emitted: u64,
-    /// Whether emission was given up before there were as many hits as wanted.
+    /// Whether tracing stopped before there were enough hits.
     pub(crate) gave_up: bool,
 }
 
-/// What a path meets.
+/// A vertex of a light path.
 pub(crate) struct Step<'s, 'a> {
     /// Where the path began.
     pub(crate) start: Vec3,
-    /// What it meets now.
+    /// The vertex.
     pub(crate) event: &'s LightEvent<'a>,
-    /// Scatterings by nearly specular surfaces before.
+    /// Number of scatterings by nearly specular surfaces before.
     pub(crate) focused: u32,
     /// The path after it was scattered; `None` where it ends.
     pub(crate) after: Option<&'s LightWalk<'a>>,
 }
 
-/// Alpha below which lobes count as mirrors for the caustic map: a path from the eye meets a lamp through them by luck
-/// only, and photons find their caustics.
+/// For the caustic map, lobes with a smaller alpha count as mirrors: a path from the eye hits a lamp through them only by luck, but
+/// photons find their caustics.
 pub(crate) const NEAR_SPECULAR: f32 = 0.1;
 
-/// Whether a surface scatters by lobes alone that are nearly as sharp as a mirror's. The same seen from both ends of a
-/// path.
+/// Whether a surface has only lobes that are nearly specular. The result is the same from both ends of a path.
 pub(crate) fn is_near_specular(bsdf: &Bsdf, wo: Vec3) -> bool {
     bsdf.roughness() < NEAR_SPECULAR && !has_diffuse_part(bsdf, wo)
 }
@@ -107,8 +107,7 @@ fn has_diffuse_part(bsdf: &Bsdf, wo: Vec3) -> bool {
     bsdf.diffuse_part(wo).or_else(|| bsdf.diffuse_part(-wo)).is_some()
 }
 
-/// Paths that `count` hits are worth, when `emitted` have brought `hits`: [`MOST_PATHS`] a hit, or of these the share that
-/// they would bring of all. What does not come is not looked for long, and no little difference in what comes makes a large one.
+/// Path budget for `count` hits, after `emitted` paths have given `hits` hits. It shrinks continuously as the yield falls.
 fn worth(count: usize, hits: usize, emitted: u64) -> u64 {
     let paths = |a_hit: u64| (count as u64).saturating_mul(a_hit).max(CHUNK * ROUND);
     let most = paths(MOST_PATHS);
@@ -116,7 +115,7 @@ fn worth(count: usize, hits: usize, emitted: u64) -> u64 {
     ((most as f64 * share.min(1.0)) as u64).max(paths(FEWEST_PATHS))
 }
 
-/// Walk chunks of paths until there are `count` hits, or no more are worth while; the path that reaches the number is the last.
+/// Trace chunks of paths until there are `count` hits or the budget is spent. The path that reaches the number is the last.
 pub(crate) fn collect<T: Send>(count: usize, walk: impl Fn(u64) -> Chunk<T> + Sync) -> Hits<T> {
     let (mut chunks, mut hits, mut emitted, mut gave_up) = (Vec::new(), 0, 0u64, false);
     while hits < count {
@@ -146,7 +145,7 @@ pub(crate) fn collect<T: Send>(count: usize, walk: impl Fn(u64) -> Chunk<T> + Sy
     Hits { chunks, emitted, gave_up }
 }
 
-/// Numbers by which the power of hit number `index` is rounded.
+/// Random numbers that dither the power of hit `index`.
 pub(crate) fn dither(seed: u32, index: usize) -> [f32; 3] {
     [0, 1, 2].map(|channel| bits_to_unit(hash_words(&[seed, index as u32, channel])))
 }
@@ -157,7 +156,7 @@ pub(crate) fn paths(chunk: u64) -> std::ops::Range<u64> {
 }
 
 impl Source<'_> {
-    /// Shoot until `count` photons are there; the path that reaches the number is the last.
+    /// Trace until there are `count` photons. The path that reaches the number is the last.
     pub fn shoot(&self, wanted: Wanted, count: usize) -> Shot {
         let Hits { chunks, emitted, gave_up } = collect(count, |chunk| self.chunk(wanted, chunk));
         Shot { photons: self.pack(chunks, emitted), emitted, gave_up }
@@ -213,9 +212,9 @@ impl Source<'_> {
         out
     }
 
-    /// Walk path number `path`; `visit` gets all that it meets.
+    /// Trace path number `path` and call `visit` at every vertex.
     pub(crate) fn walk(&self, wanted: Wanted, path: u64, visit: &mut impl FnMut(Step)) {
-        // Each map has a stream of its own; within one, paths are the points of a sequence.
+        // Each map has its own stream. Within a stream, paths are the points of a sequence.
         let sampler =
             |stream: u32| Sampler::new(self.seed ^ stream, (path >> 32) as u32, path as u32);
         let walk = match wanted {

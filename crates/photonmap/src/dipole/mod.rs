@@ -1,21 +1,21 @@
-//! Translucent solids by diffusion: the dipole, the named alternative to photons in the medium [slide 34].
+//! Translucent solids by the diffusion dipole, as an alternative to photons in the medium [slide 34].
 //!
-//! Photons are kept where they enter a solid body. What leaves it at x is
+//! Photons are stored where they enter a solid body. The exitance at x is
 //!
 //! B(x) = sum over those photons of R_d(|x - p|) power   [Jensen01b; clusters: Jensen02]
 //!
-//! where R_d is what a half-space of the medium throws back that far from where light came in. Seen from outside it is
-//! L(wo) = (1 - F(wo)) / (1 - F) B / pi, F the Fresnel reflectance and its hemispherical mean: the path from the eye refracts
-//! into the body, and finds the radiance B / (pi (1 - F_in)) there.
+//! where R_d is the diffuse reflectance of a half-space of the medium at that distance from the point of entry. The radiance outside
+//! is L(wo) = (1 - F(wo)) / (1 - F) B / pi, with the Fresnel reflectance F(wo) and its hemispherical mean F. An eye path refracts
+//! into the body and finds the radiance B / (pi (1 - F_in)) there.
 //!
-//! F is that of the boundary alone: what glass beyond it throws back enters anew, for photons and for the eye.
+//! F is that of the boundary alone. Light that glass beyond the boundary reflects enters the body again.
 //!
-//! All scattered light is in B, and counts as indirect. Photons walk on through the medium as they are: the light that a body sheds is
-//! exact in the maps of surfaces, and the dipole's where gather rays meet the body.
+//! B includes all scattered light, and counts as indirect light. Photons still walk through the medium: light that leaves the body
+//! toward other surfaces is exact in their maps. Gather rays that hit the body use the dipole.
 //!
-//! Bias: every point is taken for one of a flat half-space. What is thin, or convex, or lit from behind comes out too dark; what
-//! few scatterings send on (peaked phase functions, shadows' edges) is lost. Absorption is assumed to be small beside scattering.
-//! A ball of 40 mean free paths in even light reads 8 % high at an albedo of 0.9, 8 % low at 0.99, 9 % low at 0.999.
+//! Bias: the dipole assumes a flat half-space. Thin, convex or backlit parts are too dark. Light after few scatterings is lost (peaked
+//! phase functions, shadow edges). Absorption must be small compared to scattering. A ball of 40 mean free paths in uniform light
+//! is 8 % too bright at an albedo of 0.9, 8 % too dark at 0.99 and 9 % too dark at 0.999.
 
 mod entries;
 mod profile;
@@ -49,7 +49,7 @@ pub(crate) struct Dipoles {
     gave_up: bool,
 }
 
-/// A body by one of its primitives, and the first of the scene's media that is equal to what fills it.
+/// A body: one of its primitives, and its medium (the first of equal media).
 type Body = (u32, MediumId);
 
 fn body(scene: &Scene, bodies: &Bodies, prim: u32, medium: MediumId) -> Body {
@@ -57,7 +57,7 @@ fn body(scene: &Scene, bodies: &Bodies, prim: u32, medium: MediumId) -> Body {
 }
 
 impl Dipoles {
-    /// Shoot photons until `count` have entered a solid in which no light stands.
+    /// Trace photons until `count` have entered solids that contain no lights.
     pub(crate) fn shoot(source: &Source, solids: &Solids, count: usize) -> Self {
         let (scene, bodies) = (source.scene, Bodies::of(source.scene));
         let Hits { chunks, emitted, gave_up } = collect(count, |k| chunk(source, solids, k));
@@ -74,8 +74,8 @@ impl Dipoles {
         Dipoles { bodies, entries, emitted, gave_up }
     }
 
-    /// Radiance that diffused light of at most `depth` segments has where a beam comes into a solid body. Beams that were
-    /// reflected inside find none: it was found where they came in.
+    /// Radiance of diffused light of at most `depth` segments where a beam enters a solid body. A beam that was reflected inside gets
+    /// none: the light was added where the path entered.
     pub(crate) fn radiance(&self, scene: &Scene, beam: &Beam, depth: u8) -> Rgb {
         let Some(Entrance { prim, eta }) = beam.entered else { return Rgb::BLACK };
         let body = body(scene, &self.bodies, prim, beam.medium);
@@ -108,7 +108,7 @@ struct Entering {
     depth: u8,
 }
 
-/// What the paths of a chunk bring into solid bodies.
+/// The photons of a chunk of paths that enter solid bodies.
 fn chunk(source: &Source, solids: &Solids, chunk: u64) -> Chunk<Entering> {
     let mut out = Chunk { hits: Vec::new(), ends: Vec::new() };
     for path in paths(chunk) {
@@ -120,7 +120,7 @@ fn chunk(source: &Source, solids: &Solids, chunk: u64) -> Chunk<Entering> {
     out
 }
 
-/// The photon that a step brings into a medium from outside.
+/// The photon of a step that enters a medium from outside.
 fn entering(step: &Step) -> Option<Entering> {
     let (LightEvent::Surface(vertex), Some(walk)) = (step.event, step.after) else { return None };
     let (medium, power) = (walk.medium()?, walk.power());

@@ -1,4 +1,4 @@
-//! The photons of a medium, each with its radius, in a [`Heap`] of boxes: which of them does a ray pierce?
+//! A bounding volume hierarchy over the photons of a medium, to find those whose discs a ray pierces.
 
 use gi_core::math::Bounds;
 use gi_core::ray::Ray;
@@ -13,13 +13,13 @@ use crate::photon::Photon;
 /// A photon in a medium: [`Photon`] without a normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VolumePhoton {
-    /// Where, what power is scattered there, and where it came from; already divided by the number of emitted paths.
+    /// Position, scattered power (already divided by the number of emitted paths), and direction.
     pub photon: Photon,
     /// Segments from the light to here, 255 standing for more.
     pub depth: u8,
 }
 
-/// Photons that a ray can be asked about.
+/// The hierarchy.
 pub(super) struct Hierarchy {
     photons: Vec<VolumePhoton>,
     /// Squared radius of each photon, world units.
@@ -30,7 +30,7 @@ pub(super) struct Hierarchy {
 }
 
 impl Hierarchy {
-    /// Order the photons, and give each the radius of the sphere that holds its `k` nearest.
+    /// Sort the photons, and give each the radius of the sphere that contains its `k` nearest neighbours.
     pub(super) fn build(mut photons: Vec<VolumePhoton>, k: usize, found: Order) -> Self {
         let heap = match found {
             Order::Any => Heap::order(&mut photons, |s| s.photon.p()),
@@ -70,7 +70,7 @@ impl Hierarchy {
         self.boxes = self.heap.sum_up(leaf, |&a, &b| a.union(b));
     }
 
-    /// Squared distance of the `k`-th nearest photon to `p`, itself not counted; of the farthest where there are fewer.
+    /// Squared distance of the `k`-th nearest photon to `p`, without the photon at `p`; of the farthest if there are fewer.
     fn kth_nearest(&self, p: Vec3, k: usize) -> f32 {
         // The nearest k + 1 so far, nearest first: the photon itself is among them.
         let mut nearest: Vec<f32> = Vec::with_capacity(k + 2);
@@ -99,12 +99,11 @@ impl Hierarchy {
         nearest.last().copied().unwrap_or(0.0)
     }
 
-    /// Visit the photons whose disc across `ray` (unit direction) the ray pierces, with the distance at which it does and the density
-    /// per area that the photon has there: 2 (1 - d^2 / r^2) / (pi r^2), Epanechnikov's kernel.
+    /// Visit the photons whose disc perpendicular to `ray` (unit direction) the ray pierces, with the distance along the ray and the
+    /// photon's density per area there: 2 (1 - d^2 / r^2) / (pi r^2), Epanechnikov's kernel.
     ///
-    /// Where the ray ends at a surface, `reach` away, discs that it would pierce a little beyond count as if the ray ran back
-    /// from there, and so at its near end if it starts at a surface: discs of photons that are missing behind the surface would
-    /// have been pierced that far on this side. (Turning everything round the end takes the ones to the others.)
+    /// Discs that the ray would pierce shortly beyond its end at a surface, `reach` away, count as if the ray were reflected there; the
+    /// same holds at its start. This replaces the discs of photons that are missing behind the surface.
     pub(super) fn pierced(
         &self,
         ray: &Ray,

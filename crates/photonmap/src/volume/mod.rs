@@ -1,15 +1,15 @@
 //! Photons in participating media [slide 34] \[Jensen98\].
 //!
-//! A photon is stored where a medium scatters it. Along a ray from the eye, each whose disc the ray pierces adds
+//! A photon is stored where a medium scatters it. Each photon whose disc a ray from the eye pierces adds
 //!
 //! L += T(t) p(wo, wi) power K(d^2) / (pi r^2)   [Jarosz08, beam radiance estimate]
 //!
-//! where t is the distance along the ray to the photon's nearest point, d the photon's distance from it, and r the photon's own
-//! radius: that of the sphere round it which holds its k nearest. Light that comes straight from a light
-//! and is scattered once is not in the maps: it is sampled. There is a map for each
-//! medium: what a photon of another medium adds, across a boundary, would be wrong.
+//! where t is the distance along the ray to the point nearest to the photon, d the photon's distance from it, and r the photon's
+//! radius: that of the sphere that contains its k nearest neighbours. Single scattering is not in the maps: it is sampled. Each
+//! medium has its own map, because photons must not contribute across a boundary.
 //!
-//! Bias: light is blurred over r. Discs that reach over a flat boundary are turned back at it; round ones and thin parts still lose light.
+//! Bias: light is blurred over r. Discs that reach beyond a flat boundary are reflected at it; curved boundaries and thin parts still
+//! lose light.
 
 mod hierarchy;
 mod shoot;
@@ -28,19 +28,19 @@ pub(crate) use shoot::VolumeShot;
 
 /// The photons of all media.
 pub struct VolumeMaps {
-    /// One a medium that differs from those before it.
+    /// One map per distinct medium.
     maps: Vec<Hierarchy>,
     /// For each of the scene's media its map.
     map_of: Vec<usize>,
     /// Paths begun.
     pub emitted: u64,
-    /// Share of scatterings that was stored.
+    /// Fraction of the scatterings that was stored.
     pub kept: f32,
     gave_up: bool,
 }
 
 impl VolumeMaps {
-    /// Shoot photons until as many are stored as the parameters say, in media that are asked for.
+    /// Trace photons until the wanted number is stored, in the media that `is_wanted` accepts.
     pub(crate) fn shoot(
         source: &Source,
         params: &Params,
@@ -94,12 +94,12 @@ impl VolumeMaps {
         .to_vec()
     }
 
-    /// The beam radiance estimate: what photons of at most `depth` segments send back along a beam.
+    /// The beam radiance estimate: radiance along a beam from photons of at most `depth` segments.
     pub fn radiance(&self, beam: &Beam, medium: &Medium, depth: u8) -> Components {
         let mut out = Components::default();
         let wi = -beam.ray.d;
         let map = &self.maps[self.map_of[beam.medium.index()]];
-        // All beams but those from an eye inside the medium begin at a surface.
+        // Only the beam from a camera inside the medium does not begin at a surface.
         let from_surface = beam.entered.is_some() || beam.segments > 1;
         map.pierced(&beam.ray, beam.reach, from_surface, |stored, t, density| {
             if stored.depth > depth {

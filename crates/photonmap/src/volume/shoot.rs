@@ -9,8 +9,8 @@ use super::hierarchy::VolumePhoton;
 use crate::photon::{Photon, PhotonKind, Rgbe};
 use crate::shoot::{Chunk, Hits, Source, Step, Wanted, collect, dither, paths};
 
-/// Photons that a path which scatters in media stores on average, at most. A path in marble is scattered hundreds of times: kept
-/// all, so many photons would come of few paths, which all share their noise.
+/// Maximum mean number of photons per path that scatters in media. A path in marble scatters hundreds of times: if all scatterings
+/// were stored, the map would come from few paths and share their noise.
 const KEPT_OF_PATH: f32 = 4.0;
 
 /// What was shot.
@@ -32,8 +32,8 @@ struct Scattering {
     kind: PhotonKind,
 }
 
-/// Shoot until `count` photons are there: scatterings of all light but what comes straight from a light. `map_of` says for
-/// each medium which map its photons go to, `is_wanted` whether they are wanted.
+/// Trace until there are `count` photons: scatterings of all light but direct light. `map_of` gives the map of each medium, and
+/// `is_wanted` whether its photons are stored.
 pub(super) fn shoot(
     source: &Source,
     count: usize,
@@ -54,7 +54,7 @@ pub(super) fn shoot(
     VolumeShot { photons, emitted, kept, gave_up }
 }
 
-/// Share of the scatterings to keep, found out from the first chunk of paths.
+/// Fraction of the scatterings to store, from the first chunk of paths.
 fn share_to_keep(source: &Source, is_wanted: &impl Fn(MediumId) -> bool) -> f32 {
     let Chunk { hits, ends } = chunk(source, 0, 1.0, is_wanted);
     let starts = std::iter::once(&0).chain(&ends);
@@ -62,7 +62,7 @@ fn share_to_keep(source: &Source, is_wanted: &impl Fn(MediumId) -> bool) -> f32 
     (KEPT_OF_PATH * scattered as f32 / hits.len().max(1) as f32).min(1.0)
 }
 
-/// Scatterings of a chunk of paths, the share `keep` of them.
+/// Scatterings of a chunk of paths, of which the fraction `keep` is stored.
 fn chunk(
     source: &Source,
     chunk: u64,
