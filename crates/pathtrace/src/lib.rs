@@ -1,15 +1,15 @@
-//! Path tracing: the truth that the other techniques are compared with.
+//! Path tracing: the reference for the other techniques.
 //!
 //! | | |
 //! |---|---|
-//! | estimated | every kind of light path that its walk can find, without bias |
-//! | `--mode path` | paths from the eye; at each vertex light is sampled too, both weighted by the power heuristic |
-//! | `--mode volpath` | the same in participating media: a path flies a distance drawn in proportion to transmittance, is scattered as the phase function says, and light sampled from there is dimmed on its way [slide 34] |
-//! | `--mode light` | paths from the lights; each vertex, on surfaces and in media, is connected to the eye |
-//! | `--max-depth` | path segments: 1 shows lights, 2 adds direct light; -1 is unbounded |
-//! | `--rr-depth` | segments after which Russian roulette may end a path |
-//! | how it fails | noise: `path` where light is focused (caustics of small lights), `light` behind mirrors and glass, and in media near the eye |
+//! | estimate | all light paths that the walk can find, without bias |
+//! | `--mode path` | paths from the eye with next-event estimation; the power heuristic weights both |
+//! | `--mode volpath` | the same in participating media: distances are sampled in proportion to transmittance, directions by the phase function, and light samples are attenuated [slide 34] |
+//! | `--mode light` | paths from the lights; each vertex, on a surface or in a medium, is connected to the eye |
+//! | how it fails | noise: `path` for caustics of small lights, `light` in media near the eye. `light` sees nothing through mirrors and glass |
 //! | sources | \[Kajiya86\], \[Veach97\] |
+//!
+//! Read next: `gi_core::eye` (the eye walk), `light.rs` (paths from the lights), `params.rs` (the options).
 
 mod light;
 mod params;
@@ -26,7 +26,7 @@ pub use params::{Mode, Params};
 pub struct PathTracer<'a> {
     setting: Setting<'a>,
     params: Params,
-    /// Light paths begun so far.
+    /// Number of light paths so far.
     light_paths: u64,
 }
 
@@ -37,7 +37,7 @@ impl<'a> Technique<'a> for PathTracer<'a> {
         Ok(PathTracer { setting, params: *params, light_paths: 0 })
     }
 
-    /// One path a pixel.
+    /// One path per pixel.
     fn pass(&mut self, index: u32, film: &mut Film) {
         match self.params.mode {
             Mode::Path => film.add_pass(|pixel| self.path(pixel, index)),

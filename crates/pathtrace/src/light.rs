@@ -13,7 +13,7 @@ use glam::Vec3;
 
 use crate::PathTracer;
 
-/// Paths that one task walks; their splats are joined in order.
+/// Number of paths per task. The splats of all tasks are joined in order.
 const CHUNK: u32 = 4096;
 
 /// Light that falls on a pixel.
@@ -33,7 +33,7 @@ impl PathTracer<'_> {
         let chunks = walk_in_order(paths, CHUNK, |path, splats| {
             self.light_path(index, path, filter, splats);
         });
-        // Join in the order of the paths: the same sums for any number of threads.
+        // Add in the order of the paths: the sums do not depend on the number of threads.
         let mut picture = vec![Components::default(); w * h];
         for splat in chunks.iter().flatten() {
             *picture[splat.pixel as usize].of_path(splat.non_delta, splat.after_delta) +=
@@ -119,7 +119,7 @@ impl PathTracer<'_> {
         }
     }
 
-    /// Of the power that a medium scatters at a point, the phase function's share per solid angle goes to the eye.
+    /// Connect a point of a medium: the phase function is the fraction of the scattered power per solid angle toward the eye.
     fn connect_within(
         &self,
         vertex: &MediumVertex,
@@ -141,7 +141,7 @@ impl PathTracer<'_> {
 }
 
 impl PathTracer<'_> {
-    /// How a point meets the camera, and the pixel that its light falls on; the filter's weight is in the importance.
+    /// Connect a point to the camera: returns the connection and the pixel. The importance includes the weight of the filter.
     fn connect(
         &self,
         p: Vec3,
@@ -158,7 +158,7 @@ impl PathTracer<'_> {
         (inside && weight != 0.0).then(|| (c, (y as usize * w + x as usize) as u32))
     }
 
-    /// The share of light that passes from a point, in `medium`, to the camera.
+    /// Transmittance from a point in `medium` to the camera.
     fn visibility(&self, p: Vec3, ng: Vec3, medium: Option<MediumId>, c: &Connection) -> Rgb {
         let scene = self.setting.scene;
         let ray = scene.tree().shadow_ray(p, ng, c.end);
@@ -169,8 +169,8 @@ impl PathTracer<'_> {
         }
     }
 
-    /// What only the eye can find: light from infinity seen directly, and the layers of the first surface. The eye is in
-    /// `medium`.
+    /// Light that only a path from the eye can find: light from infinity seen directly. Also fills in the layers of the first surface.
+    /// The eye is in `medium`.
     fn look(&self, [x, y]: [usize; 2], index: u32, mut medium: Option<MediumId>) -> Sample {
         let (scene, camera) = (self.setting.scene, self.setting.camera);
         let mut sampler = Sampler::new(self.setting.seed, (y * camera.size()[0] + x) as u32, index);

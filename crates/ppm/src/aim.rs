@@ -1,7 +1,7 @@
-//! Where light from infinity is aimed: at what the eye's paths meet behind the first point where photons are gathered.
+//! Aim light from infinity at the points that eye paths reach after the first gather point.
 //!
-//! A photon is worth what the picture makes of it. Paths from the eye, going on where they gather, end up at points in
-//! proportion to that; a sun that lights ground to the horizon sends its photons there.
+//! The value of a photon is its effect on the picture. Eye paths that continue beyond gather points sample points in proportion to
+//! that value. So the photons of a sun go where the picture needs them, even if the ground extends to the horizon.
 
 use gi_core::eye::EyeWalk;
 use gi_core::light::{Light, Targets};
@@ -12,14 +12,14 @@ use rayon::prelude::*;
 use crate::gather::covers;
 use crate::params::Params;
 
-/// Paths from the eye. They are few beside those of a pass, and say about where, not how bright.
+/// Number of eye paths. They are few compared to a pass, because they only tell roughly where, not how bright.
 const PATHS: u32 = 4096;
-/// Surfaces that one meets at most.
+/// Maximum number of surfaces per path.
 const MOST_MET: u32 = 8;
-/// Makes the numbers of these paths differ from those of all others.
+/// Separates the random numbers of these paths from all others.
 const STREAM: u32 = 0x6169_6d21;
 
-/// What photons are aimed at; `None` where they begin as ever.
+/// The targets of photons; `None` if photons are not aimed.
 pub(crate) fn targets(setting: &Setting, params: &Params) -> Option<Targets> {
     if !setting.scene.lights().all().iter().any(Light::is_infinite) {
         return None;
@@ -31,10 +31,10 @@ pub(crate) fn targets(setting: &Setting, params: &Params) -> Option<Targets> {
     setting.scene.around([met, ends])
 }
 
-/// Points and what photons there would be worth: where they would have to be scattered, and where they would be gathered.
+/// Weighted points: where photons should be scattered, and where they are gathered.
 type Walk = (Vec<(Vec3, f32)>, Vec<(Vec3, f32)>);
 
-/// Walk a path from the eye.
+/// Follow one path from the eye.
 fn walk(setting: &Setting, params: &Params, path: u32) -> Walk {
     let (mut met, mut ends) = (Vec::new(), Vec::new());
     let mut gathered = params.direct_by_photons;

@@ -1,4 +1,4 @@
-//! The state of a run as bytes. Hit points are not in it: they are found again, from the same numbers.
+//! The state of a run as bytes. Hit points are not stored: the same random numbers find them again.
 
 use gi_core::bytes::{Reader, Writer};
 

@@ -1,17 +1,17 @@
-//! The error of a pixel without a reference: noise from the passes' scatter, bias from the Laplacian of the
+//! Estimate the error of a pixel without a reference: noise from the variance over passes, bias from the Laplacian of the
 //! radiance \[Hachisuka10\].
 //!
-//! A disc of radius R blurs: it reads L + R^2 / 8 lap L + ... on a flat surface. The Laplacian is estimated from the
-//! photons themselves, by a kernel's second derivatives in place of the disc.
+//! A disc of radius R blurs: on a flat surface the estimate is L + R^2 / 8 lap L + ... The photons themselves give the Laplacian, with
+//! the second derivatives of a kernel instead of the disc.
 
 use gi_core::bytes::{Reader, Writer};
 
 use crate::gather::Gathered;
 
-/// What a pixel's passes say of its error, in luminance. Sums over passes.
+/// Sums over passes for the error of a pixel, in luminance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moments {
-    /// Passes taken in.
+    /// Number of passes.
     pub passes: u32,
     /// Mean of the radiance, and sum of squared deviations from it.
     mean: f64,
@@ -25,7 +25,7 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// Take a pass in: the sample's radiance, and what was gathered with `radius`.
+    /// Add a pass: the radiance of the sample, and the photons gathered with `radius`.
     pub(crate) fn add(&mut self, radiance: f64, gathered: &Gathered, radius: f64) {
         self.passes += 1;
         let share = 1.0 / f64::from(self.passes);
@@ -40,12 +40,12 @@ impl Moments {
         self.radius_sq += (radius * radius - self.radius_sq) * share;
     }
 
-    /// Density of squared contributions, over a pass.
+    /// Density of squared contributions per pass.
     pub(crate) fn squares(&self) -> f64 {
         self.squares
     }
 
-    /// The Laplacian squared: the square of its mean less what noise adds to that. May be below zero.
+    /// The squared Laplacian: the square of its mean minus the variance of the mean. It may be negative.
     pub(crate) fn laplacian_sq(&self) -> f64 {
         self.laplacian * self.laplacian - self.variance_of(self.laplacian_deviation)
     }
@@ -55,7 +55,7 @@ impl Moments {
         self.variance_of(self.deviation)
     }
 
-    /// Square of the bias; below zero where noise drowns it, so that means over a picture are right.
+    /// Squared bias. It is negative if noise exceeds it, so that its mean over a picture is unbiased.
     pub fn bias_sq(&self) -> f64 {
         (self.radius_sq / 8.0).powi(2) * self.laplacian_sq()
     }
@@ -70,7 +70,7 @@ impl Moments {
         self.radius_sq / 8.0 * self.laplacian
     }
 
-    /// Variance of a mean over passes of summed squared deviations; of one pass nothing is known.
+    /// Variance of a mean over passes, from summed squared deviations; infinite after one pass.
     fn variance_of(&self, deviation: f64) -> f64 {
         let n = f64::from(self.passes);
         if self.passes > 1 { deviation / (n * (n - 1.0)) } else { f64::INFINITY }

@@ -1,4 +1,4 @@
-//! Gathering: what the photons round a point make of it, for the eye.
+//! Gather photons at a point: the radiance that they contribute toward the eye.
 
 use std::f64::consts::PI;
 
@@ -15,34 +15,34 @@ use crate::photons::{Arrival, SAME_SURFACE};
 use crate::statistics::Pass;
 use gi_core::walk::PhotonKind;
 
-/// Where and how light is gathered.
+/// A gather point.
 pub(crate) struct Point<'p, 'a> {
     pub(crate) surface: &'p Surface,
     /// Unit direction toward the eye.
     pub(crate) wo: Vec3,
     pub(crate) bsdf: &'p Bsdf<'a>,
-    /// The scattering that photons answer for.
+    /// The scattering that photons cover.
     pub(crate) covers: Covers,
-    /// Most segments that a photon may have come over.
+    /// Maximum number of segments of a photon.
     pub(crate) max_segments: Option<u32>,
-    /// What the radiance here counts with in the picture.
+    /// What one unit of radiance here adds to the picture.
     pub(crate) throughput: Rgb,
 }
 
-/// How far is gathered, world units.
+/// The radii of gathering, world units.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Discs {
     pub(crate) radius: f32,
-    /// Of the kernel that finds second derivatives, where they are asked for.
+    /// Radius of the kernel for second derivatives, if they are needed.
     pub(crate) derivative: Option<f32>,
 }
 
-/// What was found.
+/// The result of gathering.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Gathered {
-    /// Photons that contribute: lit this surface, and are scattered to the eye.
+    /// Number of photons that contribute: they lie on this surface, and f is not zero.
     pub(crate) photons: u64,
-    /// Of these the farthest: where it lies, which side of the surface it lit, and its squared distance.
+    /// The farthest of these: position, side of the surface, and squared distance.
     farthest: Option<(Vec3, f32, f32)>,
     /// Whether photons of another surface lie within the radius.
     has_others: bool,
@@ -50,14 +50,14 @@ pub(crate) struct Gathered {
     pub(crate) direct: Rgb,
     pub(crate) indirect: Rgb,
     pub(crate) caustic: Rgb,
-    /// From the derivative's disc, luminance as the picture sees it: the Laplacian of the radiance over the surface,
-    /// and the density of squared contributions.
+    /// Luminance weighted by the throughput, from the disc of the derivative: the Laplacian of the radiance over the surface, and the
+    /// density of squared contributions.
     pub(crate) laplacian: f64,
     pub(crate) squares: f64,
 }
 
 impl Gathered {
-    /// Put what was found elsewhere beside it, weighted as the picture sees it.
+    /// Add the result at another point, weighted by the throughput there.
     pub(crate) fn add(&mut self, other: &Gathered, throughput: Rgb) {
         self.photons += other.photons;
         self.direct += throughput * other.direct;
@@ -67,7 +67,7 @@ impl Gathered {
         self.squares += other.squares;
     }
 
-    /// As the statistics take it.
+    /// As [`Pass`] for the statistics.
     pub(crate) fn pass(&self) -> Pass {
         let flux = (self.direct + self.indirect + self.caustic).to_array().map(f64::from);
         Pass { photons: self.photons, flux }
@@ -84,12 +84,11 @@ pub(crate) fn covers(bsdf: &Bsdf, wo: Vec3, min_roughness: f32) -> Option<Covers
     }
 }
 
-/// Gather at a point what lies on the part of the disc that is seen from just above the point. The flux is scaled from
-/// that part's area to the whole disc's. `u` gives uniform points.
+/// Gather only the photons on the visible part of the disc, as seen from just above the point, and scale the flux from the area of
+/// that part to that of the disc. `u` gives uniform points.
 ///
-/// Where nothing says that a wall is near, one line of sight and one probe are all that this costs: to the farthest
-/// photon, and to a random point of the disc. If either fails, or photons of another surface lie within the radius,
-/// every photon is looked at.
+/// Usually this costs one shadow ray to the farthest photon and one probe at a random point of the disc. If either fails, or photons
+/// of another surface lie within the radius, the visibility of every photon is tested.
 pub(crate) fn gather_seen(
     scene: &Scene,
     grid: &Grid,
@@ -121,7 +120,7 @@ pub(crate) fn gather(grid: &Grid, point: &Point, discs: Discs) -> Gathered {
     gather_where(grid, point, discs, |_, _| true)
 }
 
-/// Gather those photons at a point that `takes` their place and side (1 is that of the geometric normal).
+/// Gather the photons whose position and side `takes` accepts (side 1 is that of the geometric normal).
 #[inline]
 fn gather_where(
     grid: &Grid,
@@ -132,7 +131,7 @@ fn gather_where(
     let Point { bsdf, wo, surface, .. } = *point;
     let whole = |wi: Vec3| bsdf.f(wo, wi);
     match point.covers {
-        // The one case that is common enough to be told apart.
+        // The common case.
         Covers::NonDelta | Covers::Visible { .. } if bsdf.is_diffuse() => {
             match bsdf.diffuse_part(wo) {
                 Some(part) if part.normal.dot(surface.ns()).abs() > 1.0 - 1e-6 => {
@@ -156,7 +155,7 @@ fn gather_where(
     }
 }
 
-/// Sum over the photons within reach that are taken, `f` being the BSDF.
+/// Sum over the accepted photons within the radius. `f` is the BSDF.
 #[inline]
 fn sum(
     grid: &Grid,
@@ -172,7 +171,7 @@ fn sum(
     let reach = discs.derivative.map_or(discs.radius, |h| h.max(discs.radius));
     grid.within(point.surface.p, reach, |q, arrival, distance_sq| {
         let too_long = point.max_segments.is_some_and(|most| arrival.segments > most);
-        // Where photons answer for a part of the scattering only, light straight from lights is sampled.
+        // If photons cover only a part of the scattering, direct light is sampled.
         let sampled =
             arrival.kind == PhotonKind::Direct && matches!(point.covers, Covers::Diffuse(_));
         let lights = arrival.lights(ng);
@@ -209,8 +208,8 @@ fn sum(
     out
 }
 
-/// The radius of the disc round a point that holds `count` contributing photons, between `least` and `most`, looked for
-/// from `guess` on; `None` where not one lies within `most`.
+/// The radius of the disc that contains `count` contributing photons, between `least` and `most`. The search starts at `guess`. `None`
+/// if there is no photon within `most`.
 pub(crate) fn radius_of(
     grid: &Grid,
     point: &Point,
@@ -229,7 +228,7 @@ pub(crate) fn radius_of(
     if found == 0 {
         return None;
     }
-    // Those that contribute are a share of those that lit this surface: as large a share of the nearest.
+    // Only a fraction of the photons on this surface contribute: take the same fraction of the nearest.
     let mut near = Vec::new();
     grid.within(point.surface.p, reach, |_, arrival, distance_sq| {
         if arrival.lights(point.surface.ng) {

@@ -1,9 +1,8 @@
-//! The photons of one pass, organised once and then only read.
+//! The photons of one pass in a grid.
 //!
-//! Photons are sorted into cubic cells. Where the cells of the box round them are not many more than they are, the
-//! cells are an array, and those of a row along x lie one after the other; elsewhere a cell is found by a hash, and
-//! several cells may share a bucket. The build runs in parallel and gives the same order for any number of threads:
-//! by cell, and within one by path.
+//! Photons are sorted into cubic cells. If their bounding box has few cells compared to the number of photons, the cells form an
+//! array, and the cells of a row along x are adjacent. Otherwise cells are hashed, and several may share a bucket. The build runs in
+//! parallel. The order is the same for any number of threads: by cell, and within a cell by path.
 
 mod build;
 
@@ -17,7 +16,7 @@ use crate::photons::{Arrival, Photon};
 
 /// Photons sorted into cells.
 pub struct Grid {
-    /// Smallest corner of the box round the photons, and cells per world unit.
+    /// Smallest corner of the bounding box of the photons, and number of cells per world unit.
     origin: Vec3,
     inverse_cell: f32,
     /// Last cell along each axis.
@@ -25,23 +24,23 @@ pub struct Grid {
     layout: Layout,
     /// First photon of each bucket; one entry more than buckets.
     start: Vec<u32>,
-    /// Positions, a column an axis, so that distances are computed several at once.
+    /// Positions, one column per axis, so that several distances are computed at once.
     columns: [Vec<f32>; 3],
     arrivals: Vec<Arrival>,
 }
 
-/// How a cell's bucket is found.
+/// How cells map to buckets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Layout {
-    /// Every cell has a bucket of its own: x + width (y + height z).
+    /// Every cell has its own bucket: x + width (y + height z).
     Dense { width: usize, height: usize, depth: usize },
     /// 2^bits buckets.
     Hashed { bits: u32 },
 }
 
-/// The array of cells is used up to so many cells a photon.
+/// The array is used up to this many cells per photon.
 const CELLS_A_PHOTON: usize = 4;
-/// Cells along an axis at most: floats tell more from one another, and coordinates stay far from overflow.
+/// Maximum number of cells along an axis. Floats still distinguish neighbouring cells, and coordinates cannot overflow.
 const MOST_CELLS: f32 = (1 << 20) as f32;
 
 impl Layout {
@@ -70,7 +69,7 @@ impl Layout {
 }
 
 impl Grid {
-    /// Organise photons in cells of about `cell` (world units). `chunks` are joined in their order.
+    /// Sort photons into cells of about `cell` (world units). `chunks` are joined in order.
     pub fn build(chunks: &[Vec<Photon>], cell: f32) -> Self {
         let n = chunks.iter().map(Vec::len).sum::<usize>();
         let bounds = bounds(chunks);
@@ -132,14 +131,14 @@ impl Grid {
             Layout::Dense { .. } => {
                 for z in low.z..=high.z {
                     for y in low.y..=high.y {
-                        // Neighbours along x lie one after the other.
+                        // Neighbours along x are adjacent.
                         let first = self.layout.bucket(IVec3::new(low.x, y, z));
                         let buckets = first..first + extent.x as usize;
                         self.scan(self.photons(buckets), p, radius, |at, a, d| visit(at, a, d));
                     }
                 }
             }
-            // More cells than photons: look at all of them.
+            // More cells than photons: scan all photons.
             Layout::Hashed { .. } if extent.x * extent.y * extent.z >= self.len() as u64 => {
                 self.scan(0..self.len(), p, radius, visit);
             }
@@ -170,7 +169,7 @@ impl Grid {
         self.start[buckets.start] as usize..self.start[buckets.end] as usize
     }
 
-    /// Visit those of a range of photons that are near: first all distances of a block, then the near ones.
+    /// Visit the photons of a range that are near. Distances are computed per block first.
     #[inline]
     fn scan(
         &self,
@@ -216,7 +215,7 @@ impl Grid {
     }
 }
 
-/// The box round all photons; a point where there are none.
+/// Bounding box of all photons; a point if there are none.
 fn bounds(chunks: &[Vec<Photon>]) -> Bounds {
     let of = |chunk: &Vec<Photon>| Bounds::of(chunk.iter().map(|p| p.p));
     let bounds = chunks.par_iter().map(of).reduce(|| Bounds::EMPTY, Bounds::union);

@@ -1,4 +1,4 @@
-//! The radii to begin with.
+//! Initial radii.
 
 use gi_core::camera::Camera;
 use gi_core::disc::Disc;
@@ -15,28 +15,26 @@ use crate::photons::{Photon, SAME_SURFACE};
 use crate::region::{Look, Region};
 use crate::statistics::Statistics;
 
-/// Number of the pass whose photons the radii are found from; none that is added to the picture.
+/// Number of the pilot pass that the radii are derived from. It is not added to the picture.
 pub(crate) const PILOT: u32 = u32::MAX;
-/// Largest radius that is chosen automatically, in scene radii, or in lengths of the eye's path where that is less: what is
-/// seen of a large scene is as fine as it is near.
+/// Cap on the automatic radius, relative to min(scene radius, length of the eye path).
 const MOST: f32 = 0.03;
-/// Least, in widths of a pixel where the eye's path ends.
+/// Smallest automatic radius, in pixel widths at the end of the eye path.
 const LEAST_PIXELS: f32 = 1.0;
-/// Share of a disc that must lie on its surface, unless it is as small as it may be; looked at in so many points. Of a larger
-/// disc over a narrow slat most is air.
+/// Fraction of a disc that must lie on its surface, and number of probes for it. A disc over a narrow slat is shrunk until it does.
 const LEAST_COVERED: f32 = 0.75;
 const PROBES: u32 = 16;
-/// By what a disc shrinks that does not.
+/// Factor by which such a disc shrinks per step.
 const STEP: f32 = 0.7;
 
-/// How many pixels did not get the number of photons that was asked for.
+/// Number of pixels whose radius is limited, so that it does not contain the wanted number of photons.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct AtBounds {
     pub(crate) least: u64,
     pub(crate) most: u64,
 }
 
-/// The regions at the beginning, by what a pilot pass of photons says.
+/// Initial regions from the photons of the pilot pass.
 pub(crate) fn regions(look: &Look, photons: &[Vec<Photon>]) -> (PerPixel<Region>, AtBounds) {
     let (scene, camera, params) = (look.setting.scene, look.setting.camera, look.params);
     let mut bounds = AtBounds::default();
@@ -45,7 +43,7 @@ pub(crate) fn regions(look: &Look, photons: &[Vec<Photon>]) -> (PerPixel<Region>
         let radius = f64::from(params.initial_radius * scene.radius());
         PerPixel::new(size, |_| radius)
     } else {
-        // Were they spread evenly over the scene's sphere: pi r^2 / (4 pi R^2) = k / n.
+        // If photons were uniform on the sphere of the scene: pi r^2 / (4 pi R^2) = k / n.
         let stored = photons.iter().map(Vec::len).sum::<usize>().max(1);
         let share = params.initial_photons as f32 / stored as f32;
         let guess = scene.radius() * (2.0 * share.sqrt()).min(MOST);
@@ -74,7 +72,7 @@ pub(crate) fn regions(look: &Look, photons: &[Vec<Photon>]) -> (PerPixel<Region>
     (regions, bounds)
 }
 
-/// The radius that holds so many photons, and the least and the largest one allowed.
+/// The radius that contains the wanted number of photons, and its limits.
 #[derive(Clone, Copy)]
 struct Nearest {
     radius: f32,
@@ -82,7 +80,7 @@ struct Nearest {
     most: f32,
 }
 
-/// Look through a pixel, and round the first point where photons are gathered.
+/// Search round the first gather point of a pixel.
 fn nearest(look: &Look, at: [usize; 2], grid: &Grid, guess: f32) -> Option<Nearest> {
     let setting = look.setting;
     let pixel = pixel_width(setting.camera);
@@ -114,7 +112,7 @@ fn nearest(look: &Look, at: [usize; 2], grid: &Grid, guess: f32) -> Option<Neare
     None
 }
 
-/// The radius, or a smaller one, whose disc lies on the surface that it is round: past an edge there are no photons for it.
+/// Shrink the radius until the disc lies on its surface: beyond an edge there are no photons.
 fn on_surface(
     scene: &Scene,
     (surface, wo): (&Surface, Vec3),
@@ -130,7 +128,7 @@ fn on_surface(
     radius
 }
 
-/// The width of the middle pixel at a distance from the eye.
+/// Width of the central pixel at a distance from the eye.
 fn pixel_width(camera: &Camera) -> impl Fn(f32) -> f32 {
     let [x, y] = camera.size().map(|n| 0.5 * n as f32);
     let (a, b) = (camera.ray([x - 0.5, y], [0.5; 2]), camera.ray([x + 0.5, y], [0.5; 2]));

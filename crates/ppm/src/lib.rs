@@ -1,23 +1,21 @@
-//! Progressive photon mapping: photons in passes, none kept, a radius that shrinks [slides 35 to 46].
+//! Progressive photon mapping: passes of photons that are not stored, and a radius that shrinks [slides 35 to 46].
 //!
 //! | | |
 //! |---|---|
-//! | estimated | light that came over other surfaces, mirrors or glass; what comes straight from lights is sampled |
+//! | estimate | indirect light and caustics by photons; direct light by sampling lights |
 //! | formula | L = tau / (pi R^2 n), n passes; R' = R sqrt((N + alpha M) / (N + M)), N' = N + alpha M, tau' = (tau + tau_M) R'^2 / R^2 [slides 41, 42] |
-//! | `--method` | `ppm`: hit points found once \[Hachisuka08\]; `sppm` (default): a pixel looks anew in every pass \[Hachisuka09\]; `ppa`: R by the number of the pass alone \[Knaus11\]; `adaptive`: R balances noise and bias \[Kaplanyan13\] |
-//! | `--alpha` | share of a pass's photons that stay: 1 keeps the radius, small values shrink it fast |
-//! | `--photons` | light paths a pass (0: as many as pixels) |
-//! | `--initial-radius` | in scene radii (0: as far as `--initial-photons` photons of a pilot pass reach, on the surface that is seen) |
-//! | emission | light from infinity is aimed at what the eye's paths meet behind where they gather: no path is left out |
-//! | `--min-roughness` | alpha of the sharpest lobe at which photons are gathered; sharper ones are followed by rays |
-//! | edges and walls | only the part of a disc counts that is seen from just above its middle; its light is divided by the area of that part |
-//! | bias | light is blurred over R: caustics and contact shadows begin soft; falls with the passes |
-//! | how it fails | blotches of the initial radius where few photons come (`ppm`, `sppm` shrink there slowly); light that comes from far off along the ground, in few strong photons |
+//! | `--method` | `ppm`: hit points are found once \[Hachisuka08\]; `sppm`: every pass finds new hit points \[Hachisuka09\]; `ppa`: R depends on the number of the pass only \[Knaus11\]; `adaptive`: R balances noise and bias \[Kaplanyan13\] |
+//! | emission | light from infinity is aimed at the points that eye paths reach after the first gather point, without bias |
+//! | edges and walls | only the visible part of a disc counts, and the flux is divided by its area |
+//! | bias | light is blurred over R: caustics and contact shadows start soft, and sharpen with the passes |
+//! | how it fails | blotches as large as the initial radius where photons are few, because the radius shrinks slowly there |
 //! | sources | \[Hachisuka08\], \[Hachisuka09\], \[Hachisuka10\], \[Knaus11\], \[Kaplanyan13\] |
 //!
-//! tau / R^2 gains exactly a pass's own flux / R^2 in every pass, whatever R becomes afterwards: the estimate is the
-//! mean of the passes' own estimates, each with the radius that it was gathered with. So a pass is a sample of the film
-//! like any other technique's.
+//! In every pass tau / R^2 grows by exactly the flux of that pass / R^2, whatever R becomes later. So the estimate is the mean of the
+//! estimates of all passes, each with its own radius, and a pass is a sample of the film as in any other technique.
+//!
+//! Read next: `region.rs` (a pixel in a pass), `gather.rs` (gathering), `methods.rs` (radii), `photons.rs` (photon tracing),
+//! `params.rs` (the options).
 #![forbid(unsafe_code)]
 
 mod aim;
@@ -58,22 +56,22 @@ pub struct Ppm<'a> {
     counts: Counts,
 }
 
-/// What has been done so far.
+/// Counts since the start of the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Counts {
     pub(crate) passes: u32,
     pub(crate) paths: u64,
     pub(crate) stored: u64,
-    /// Photons that contributed, over all pixels and passes.
+    /// Number of photons that contributed, over all pixels and passes.
     pub(crate) contributed: u64,
-    /// The last estimate of the picture's error; infinite where there is none.
+    /// The latest estimate of the picture's error; infinite if there is none yet.
     pub(crate) error: f64,
 }
 
 impl<'a> Technique<'a> for Ppm<'a> {
     type Params = Params;
 
-    /// Find the radii to begin with, and the hit points of `ppm`.
+    /// Find the initial radii, and the hit points of `ppm`.
     fn prepare(setting: Setting<'a>, params: &Params) -> Result<Self, String> {
         let [w, h] = setting.camera.size();
         check_pixels(params, [w, h])?;
@@ -95,7 +93,7 @@ impl<'a> Technique<'a> for Ppm<'a> {
         Ok(Ppm { setting, params, emission, pixels, at_bounds, traces, counts })
     }
 
-    /// One pass: photons from the lights, organised once; then every pixel looks and gathers.
+    /// One pass: trace photons, build the grid, then gather at every pixel.
     fn pass(&mut self, index: u32, film: &mut Film) {
         let photons = trace(&self.setting, &self.params, &self.emission, index);
         let grid = Grid::build(&photons, self.mean_radius());
@@ -141,7 +139,7 @@ impl<'a> Technique<'a> for Ppm<'a> {
         self.counts.error < self.params.stop_at_error
     }
 
-    /// Only the probabilistic radius knows nothing of earlier passes.
+    /// Only the probabilistic radius does not depend on earlier passes.
     fn passes_are_independent(&self) -> bool {
         self.params.method == Method::Ppa
     }
@@ -240,7 +238,7 @@ impl Ppm<'_> {
         shows::to_csv(&self.traces)
     }
 
-    /// Whether noise and bias are to be known.
+    /// Whether noise and bias are needed.
     fn needs_moments(&self) -> bool {
         let p = &self.params;
         p.method == Method::Adaptive || p.stop_at_error > 0.0 || p.show.contains(&Shown::Error)
@@ -252,9 +250,8 @@ impl Ppm<'_> {
         (self.pixels.sum(|r| r.statistics.radius) / pixels) as f32
     }
 
-    /// The root of the estimated relMSE of the picture's luminance: noise and bias squared over the radiance squared
-    /// plus 0.01.
-    /// Infinite while too few passes know their scatter.
+    /// The root of the estimated relMSE of the picture's luminance: (noise^2 + bias^2) / (radiance^2 + 0.01). Infinite during the
+    /// first passes.
     pub fn error_estimate(&self) -> f64 {
         if self.counts.passes < FEWEST_PASSES {
             return f64::INFINITY;
@@ -268,7 +265,7 @@ impl Ppm<'_> {
     }
 }
 
-/// Passes before which their scatter is not trusted.
+/// Number of passes before which the variance is not trusted.
 const FEWEST_PASSES: u32 = 4;
 
 /// Keeps relative errors of dark pixels finite.

@@ -1,11 +1,11 @@
-//! How the radius comes about: the four methods.
+//! The radius of the four methods.
 
 use std::f64::consts::PI;
 
 use crate::error::Moments;
 pub use crate::params::Method;
 
-/// R_k / R_0 of pass `k` (the first is 0) by the law that needs no statistics:
+/// R_k / R_0 of pass `k` (the first is 0) without statistics:
 /// R_(i+1)^2 / R_i^2 = (i + alpha) / (i + 1) for i = 1, 2, ... \[Knaus11, eq. 20\].
 pub fn probabilistic_radius(k: u32, alpha: f64) -> f64 {
     // prod (i + alpha) / (i + 1), i from 1 to k, is Gamma(k + 1 + alpha) / (Gamma(1 + alpha) Gamma(k + 2)).
@@ -14,17 +14,17 @@ pub fn probabilistic_radius(k: u32, alpha: f64) -> f64 {
     (0.5 * log).exp()
 }
 
-/// Radius of the derivative's kernel over the initial radius: it needs more photons than the estimate.
+/// Radius of the kernel for derivatives over the initial radius. Derivatives need more photons than the estimate.
 const DERIVATIVE_WIDTH: f64 = 2.0;
 
-/// R_k / R_0 of the kernel that second derivatives are estimated with: the width that is best in the limit shrinks with
-/// the tenth root of the number of photons, for two dimensions and two derivatives \[Silverman86, 4.3; Wand95, 4.9\].
+/// R_k / R_0 of the kernel for second derivatives. The asymptotically optimal width shrinks with the tenth root of the number of
+/// photons, in two dimensions and for second derivatives \[Silverman86, 4.3; Wand95, 4.9\].
 pub fn derivative_radius(k: u32) -> f64 {
     DERIVATIVE_WIDTH * f64::from(k + 1).powf(-0.1)
 }
 
-/// The radius that makes the error of the mean over passes least in the limit, from what passes 0 to k - 1 found, and
-/// whether it is the bound `most` instead \[Kaplanyan13\].
+/// The radius that minimizes the asymptotic error of the mean over passes, from the moments of passes 0 to k - 1, and whether the
+/// limit `most` applies instead \[Kaplanyan13\].
 ///
 /// With r_i^2 = a i^(-1/3) in pass i, the bias of the mean after k passes is 3/2 a k^(-1/3) lap / 8, its variance
 /// 3/4 S / (pi a) k^(-2/3): a^3 = 64 S / (6 pi lap^2) makes the sum of bias^2 and variance least. S is the density of

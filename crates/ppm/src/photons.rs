@@ -1,4 +1,4 @@
-//! A pass of photons: paths from the lights, and what they leave where the eye may gather.
+//! The photons of a pass: light paths leave a photon wherever the eye may gather.
 
 use gi_core::light::Targets;
 use gi_core::math::Rgb;
@@ -7,43 +7,42 @@ use gi_core::scene::Scene;
 use gi_core::walk::{self, LightVertex, LightWalk, PhotonKind, Roulette, walk_in_order};
 use glam::Vec3;
 
-/// Paths that one task walks; their photons are joined in the order of the paths.
+/// Number of paths per task. The photons of all tasks are joined in the order of the paths.
 const CHUNK: u32 = 4096;
 
-/// Makes the numbers of light paths differ from those of eye paths.
+/// Separates the random numbers of light paths from those of eye paths.
 const PHOTONS: u32 = 0x7068_6f74;
 
 /// Light that has reached a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Photon {
-    /// Where, world.
+    /// Position, world.
     pub p: Vec3,
-    /// What arrived.
+    /// All but the position.
     pub arrival: Arrival,
 }
 
-/// What arrived with a photon.
+/// A photon without its position.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Arrival {
-    /// Power; already divided by the densities of the path and by the number of paths of the pass, and corrected for
-    /// shading normals (times |cos| with the shading over |cos| with the geometric normal).
+    /// Power, already divided by all densities and by the number of paths, and corrected for shading normals.
     pub power: Rgb,
     /// Unit direction back to where the light came from.
     pub wi: Vec3,
-    /// Geometric normal of what was hit, on the side of `wi`, in 127ths.
+    /// Geometric normal of the surface, on the side of `wi`, times 127.
     pub(crate) normal: [i8; 3],
     /// What the path has met.
     pub kind: PhotonKind,
-    /// Segments from the light to here.
+    /// Number of segments from the light to here.
     pub segments: u32,
 }
 
-/// Cosine of the largest angle between the normal where light is gathered and that where a photon lies: across a
-/// sharper edge it is another surface that was lit.
+/// A photon belongs to the surface of a gather point if the cosine between the normals is at least this. It is smaller than in a
+/// photon map (0.8), because the radius shrinks: a wide limit keeps photons on coarse curved meshes.
 pub(crate) const SAME_SURFACE: f32 = 0.5;
 
 impl Arrival {
-    /// What `vertex` receives of a pass of `paths` paths.
+    /// The photon at `vertex` in a pass of `paths` paths.
     pub(crate) fn at(vertex: &LightVertex, paths: u32) -> Self {
         let walk::Photon { n, wi, power, kind, segments, .. } =
             walk::Photon::at(vertex, paths as f32);
@@ -51,7 +50,7 @@ impl Arrival {
         Arrival { power, wi, normal, kind, segments }
     }
 
-    /// Whether this lit the surface of normal `ng` on the side of `wi`, and not another one that runs into it.
+    /// Whether the photon lies on the surface with normal `ng`, and not on another one that intersects it.
     #[inline]
     pub(crate) fn lights(&self, ng: Vec3) -> bool {
         let normal = Vec3::from_array(self.normal.map(f32::from));
@@ -60,18 +59,18 @@ impl Arrival {
     }
 }
 
-/// What a pass of photons is made with.
+/// How the photons of a pass are traced.
 pub(crate) struct Emission {
     pub(crate) seed: u32,
-    /// Paths a pass.
+    /// Number of paths per pass.
     pub(crate) paths: u32,
     /// First scattering at which roulette may end a path.
     pub(crate) rr_from: u32,
-    /// Most segments from a light to a photon; `None` is unbounded.
+    /// Maximum number of segments from a light to a photon; `None` is unbounded.
     pub(crate) max_segments: Option<u32>,
-    /// Whether light straight from lights leaves photons too.
+    /// Whether direct light leaves photons too.
     pub(crate) direct: bool,
-    /// Where light from infinity is aimed, if it is.
+    /// Targets of light from infinity, if it is aimed.
     pub(crate) targets: Option<Targets>,
 }
 
@@ -88,7 +87,7 @@ impl Emission {
         })
     }
 
-    /// Walk one path and leave photons.
+    /// Trace one path.
     fn walk(
         &self,
         scene: &Scene,

@@ -1,4 +1,4 @@
-//! A pixel: what it keeps from pass to pass, and what it does in one.
+//! A pixel: its data from pass to pass, and its work in a pass.
 
 use gi_core::bsdf::Transport;
 use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
@@ -17,28 +17,28 @@ use crate::methods::{Method, adaptive_radius, derivative_radius, probabilistic_r
 use crate::params::Params;
 use crate::statistics::{Pass, Statistics};
 
-/// What a pixel keeps from pass to pass.
+/// Data that a pixel keeps from pass to pass.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Region {
-    /// R, N and tau of all that the pixel sees; of its first hit point with [`Method::Ppm`].
+    /// R, N and tau of the pixel; with [`Method::Ppm`], of its first hit point.
     pub(crate) statistics: Statistics,
-    /// R at the beginning, world units.
+    /// Initial R, world units.
     pub(crate) initial: f64,
     /// The photons of the last pass, which are not yet in the statistics.
     pub(crate) pass: Pass,
-    /// What passes say of the error, where it is asked for.
+    /// Sums for the error estimate, if it is needed.
     pub(crate) moments: Moments,
     /// The hit points of [`Method::Ppm`].
     pub(crate) hits: Vec<Hit>,
 }
 
-/// A point that the eye saw once and for all.
+/// A hit point that all passes share.
 #[derive(Clone, Debug)]
 pub(crate) struct Hit {
     pub(crate) surface: Surface,
     pub(crate) wo: Vec3,
     pub(crate) covers: Covers,
-    /// What one unit of its radiance adds to the pixel.
+    /// What one unit of radiance adds to the pixel.
     pub(crate) throughput: Rgb,
     pub(crate) segments: u32,
     /// Number of scatterings before it that were not by delta lobes.
@@ -48,7 +48,7 @@ pub(crate) struct Hit {
     pub(crate) pass: Pass,
 }
 
-/// Makes the numbers that discs are probed with differ from those of eye paths.
+/// Separates the random numbers of disc probes from those of eye paths.
 const PROBES: u32 = 0x6469_7363;
 
 /// One over the area of a disc.
@@ -56,14 +56,14 @@ fn per_area(radius: f64) -> f32 {
     (1.0 / (std::f64::consts::PI * radius * radius)) as f32
 }
 
-/// What a pass works with.
+/// Settings of a pass.
 #[derive(Clone, Copy)]
 pub(crate) struct Look<'s, 'a> {
     pub(crate) setting: &'s Setting<'a>,
     pub(crate) params: &'s Params,
     /// Number of the pass.
     pub(crate) index: u32,
-    /// Whether the passes' moments are asked for.
+    /// Whether the error is estimated.
     pub(crate) moments: bool,
 }
 
@@ -73,12 +73,12 @@ impl<'a> Look<'_, 'a> {
         EyeWalk::through_pixel(self.setting, self.params.limits, pixel, index)
     }
 
-    /// Most segments that photons may have come over where the eye's path has `segments`.
+    /// Maximum number of segments of a photon, if the eye path has `segments`.
     fn photon_segments(&self, segments: u32) -> Option<u32> {
         self.params.limits.max_depth.map(|most| most - segments.min(most))
     }
 
-    /// Whether photons answer for light straight from lights too.
+    /// Whether photons cover direct light too.
     fn direct(&self, covers: Covers) -> bool {
         self.params.direct_by_photons && matches!(covers, Covers::NonDelta)
     }
@@ -109,7 +109,7 @@ impl<'a> Look<'_, 'a> {
         sample
     }
 
-    /// The radius of methods that do not take it from R, N and M.
+    /// Choose the radius for methods that do not derive it from R, N and M.
     fn choose_radius(&self, region: &mut Region) {
         let radius = match self.params.method {
             Method::Ppm | Method::Sppm => return,
@@ -123,7 +123,7 @@ impl<'a> Look<'_, 'a> {
         region.statistics.scale(share * share);
     }
 
-    /// The numbers by which the discs of a pixel are probed in this pass: those of its point number `index`.
+    /// Random numbers that probe the disc at gather point number `index` of a pixel.
     fn probes(&self, [x, y]: [usize; 2], index: u32) -> impl FnMut() -> [f32; 2] {
         let stream = (y * self.setting.camera.size()[0] + x) as u32;
         let seed = hash_words(&[self.setting.seed, PROBES, index]);
@@ -136,7 +136,7 @@ impl<'a> Look<'_, 'a> {
         Discs { radius: radius as f32, derivative }
     }
 
-    /// Look anew: every point that the path ends in is gathered at, all with the pixel's radius.
+    /// Find new hit points, and gather at all of them with the radius of the pixel.
     fn anew(&self, at: [usize; 2], region: &Region, grid: &Grid) -> (Sample, Gathered) {
         let scene = self.setting.scene;
         let radius = region.statistics.radius;
@@ -169,7 +169,7 @@ impl<'a> Look<'_, 'a> {
         (walk.sample(), total)
     }
 
-    /// Gather at the pixel's hit points; look anew only for the light that photons do not answer for.
+    /// Gather at the stored hit points. The path only finds the light that photons do not cover.
     fn at_hit_points(
         &self,
         at: [usize; 2],
@@ -216,7 +216,7 @@ impl<'a> Look<'_, 'a> {
         (sample, total)
     }
 
-    /// The hit points of a pixel: where `count` paths, the picture's first, end in photons.
+    /// The hit points of a pixel, from `count` paths.
     pub(crate) fn hit_points(&self, at: [usize; 2], count: u32, radius: f64) -> Vec<Hit> {
         let mut hits = Vec::new();
         for index in 0..count {
