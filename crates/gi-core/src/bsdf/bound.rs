@@ -4,116 +4,22 @@
 //! over the box, the density of facets over the cone of half vectors, and shadowing by its value at the largest cosine. The
 //! bounds hold for the values that [`Bsdf::f`] and [`Bsdf::f_cos`] return, rounding included.
 
-use std::f32::consts::PI;
-
 use glam::Vec3;
 
 use super::component::Part;
 use super::fresnel::{self, reflect_z};
-use super::lobe::{Lobe, oren_nayar_factors};
+use super::lobe::Lobe;
 use super::microfacet::Microfacets;
+use super::models::oren_nayar_factors;
 use super::principled::mirrored;
+use super::toward::{Toward, UNIT_ROUNDING};
 use super::{Bsdf, Component, Transport, Way};
-use crate::math::{Bounds, Frame, INV_PI, Rgb, safe_sqrt, sqr};
-
-/// The directions from a point to all points of a box.
-#[derive(Clone, Copy, Debug)]
-pub struct Toward {
-    /// Centre of the box relative to the point, and half its extent.
-    middle: Vec3,
-    half: Vec3,
-}
-
-/// A cone round such directions.
-#[derive(Clone, Copy, Debug)]
-struct Cone {
-    /// Unit axis, and sine and cosine of the half angle. The whole sphere has a sine of 1 and a cosine of 0.
-    axis: Vec3,
-    sin: f32,
-    cos: f32,
-}
+use crate::math::{Frame, INV_PI, Rgb, safe_sqrt, sqr};
 
 /// Relative margin of every bound, against rounding in the bound and in the BSDF.
 const SAFETY: f32 = 1.0 + 5e-4;
-/// Rounding of a coordinate, relative.
-const ROUNDING: f32 = 5e-7;
 /// Used instead of infinity, because zero times infinity is not a number.
 const UNBOUNDED: f32 = 1e30;
-/// Rounding of a unit vector.
-const UNIT_ROUNDING: f32 = 2e-6;
-
-impl Toward {
-    /// Directions from `p` into a box.
-    #[inline]
-    pub fn new(p: Vec3, bounds: &Bounds) -> Self {
-        let (low, high) = (bounds.min - p, bounds.max - p);
-        let middle = 0.5 * (low + high);
-        let half = 0.5 * (high - low) + (p.abs() + middle.abs()) * ROUNDING;
-        Toward { middle, half }
-    }
-
-    /// The cone of the bounding sphere of the box.
-    #[inline]
-    fn cone(&self) -> Cone {
-        let (distance_sq, radius_sq) = (self.middle.length_squared(), self.half.length_squared());
-        if radius_sq >= distance_sq {
-            return Cone { axis: Vec3::Z, sin: 1.0, cos: 0.0 };
-        }
-        let inverse = 1.0 / distance_sq;
-        let sin_sq = radius_sq * inverse;
-        Cone { axis: self.middle * inverse.sqrt(), sin: sin_sq.sqrt(), cos: (1.0 - sin_sq).sqrt() }
-    }
-
-    /// Least squared distance to the box.
-    #[inline]
-    pub fn min_distance_sq(&self) -> f32 {
-        (self.middle.abs() - self.half).max(Vec3::ZERO).length_squared()
-    }
-
-    /// Squared distance to the middle of the box, and its squared radius.
-    #[inline]
-    pub fn middle_and_radius_sq(&self) -> [f32; 2] {
-        [self.middle.length_squared(), self.half.length_squared()]
-    }
-
-    /// Solid angle of the cone round the directions.
-    #[inline]
-    pub fn solid_angle(&self) -> f32 {
-        let cone = self.cone();
-        if cone.sin >= 1.0 { 4.0 * PI } else { 2.0 * PI * (1.0 - cone.cos) }
-    }
-
-    /// The largest cosine of a direction with the frame's normal [Walter05, eq. 4], from the bounds of the box in that frame.
-    #[inline]
-    pub fn max_cos(&self, frame: &Frame) -> f32 {
-        let extent = |axis: Vec3| axis.abs().dot(self.half);
-        let z = self.middle.dot(frame.n) + extent(frame.n);
-        let across = [frame.s, frame.t].map(|t| (self.middle.dot(t).abs(), extent(t)));
-        let across_sq = if z > 0.0 {
-            across.iter().map(|(m, h)| sqr((m - h).max(0.0))).sum::<f32>()
-        } else {
-            across.iter().map(|(m, h)| sqr(m + h)).sum::<f32>()
-        };
-        let length_sq = across_sq + z * z;
-        if length_sq > 0.0 { (z / length_sq.sqrt() + UNIT_ROUNDING).min(1.0) } else { 1.0 }
-    }
-}
-
-impl Cone {
-    /// The largest cosine of a direction with unit `d`.
-    #[inline]
-    fn max_cos(&self, d: Vec3) -> f32 {
-        if self.sin >= 1.0 {
-            return 1.0;
-        }
-        let cos = self.axis.dot(d);
-        if cos >= self.cos {
-            return 1.0;
-        }
-        (cos * self.cos + safe_sqrt(1.0 - cos * cos) * self.sin + UNIT_ROUNDING).min(1.0)
-    }
-}
-
 /// Upper bounds over a cone, per channel.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ScatterBound {
@@ -239,13 +145,7 @@ impl Component<'_> {
         };
         // A lobe that does not count needs no bound.
         let rest = self.part.is_none_or(|p| !p.rest.is_black());
-        let two_sided = match &self.lobe {
-            Lobe::RoughDielectric { .. } => true,
-            Lobe::Principled(solid) => !solid.is_opaque(),
-            Lobe::PrincipledThin(thin) => wo.z > 0.0 && !thin.is_opaque(),
-            _ => false,
-        };
-        if !two_sided && (wo.z <= 0.0 || cos <= 0.0) {
+        if !self.is_two_sided(wo) && (wo.z <= 0.0 || cos <= 0.0) {
             return ScatterBound::default();
         }
         let cap = || {
@@ -260,13 +160,7 @@ impl Component<'_> {
         };
         match self.lobe {
             Lobe::Diffuse { albedo } => lambert(albedo),
-            Lobe::OrenNayar { albedo, sigma_sq } => {
-                // sin sin' / max(cos, cos') is at most sin / cos, and times cos' at most sin.
-                let ([a, b], sin) = (oren_nayar_factors(sigma_sq), safe_sqrt(1.0 - sqr(wo.z)));
-                let albedo = albedo * INV_PI;
-                let f_cos = a * cos + b * sin * (cos / wo.z).min(1.0);
-                ScatterBound { f: albedo * (a + b * sin / wo.z), f_cos: albedo * f_cos }
-            }
+            Lobe::OrenNayar { albedo, sigma_sq } => oren_nayar_bound(wo.z, cos, albedo, sigma_sq),
             Lobe::Phong { diffuse, specular, exponent } => {
                 let mirrored = frame.to_world(reflect_z(wo));
                 let peak = toward.cone().max_cos(mirrored).max(0.0).powf(exponent);
@@ -285,9 +179,9 @@ impl Component<'_> {
                 if let Some(facets) = coat.facets().filter(|_| rest) {
                     let cap = cap();
                     let fresnel = coat.fresnel(cap.min_cos_half());
-                    let shine = cap.reflected(facets, specular * fresnel);
-                    bound.f += shine.f;
-                    bound.f_cos += shine.f_cos;
+                    let reflected = cap.reflected(facets, specular * fresnel);
+                    bound.f += reflected.f;
+                    bound.f_cos += reflected.f_cos;
                 }
                 bound
             }
@@ -311,6 +205,16 @@ impl Component<'_> {
             | Lobe::Dielectric { .. }
             | Lobe::ThinDielectric { .. }
             | Lobe::Null => ScatterBound::default(),
+        }
+    }
+
+    /// Whether the lobe may scatter light for directions on any side.
+    fn is_two_sided(&self, wo: Vec3) -> bool {
+        match &self.lobe {
+            Lobe::RoughDielectric { .. } => true,
+            Lobe::Principled(solid) => !solid.is_opaque(),
+            Lobe::PrincipledThin(thin) => wo.z > 0.0 && !thin.is_opaque(),
+            _ => false,
         }
     }
 
@@ -376,4 +280,12 @@ impl Cap {
         let [g1, g1_over_cos] = facets.g1_bounds(1.0);
         ScatterBound { f: transmit * (shared * g1_over_cos), f_cos: transmit * (shared * g1) }
     }
+}
+
+/// Bound of Oren-Nayar's model. sin sin' / max(cos, cos') is at most sin / cos, and times cos' at most sin.
+fn oren_nayar_bound(cos_wo: f32, cos: f32, albedo: Rgb, sigma_sq: f32) -> ScatterBound {
+    let ([a, b], sin) = (oren_nayar_factors(sigma_sq), safe_sqrt(1.0 - sqr(cos_wo)));
+    let albedo = albedo * INV_PI;
+    let f_cos = a * cos + b * sin * (cos / cos_wo).min(1.0);
+    ScatterBound { f: albedo * (a + b * sin / cos_wo), f_cos: albedo * f_cos }
 }

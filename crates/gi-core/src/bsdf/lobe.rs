@@ -1,13 +1,18 @@
-//! One scattering lobe in its own frame: the enum that all materials come down to.
+//! A scattering lobe in its own frame. All materials become one or more lobes. The file is long because each method is one match
+//! over all lobes.
 
 use glam::Vec3;
 
 use super::coat::Coat;
-use super::fresnel::{self, reflect, reflect_z, refract};
+use super::fresnel::{self, reflect, reflect_z};
 use super::microfacet::Microfacets;
+use super::models::{
+    oren_nayar, oren_nayar_constant, phong_share, rough_dielectric_f, rough_dielectric_pdf,
+    sample_dielectric, sample_phong, sample_rough_dielectric, thin_reflectance,
+};
 use super::principled::{Drawn, Solid, Thin};
 use super::{Scatter, Transport};
-use crate::math::{INV_PI, Rgb, sqr};
+use crate::math::{INV_PI, Rgb};
 use crate::warp;
 
 /// A lobe with its parameters read from the textures. Directions are local, z along the normal.
@@ -146,16 +151,8 @@ impl Lobe<'_> {
                 sample_dielectric(wo, u_choice, eta, reflect, transmit, transport)
             }
             Lobe::RoughDielectric { eta, facets, .. } => {
-                let m = facets.sample_visible(wo * 1f32.copysign(wo.z), u);
-                let interface = fresnel::dielectric(wo.dot(m), eta);
-                let reflected = u_choice < interface.reflectance;
-                let wi = if reflected { reflect(wo, m) } else { refract(wo, m, interface) };
-                // A facet may throw light to the wrong side of the surface: Smith's model takes that as lost.
-                if reflected != (wi.z * wo.z > 0.0) {
-                    return None;
-                }
-                let scatter = self.weighted(wo, wi, transport)?;
-                Some(if reflected { scatter } else { Scatter { eta: interface.eta, ..scatter } })
+                let drawn = sample_rough_dielectric(wo, u_choice, u, eta, &facets)?;
+                self.weighted_drawn(wo, drawn, transport)
             }
             Lobe::ThinDielectric { eta, reflect, transmit } => {
                 let r = thin_reflectance(wo, eta);
@@ -176,10 +173,9 @@ impl Lobe<'_> {
             }
             Lobe::OrenNayar { .. } => self.weighted(wo, warp::cosine_hemisphere(u), transport),
             Lobe::Phong { diffuse, specular, exponent } => {
-                let wi = if u_choice < phong_share(diffuse, specular) {
-                    let cos = u[0].max(1e-20).powf(1.0 / (exponent + 1.0));
-                    let local = warp::cone([1.0, u[1]], 1.0 - cos);
-                    crate::math::Frame::from_normal(reflect_z(wo)).to_world(local)
+                let in_lobe = u_choice < phong_share(diffuse, specular);
+                let wi = if in_lobe {
+                    sample_phong(wo, u, exponent)
                 } else {
                     warp::cosine_hemisphere(u)
                 };
@@ -324,109 +320,5 @@ impl Lobe<'_> {
     fn weighted_drawn(&self, wo: Vec3, drawn: Drawn, transport: Transport) -> Option<Scatter> {
         let scatter = self.weighted(wo, drawn.wi, transport)?;
         Some(Scatter { eta: drawn.eta, ..scatter })
-    }
-}
-
-/// Both interfaces of a pane, all inner reflections summed.
-#[inline]
-fn thin_reflectance(wo: Vec3, eta: f32) -> f32 {
-    let r = fresnel::dielectric(wo.z.abs(), eta).reflectance;
-    2.0 * r / (1.0 + r)
-}
-
-fn sample_dielectric(
-    wo: Vec3,
-    u: f32,
-    eta: f32,
-    reflect: Rgb,
-    transmit: Rgb,
-    transport: Transport,
-) -> Option<Scatter> {
-    let interface = fresnel::dielectric(wo.z, eta);
-    if u < interface.reflectance {
-        return Some(Scatter::delta(reflect_z(wo), reflect, interface.reflectance));
-    }
-    let wi = refract(wo, Vec3::Z, interface);
-    let weight = transmit * transport.refraction(interface.eta);
-    let refracted =
-        Scatter { eta: interface.eta, ..Scatter::delta(wi, weight, 1.0 - interface.reflectance) };
-    (wi.z * wo.z < 0.0).then_some(refracted)
-}
-
-/// The term of Oren-Nayar's model that does not depend on directions.
-fn oren_nayar_constant(sigma_sq: f32) -> f32 {
-    1.0 - 0.5 * sigma_sq / (sigma_sq + 0.33)
-}
-
-/// The factors A and B of Oren-Nayar's model.
-pub(super) fn oren_nayar_factors(sigma_sq: f32) -> [f32; 2] {
-    [oren_nayar_constant(sigma_sq), 0.45 * sigma_sq / (sigma_sq + 0.09)]
-}
-
-/// Oren-Nayar's qualitative model, the factor on Lambert's.
-fn oren_nayar(wo: Vec3, wi: Vec3, sigma_sq: f32) -> f32 {
-    let (sin_o, sin_i) = ((1.0 - sqr(wo.z)).max(0.0).sqrt(), (1.0 - sqr(wi.z)).max(0.0).sqrt());
-    let cos_delta = if sin_o > 1e-6 && sin_i > 1e-6 {
-        (wo.x * wi.x + wo.y * wi.y) / (sin_o * sin_i)
-    } else {
-        0.0
-    };
-    let [a, b] = oren_nayar_factors(sigma_sq);
-    // sin(larger angle) tan(smaller angle)
-    let (sin_tan, cos) = (sin_o * sin_i, wo.z.max(wi.z));
-    a + b * cos_delta.max(0.0) * sin_tan / cos
-}
-
-/// Share of samples that go to the lobe.
-#[inline]
-fn phong_share(diffuse: Rgb, specular: Rgb) -> f32 {
-    let (d, s) = (diffuse.mean(), specular.mean());
-    if d + s > 0.0 { s / (d + s) } else { 0.0 }
-}
-
-/// Facet normal that takes `wo` to `wi`, turned to the upper side, and the interface as `wo` sees it.
-/// `None` where no facet does.
-#[inline]
-pub(super) fn generalized_half(wo: Vec3, wi: Vec3, eta: f32) -> Option<(Vec3, f32)> {
-    if wo.z == 0.0 || wi.z == 0.0 {
-        return None;
-    }
-    let eta = if wo.z > 0.0 { eta } else { 1.0 / eta };
-    let m = if wo.z * wi.z > 0.0 { wo + wi } else { wo + wi * eta }.try_normalize()?;
-    let m = m * 1f32.copysign(m.z);
-    (wo.dot(m) * wo.z > 0.0 && wi.dot(m) * wi.z > 0.0).then_some((m, eta))
-}
-
-/// [Walter07, eqs. 20 and 21]
-pub(super) fn rough_dielectric_f(
-    wo: Vec3,
-    wi: Vec3,
-    eta: f32,
-    reflect: Rgb,
-    transmit: Rgb,
-    facets: &Microfacets,
-    transport: Transport,
-) -> Rgb {
-    let Some((m, eta_seen)) = generalized_half(wo, wi, eta) else { return Rgb::BLACK };
-    let fresnel = fresnel::dielectric(wo.dot(m), eta).reflectance;
-    let dg = facets.d(m) * facets.g(wo, wi, m) / (wo.z * wi.z).abs();
-    if wo.z * wi.z > 0.0 {
-        return reflect * (0.25 * fresnel * dg);
-    }
-    let (o, i) = (wo.dot(m), wi.dot(m));
-    let jacobian = sqr(eta_seen) * (o * i).abs() / sqr(o + eta_seen * i);
-    transmit * ((1.0 - fresnel) * dg * jacobian * transport.refraction(eta_seen))
-}
-
-/// [Walter07, eqs. 14 and 17]
-fn rough_dielectric_pdf(wo: Vec3, wi: Vec3, eta: f32, facets: &Microfacets) -> f32 {
-    let Some((m, eta_seen)) = generalized_half(wo, wi, eta) else { return 0.0 };
-    let fresnel = fresnel::dielectric(wo.dot(m), eta).reflectance;
-    let visible = facets.visible_pdf(wo * 1f32.copysign(wo.z), m);
-    let (o, i) = (wo.dot(m), wi.dot(m));
-    if wo.z * wi.z > 0.0 {
-        visible * fresnel / (4.0 * i.abs())
-    } else {
-        visible * (1.0 - fresnel) * sqr(eta_seen) * i.abs() / sqr(o + eta_seen * i)
     }
 }

@@ -13,20 +13,23 @@ mod fresnel;
 mod glossy;
 mod lobe;
 mod microfacet;
+mod models;
 mod prepared;
 mod principled;
 mod resolve;
+mod toward;
 
 use glam::Vec3;
 
 use crate::math::{Rgb, sqr};
-pub use bound::{ScatterBound, Toward};
+pub use bound::ScatterBound;
 pub(crate) use coat::Coat;
 use component::{Component, Way};
 pub use fresnel::dielectric_hemispherical;
 pub use glossy::{GlossyLobe, Kind, LobeView};
 use lobe::Lobe;
 pub(crate) use prepared::{PreparedMaterial, check_children, component_count};
+pub use toward::Toward;
 
 /// The direction of a path. Refraction scales radiance, but not power [Veach97, 5.2].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,3 +1,5 @@
+//! The table of all lights. Its file is long because each method of a light is one match over all kinds of light.
+
 use std::f32::consts::PI;
 
 use glam::{Mat3, Vec3};
@@ -7,7 +9,7 @@ use crate::geometry::{Geometry, Shape};
 use crate::math::{Frame, Rgb, sqr};
 use crate::warp;
 
-/// A light, ready to be sampled.
+/// A light, prepared for sampling.
 #[derive(Clone, Debug)]
 pub enum Light {
     /// A primitive of a shape.

@@ -9,6 +9,7 @@ use super::{PreparedInstance, Scene, SceneParts};
 use crate::bsdf::{MAX_COMPONENTS, PreparedMaterial, check_children, component_count};
 use crate::geometry::{Geometry, Instance, Shape};
 use crate::light::Lights;
+use crate::material::Material;
 use crate::math::Bounds;
 use crate::medium::MediumId;
 
@@ -80,21 +81,11 @@ impl Scene {
         check(&parts)?;
         let SceneParts { shapes, groups, instances, materials, media, lights, origin } = parts;
         let own_shapes = shapes.len();
-        let group_starts: Vec<usize> = groups
-            .iter()
-            .scan(own_shapes, |next, g| {
-                let start = *next;
-                *next += g.len();
-                Some(start)
-            })
-            .collect();
+        let group_shapes = ranges(own_shapes, groups.iter().map(Vec::len));
         let shapes: Vec<Shape> = shapes.into_iter().chain(groups.into_iter().flatten()).collect();
         let (first_primitive, shape_of) = number_primitives(&shapes)?;
 
-        // One tree a group, then the tree of the whole with the instances in it.
-        let ends = group_starts.iter().copied().skip(1).chain([shapes.len()]);
-        let group_shapes: Vec<Range<usize>> =
-            group_starts.iter().zip(ends).map(|(&start, end)| start..end).collect();
+        // Build one tree per group, then the tree of the whole scene with its instances.
         let group_trees: Vec<Arc<Bvh>> = group_shapes
             .iter()
             .map(|group| {
@@ -111,11 +102,8 @@ impl Scene {
             .collect();
         let tree = tree(&shapes, &first_primitive, &shape_of, 0..own_shapes, &copies)?;
 
-        let mut prepared: Vec<PreparedMaterial> = Vec::with_capacity(materials.len());
-        for material in materials {
-            prepared.push(PreparedMaterial::new(material, &prepared));
-        }
-        let has_null = shapes.iter().any(|s| prepared[s.material].has_null);
+        let materials = prepare(materials);
+        let has_null = shapes.iter().any(|s| materials[s.material].has_null);
         let bounds = tree.bounds();
         if !bounds.is_empty() && bounds.extent().length() > LARGEST {
             return Err(SceneError::TooLarge { extent: bounds.extent().length() });
@@ -123,7 +111,6 @@ impl Scene {
         let sphere = bounding_sphere(bounds);
         let lights = Lights::new(&shapes[..own_shapes], lights, sphere);
         let instances = instances.iter().map(prepare_instance).collect();
-        let materials = prepared;
         let is_there = |m: MediumId| !media[m.index()].sigma_t.is_black();
         let has_media =
             shapes.iter().any(|s| s.interior.into_iter().chain(s.exterior).any(is_there));
@@ -163,6 +150,25 @@ fn prepare_instance(instance: &Instance) -> PreparedInstance {
         to_local: instance.to_world.inverse(),
         normal_to_world: Mat3::from(instance.to_world.matrix3).inverse().transpose(),
     }
+}
+
+/// Prepare materials, of which children stand before their parents.
+fn prepare(materials: Vec<Material>) -> Vec<PreparedMaterial> {
+    let mut prepared = Vec::with_capacity(materials.len());
+    for material in materials {
+        prepared.push(PreparedMaterial::new(material, &prepared));
+    }
+    prepared
+}
+
+/// Consecutive ranges of these lengths.
+fn ranges(mut start: usize, lengths: impl Iterator<Item = usize>) -> Vec<Range<usize>> {
+    let range = |length| {
+        let range = start..start + length;
+        start = range.end;
+        range
+    };
+    lengths.map(range).collect()
 }
 
 /// Check that every index is valid.

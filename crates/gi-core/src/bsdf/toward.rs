@@ -1,0 +1,101 @@
+//! The directions from a point toward a box: cones, cosines and solid angles.
+
+use std::f32::consts::PI;
+
+use glam::Vec3;
+
+use crate::math::{Bounds, Frame, safe_sqrt, sqr};
+
+/// The directions from a point to all points of a box.
+#[derive(Clone, Copy, Debug)]
+pub struct Toward {
+    /// Centre of the box relative to the point, and half its extent.
+    middle: Vec3,
+    half: Vec3,
+}
+
+/// A cone round such directions.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cone {
+    /// Unit axis, and sine and cosine of the half angle. The whole sphere has a sine of 1 and a cosine of 0.
+    pub(super) axis: Vec3,
+    pub(super) sin: f32,
+    pub(super) cos: f32,
+}
+
+/// Rounding of a coordinate, relative.
+const ROUNDING: f32 = 5e-7;
+/// Rounding of a unit vector.
+pub(super) const UNIT_ROUNDING: f32 = 2e-6;
+
+impl Toward {
+    /// Directions from `p` into a box.
+    #[inline]
+    pub fn new(p: Vec3, bounds: &Bounds) -> Self {
+        let (low, high) = (bounds.min - p, bounds.max - p);
+        let middle = 0.5 * (low + high);
+        let half = 0.5 * (high - low) + (p.abs() + middle.abs()) * ROUNDING;
+        Toward { middle, half }
+    }
+
+    /// The cone of the bounding sphere of the box.
+    #[inline]
+    pub(super) fn cone(&self) -> Cone {
+        let (distance_sq, radius_sq) = (self.middle.length_squared(), self.half.length_squared());
+        if radius_sq >= distance_sq {
+            return Cone { axis: Vec3::Z, sin: 1.0, cos: 0.0 };
+        }
+        let inverse = 1.0 / distance_sq;
+        let sin_sq = radius_sq * inverse;
+        Cone { axis: self.middle * inverse.sqrt(), sin: sin_sq.sqrt(), cos: (1.0 - sin_sq).sqrt() }
+    }
+
+    /// Least squared distance to the box.
+    #[inline]
+    pub fn min_distance_sq(&self) -> f32 {
+        (self.middle.abs() - self.half).max(Vec3::ZERO).length_squared()
+    }
+
+    /// Squared distance to the middle of the box, and its squared radius.
+    #[inline]
+    pub fn middle_and_radius_sq(&self) -> [f32; 2] {
+        [self.middle.length_squared(), self.half.length_squared()]
+    }
+
+    /// Solid angle of the cone round the directions.
+    #[inline]
+    pub fn solid_angle(&self) -> f32 {
+        let cone = self.cone();
+        if cone.sin >= 1.0 { 4.0 * PI } else { 2.0 * PI * (1.0 - cone.cos) }
+    }
+
+    /// The largest cosine of a direction with the frame's normal [Walter05, eq. 4], from the bounds of the box in that frame.
+    #[inline]
+    pub fn max_cos(&self, frame: &Frame) -> f32 {
+        let extent = |axis: Vec3| axis.abs().dot(self.half);
+        let z = self.middle.dot(frame.n) + extent(frame.n);
+        let across = [frame.s, frame.t].map(|t| (self.middle.dot(t).abs(), extent(t)));
+        let across_sq = if z > 0.0 {
+            across.iter().map(|(m, h)| sqr((m - h).max(0.0))).sum::<f32>()
+        } else {
+            across.iter().map(|(m, h)| sqr(m + h)).sum::<f32>()
+        };
+        let length_sq = across_sq + z * z;
+        if length_sq > 0.0 { (z / length_sq.sqrt() + UNIT_ROUNDING).min(1.0) } else { 1.0 }
+    }
+}
+
+impl Cone {
+    /// The largest cosine of a direction with unit `d`.
+    #[inline]
+    pub(super) fn max_cos(&self, d: Vec3) -> f32 {
+        if self.sin >= 1.0 {
+            return 1.0;
+        }
+        let cos = self.axis.dot(d);
+        if cos >= self.cos {
+            return 1.0;
+        }
+        (cos * self.cos + safe_sqrt(1.0 - cos * cos) * self.sin + UNIT_ROUNDING).min(1.0)
+    }
+}
