@@ -1,30 +1,30 @@
-//! States as bytes, little-endian, bit for bit: what a run needs to go on where it stopped.
+//! Read and write numbers as little-endian bytes, for checkpoints and for files of caches and photon maps.
 
 use glam::Vec3;
 
 use crate::math::Rgb;
 
-/// Bytes being written.
+/// Bytes that are being written.
 #[derive(Clone, Debug, Default)]
 pub struct Writer(Vec<u8>);
 
 impl Writer {
-    /// Whole numbers.
+    /// A 32-bit integer.
     pub fn u32(&mut self, v: u32) {
         self.0.extend(v.to_le_bytes());
     }
 
-    /// Larger ones.
+    /// A 64-bit integer.
     pub fn u64(&mut self, v: u64) {
         self.0.extend(v.to_le_bytes());
     }
 
-    /// Floats by their bits.
+    /// A float.
     pub fn f32(&mut self, v: f32) {
         self.u32(v.to_bits());
     }
 
-    /// Doubles by their bits.
+    /// A double.
     pub fn f64(&mut self, v: f64) {
         self.u64(v.to_bits());
     }
@@ -44,50 +44,57 @@ impl Writer {
         v.to_array().into_iter().for_each(|x| self.f32(x));
     }
 
-    /// Bytes with their number in front.
+    /// Bytes, preceded by their number.
     pub fn bytes(&mut self, v: &[u8]) {
         self.u64(v.len() as u64);
         self.0.extend(v);
     }
 
-    /// Text with its length in front.
+    /// A text, preceded by its length.
     pub fn text(&mut self, v: &str) {
         self.bytes(v.as_bytes());
     }
 
-    /// What was written.
+    /// The bytes.
     pub fn into_bytes(self) -> Vec<u8> {
         self.0
     }
 }
 
-/// Bytes being read; every method fails where they end too early.
+/// Bytes that are being read. Every method fails if they end too early.
 #[derive(Clone, Copy, Debug)]
 pub struct Reader<'a>(&'a [u8]);
 
 impl<'a> Reader<'a> {
-    /// Read `bytes` from their beginning.
+    /// Read `bytes` from the start.
     pub fn new(bytes: &'a [u8]) -> Self {
         Reader(bytes)
     }
 
-    fn take<const N: usize>(&mut self) -> Result<[u8; N], String> {
+    /// The next `n` bytes.
+    ///
+    /// # Errors
+    /// The bytes end too early; so do all methods.
+    pub fn take(&mut self, n: usize) -> Result<&'a [u8], String> {
+        let (first, rest) = self.0.split_at_checked(n).ok_or_else(cut_short)?;
+        self.0 = rest;
+        Ok(first)
+    }
+
+    fn array<const N: usize>(&mut self) -> Result<[u8; N], String> {
         let (first, rest) = self.0.split_first_chunk().ok_or_else(cut_short)?;
         self.0 = rest;
         Ok(*first)
     }
 
     /// See [`Writer::u32`].
-    ///
-    /// # Errors
-    /// The bytes end too early; so do all methods.
     pub fn u32(&mut self) -> Result<u32, String> {
-        Ok(u32::from_le_bytes(self.take()?))
+        Ok(u32::from_le_bytes(self.array()?))
     }
 
     /// See [`Writer::u64`].
     pub fn u64(&mut self) -> Result<u64, String> {
-        Ok(u64::from_le_bytes(self.take()?))
+        Ok(u64::from_le_bytes(self.array()?))
     }
 
     /// See [`Writer::f32`].
@@ -122,9 +129,7 @@ impl<'a> Reader<'a> {
     /// See [`Writer::bytes`].
     pub fn bytes(&mut self) -> Result<&'a [u8], String> {
         let n = usize::try_from(self.u64()?).map_err(|_| cut_short())?;
-        let (first, rest) = self.0.split_at_checked(n).ok_or_else(cut_short)?;
-        self.0 = rest;
-        Ok(first)
+        self.take(n)
     }
 
     /// See [`Writer::text`].
@@ -132,7 +137,7 @@ impl<'a> Reader<'a> {
         std::str::from_utf8(self.bytes()?).map_err(|_| "a text in it is not UTF-8".into())
     }
 
-    /// Check that nothing is left.
+    /// Check that all bytes are read.
     pub fn end(self) -> Result<(), String> {
         if self.0.is_empty() { Ok(()) } else { Err("it is longer than it should be".into()) }
     }

@@ -1,12 +1,18 @@
 //! Save and load maps.
 //!
-//! A saved map is the line `gilab photons 3`, then little-endian numbers: the world's identity (u64), which maps there are
-//! besides the global one (1: caustic, 2: those of media, 4: of these, solids are left to the dipole), the most segments of a path and the layout (u32 each). For each map on
-//! surfaces follow the number of paths begun and of photons (u64 each) and the photons, 21 bytes each: the lecture's 20 [slide 25]
-//! and the number of segments. For media follow the number of paths begun (u64), the share of scatterings that was stored (f32) and how
-//! many media there are (u32), and for each the number of photons (u64) and the photons. All are in the order of their trees.
-//! A checksum of all before (u32) is the end.
+//! A file starts with the line `gilab photons 3`. Little-endian numbers follow:
+//! - the hash of the scene (u64);
+//! - the sum of 1 if there is a caustic map, 2 if there are maps of media, and 4 if the dipole is used for solids (u32);
+//! - the maximum number of segments of a path, and the layout (u32 each);
+//! - for each map on surfaces: the number of paths and of photons (u64 each), and the photons (21 bytes each: the 20 of the lecture
+//!   [slide 25], and the number of segments);
+//! - for media: the number of paths (u64), the fraction of the scatterings that was stored (f32), the number of media (u32), and for
+//!   each medium the number of photons (u64) and the photons;
+//! - a checksum of everything before (u32).
+//!
+//! Photons are in the order of their trees.
 
+use gi_core::bytes::Reader;
 use gi_core::rng::hash_words;
 use gi_core::technique::Setting;
 
@@ -18,12 +24,12 @@ use crate::volume::{VolumeMaps, VolumePhoton, VolumeShot};
 
 const MAGIC: &[u8] = b"gilab photons 3\n";
 const RECORD: usize = 21;
-/// Which maps there are.
+/// Flags of the maps.
 const CAUSTIC: u32 = 1;
 const VOLUME: u32 = 2;
 const DIPOLE: u32 = 4;
 
-/// What a file holds.
+/// Contents of a file.
 pub(crate) struct Saved {
     /// Hash of the scene that the photons belong to.
     pub(crate) world: u64,
@@ -42,38 +48,38 @@ pub(crate) struct Saved {
 }
 
 impl Saved {
-    /// Whether these photons can be used here.
+    /// Check that these photons can be used here.
     ///
     /// # Errors
-    /// Why not, and what to do.
+    /// The reason, and the way out.
     pub(crate) fn check(&self, setting: &Setting, params: &Params) -> Result<(), String> {
         let wants_caustic = params.gather == Gather::Final && params.caustic_photons > 0;
         let wants_media = params.knows_media(setting.scene);
         let media = setting.scene.media().len();
         let refuse = |why: &str| Err(why.to_string());
         if self.world != setting.world {
-            return refuse("these photons are of another scene; shoot them anew");
+            return refuse("these photons belong to another scene; trace them again");
         }
         if self.max_depth != params.limits.max_depth.unwrap_or(0) {
-            return refuse("these photons were shot with another --max-depth");
+            return refuse("these photons were traced with another --max-depth");
         }
         if wants_caustic && self.caustic.is_none() {
             return refuse(
-                "there is no caustic map in it; give --caustic-photons 0, or shoot anew",
+                "it contains no caustic map; give --caustic-photons 0, or trace photons again",
             );
         }
         if self.subsurface != params.subsurface {
-            return refuse("these photons were shot with another --subsurface");
+            return refuse("these photons were traced with another --subsurface");
         }
         match &self.volume {
             None if wants_media => refuse(
-                "these photons were shot without media; give --volume-photons 0, or shoot anew",
+                "these photons were traced without media; give --volume-photons 0, or trace them again",
             ),
             Some(_) if !wants_media => refuse(
-                "these photons were shot in media; give no --volume-photons 0, or shoot anew",
+                "these photons were traced in media; do not give --volume-photons 0, or trace them again",
             ),
             Some(shot) if shot.photons.len() != media => {
-                refuse("these photons are of other media; shoot them anew")
+                refuse("these photons belong to other media; trace them again")
             }
             _ => Ok(()),
         }
@@ -139,67 +145,47 @@ fn write_photons(out: &mut Vec<u8>, count: usize, photons: impl Iterator<Item = 
 /// # Errors
 /// What is wrong with the file.
 pub(crate) fn from_bytes(bytes: &[u8]) -> Result<Saved, String> {
-    let rest = bytes.strip_prefix(MAGIC).ok_or("this is no file of photons of this version")?;
+    let rest = bytes.strip_prefix(MAGIC).ok_or("it is not a file of photons of this version")?;
     let (_, end) = rest.split_last_chunk().ok_or("the file ends too early")?;
     if checksum(&bytes[..bytes.len() - end.len()]) != u32::from_le_bytes(*end) {
-        return Err("the file is damaged: its checksum is another".into());
+        return Err("the file is damaged: its checksum is wrong".into());
     }
-    let mut input = Input(&rest[..rest.len() - end.len()]);
+    let mut input = Reader::new(&rest[..rest.len() - end.len()]);
     let (world, maps, max_depth) = (input.u64()?, input.u32()?, input.u32()?);
     let layout = if input.u32()? == 1 { Layout::Fast } else { Layout::Jensen };
-    let global = input.shot()?;
-    let caustic = if maps & CAUSTIC != 0 { Some(input.shot()?) } else { None };
-    let volume = if maps & VOLUME != 0 { Some(input.volume()?) } else { None };
-    if !input.0.is_empty() {
-        return Err("the file goes on after its last photon".into());
-    }
+    let global = read_shot(&mut input)?;
+    let caustic = if maps & CAUSTIC != 0 { Some(read_shot(&mut input)?) } else { None };
+    let volume = if maps & VOLUME != 0 { Some(read_volume(&mut input)?) } else { None };
+    input.end()?;
     let subsurface = if maps & DIPOLE != 0 { Subsurface::Dipole } else { Subsurface::Photons };
     Ok(Saved { world, max_depth, layout, global, caustic, volume, subsurface })
 }
 
-struct Input<'a>(&'a [u8]);
+fn read_shot(input: &mut Reader) -> Result<Shot, String> {
+    let (emitted, photons) = (input.u64()?, read_photons(input)?);
+    Ok(Shot { photons, emitted, gave_up: false })
+}
 
-impl<'a> Input<'a> {
-    fn take(&mut self, n: usize) -> Result<&'a [u8], String> {
-        let (head, rest) = self.0.split_at_checked(n).ok_or("the file ends too early")?;
-        self.0 = rest;
-        Ok(head)
+fn read_volume(input: &mut Reader) -> Result<VolumeShot, String> {
+    let (emitted, kept, media) = (input.u64()?, input.f32()?, input.u32()?);
+    let mut photons = Vec::new();
+    for _ in 0..media {
+        let volume = |Stored { photon, depth }| VolumePhoton { photon, depth };
+        photons.push(read_photons(input)?.into_iter().map(volume).collect());
     }
+    Ok(VolumeShot { photons, emitted, kept, gave_up: false })
+}
 
-    fn u32(&mut self) -> Result<u32, String> {
-        Ok(u32::from_le_bytes(self.take(4)?.try_into().map_err(|_| "no number")?))
+fn read_photons(input: &mut Reader) -> Result<Vec<Stored>, String> {
+    let count = input.u64()?;
+    // Check the count against the size of the file before memory is reserved.
+    let size = usize::try_from(count).ok().and_then(|n| n.checked_mul(RECORD));
+    let records = input.take(size.ok_or("the file ends too early")?)?;
+    let photons: Vec<Stored> = records.chunks_exact(RECORD).map(stored).collect();
+    if photons.iter().any(|s| !s.photon.p().is_finite()) {
+        return Err("the position of a photon is not finite".into());
     }
-
-    fn u64(&mut self) -> Result<u64, String> {
-        Ok(u64::from_le_bytes(self.take(8)?.try_into().map_err(|_| "no number")?))
-    }
-
-    fn shot(&mut self) -> Result<Shot, String> {
-        let (emitted, photons) = (self.u64()?, self.photons()?);
-        Ok(Shot { photons, emitted, gave_up: false })
-    }
-
-    fn volume(&mut self) -> Result<VolumeShot, String> {
-        let (emitted, kept, media) = (self.u64()?, f32::from_bits(self.u32()?), self.u32()?);
-        let mut photons = Vec::new();
-        for _ in 0..media {
-            let volume = |Stored { photon, depth }| VolumePhoton { photon, depth };
-            photons.push(self.photons()?.into_iter().map(volume).collect());
-        }
-        Ok(VolumeShot { photons, emitted, kept, gave_up: false })
-    }
-
-    fn photons(&mut self) -> Result<Vec<Stored>, String> {
-        let count = self.u64()?;
-        // Check the count against the size of the file before memory is reserved.
-        let size = usize::try_from(count).ok().and_then(|n| n.checked_mul(RECORD));
-        let records = self.take(size.ok_or("the file ends too early")?)?;
-        let photons: Vec<Stored> = records.chunks_exact(RECORD).map(stored).collect();
-        if photons.iter().any(|s| !s.photon.p().is_finite()) {
-            return Err("a photon is nowhere".into());
-        }
-        Ok(photons)
-    }
+    Ok(photons)
 }
 
 fn stored(b: &[u8]) -> Stored {
