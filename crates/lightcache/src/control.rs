@@ -5,11 +5,11 @@ use std::f32::consts::PI;
 use gi_core::math::Rgb;
 use glam::Vec3;
 
-use super::gradients::Gradient;
-use super::hemisphere::Hemisphere;
-use super::hessian::{Hessian, eigen, geometric, occlusion};
-pub use super::options::{ErrorControl, SphereRadius};
-use super::site::RELAXED;
+use crate::gradients::Gradient;
+use crate::hemisphere::Hemisphere;
+use crate::hessian::{Hessian, eigen, geometric, occlusion};
+pub use crate::options::{ErrorControl, SphereRadius};
+use crate::site::RELAXED;
 
 /// The controls with their numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]

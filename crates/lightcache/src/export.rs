@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use gi_core::files::is_table;
 
-use super::record::Record;
+use crate::record::Record;
 
 /// Records as a file of points: a table or a point cloud, by the file's name. `origin` is that of the scene.
 pub fn to_file<'r>(

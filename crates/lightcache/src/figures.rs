@@ -8,20 +8,20 @@ use gi_core::math::{Bounds, Rgb};
 use gi_core::technique::{Picture, Setting};
 use glam::{Vec2, Vec3};
 
-use super::Cache;
-pub use super::options::Figure;
-use super::site::{Query, Site, Sited};
+use crate::cache::Cache;
+pub use crate::options::CacheFigure;
+use crate::site::{Query, Site, Sited};
 
-impl Figure {
+impl CacheFigure {
     /// Draw.
     pub fn draw(self, setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Picture {
         let named = |name: &str, view| Picture { name: name.into(), channels: Vec::new(), view };
         match self {
-            Figure::Records => records(setting, cache, film),
-            Figure::Validity => named("validity", validity(setting, cache, film)),
-            Figure::Octree => named("octree", octree(setting, cache, film)),
-            Figure::OctreeSlice => named("octree-slice", octree_slice(setting, cache, film)),
-            Figure::Weights => weights(setting, cache, film),
+            CacheFigure::Records => records(setting, cache, film),
+            CacheFigure::Validity => named("validity", validity(setting, cache, film)),
+            CacheFigure::Octree => named("octree", octree(setting, cache, film)),
+            CacheFigure::OctreeSlice => named("octree-slice", octree_slice(setting, cache, film)),
+            CacheFigure::Weights => weights(setting, cache, film),
         }
     }
 }

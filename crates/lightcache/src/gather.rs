@@ -5,17 +5,16 @@ use std::f32::consts::PI;
 use gi_core::eye::{Estimate, EyeVertex, EyeWalk, GatherRay, PathLimits};
 use gi_core::geometry::Surface;
 use gi_core::math::Frame;
-use gi_core::ray::Ray;
 use gi_core::rng::{bits_to_unit, hash_u32, hash_words};
 use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
 use glam::Vec3;
 
-use super::control::Control;
-use super::gradients::{rotational, translational};
-use super::hemisphere::{Hemisphere, Seen, Strata};
-use super::record::Record;
-use super::site::{Query, RELAXED, Site};
+use crate::control::Control;
+use crate::gradients::{rotational, translational};
+use crate::hemisphere::{Hemisphere, Seen, Strata};
+use crate::record::Record;
+use crate::site::{Query, RELAXED, Site};
 
 /// A point that wants a record.
 #[derive(Clone, Copy, Debug)]
@@ -158,23 +157,4 @@ impl<'a> Gatherer<'a> {
             }
         })
     }
-}
-
-/// Share of the distance between two points that a ray between them is lifted off their surfaces by: more than a curved
-/// surface bulges where both normals are alike enough for one record.
-const LIFT: f32 = 0.1;
-/// A record is looked at through a ray where it is farther than this share of the distance of the nearest thing round it:
-/// nearer, nothing can stand in between.
-const SURELY_CLEAR: f32 = 0.5;
-
-/// Whether nothing stands between a record and the query: the guard against light that leaks under thin walls and round
-/// corners. Lengths are relative to the distance between the two.
-pub fn sees(scene: &Scene, site: &Site, q: &Query) -> bool {
-    let distance = (site.p - q.p).length();
-    if distance <= SURELY_CLEAR * site.clear {
-        return true;
-    }
-    let lifted = |p: Vec3, n: Vec3| p + n * (LIFT * distance);
-    let (a, b) = (lifted(q.p, q.n), lifted(site.p, site.n));
-    !scene.tree().occluded(&Ray { o: a, tmin: 0.0, d: b - a, tmax: 1.0 })
 }

@@ -6,7 +6,7 @@ use std::f32::consts::PI;
 use gi_core::math::{Frame, Rgb};
 use glam::Vec3;
 
-use super::hemisphere::{Hemisphere, Strata};
+use crate::hemisphere::{Hemisphere, Strata};
 
 /// A gradient of a colour: a vector a channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -6,8 +6,8 @@ use std::f32::consts::PI;
 use gi_core::math::Rgb;
 use glam::{DMat2, DVec2, DVec3, Vec3};
 
-use super::gradients::Gradient;
-use super::hemisphere::{Hemisphere, Seen};
+use crate::gradients::Gradient;
+use crate::hemisphere::{Hemisphere, Seen};
 
 /// Second derivatives of the mean of the channels, by the tangents s and t of the record's frame.
 pub type Hessian = DMat2;

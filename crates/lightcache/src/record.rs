@@ -3,9 +3,9 @@
 use gi_core::math::Rgb;
 use glam::Vec3;
 
-use super::gradients::Gradient;
-pub use super::options::Gradients;
-use super::site::{Query, Site, Sited};
+use crate::gradients::Gradient;
+pub use crate::options::Gradients;
+use crate::site::{Query, Site, Sited};
 
 /// A record of the cache: the lecture's irradiance sample [slide 10], with gradients.
 #[derive(Clone, Copy, Debug, PartialEq)]
