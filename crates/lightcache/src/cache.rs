@@ -2,7 +2,7 @@
 
 use gi_core::math::Bounds;
 
-use crate::octree::Octree;
+use crate::octree::{Cone, Octree};
 use crate::options::Weights;
 use crate::site::{Query, Site, Sited};
 
@@ -56,7 +56,9 @@ impl<R: Sited> Cache<R> {
             let Cache { records, tree, .. } = self;
             let mut lowered = Vec::new();
             let least = |id: u32| records[id as usize].site().least;
-            tree.lower(site.p, site.reach(), slope, &least, &mut |id, r| lowered.push((id, r)));
+            tree.lower(&Cone { p: site.p, radius: site.reach(), slope }, &least, &mut |id, r| {
+                lowered.push((id, r))
+            });
             lowered.into_iter().for_each(|(id, r)| records[id as usize].site_mut().limit(r));
         }
         let site = record.site();

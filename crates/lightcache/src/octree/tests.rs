@@ -74,7 +74,7 @@ fn neighbours_lower_each_other_as_a_scan_would() {
         let radius = allowed.min(0.1 * rng.next_f32());
         let least = |id: Id| 0.001 * (id % 5) as f32;
         let mut told = Vec::new();
-        tree.lower(p, radius, slope, &least, &mut |id, r| told.push((id, r)));
+        tree.lower(&Cone { p, radius, slope }, &least, &mut |id, r| told.push((id, r)));
         let mut expected = Vec::new();
         for (id, (q, r)) in items.iter_mut().enumerate() {
             let limit = (radius + slope * (*q - p).length()).max(least(id as Id));

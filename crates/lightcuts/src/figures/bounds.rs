@@ -9,7 +9,7 @@ use gi_core::technique::Picture;
 use glam::Vec2;
 use rayon::prelude::*;
 
-use super::{Subject, colour};
+use super::common::{Subject, colour};
 use crate::cut::Cluster;
 use crate::light::At;
 

@@ -7,7 +7,7 @@ use gi_core::technique::Picture;
 use glam::Vec2;
 use vpl::{Kind, Vpl};
 
-use super::{Subject, background, colour};
+use super::common::{Subject, background, colour};
 use crate::light::At;
 use crate::tree::Tree;
 

@@ -6,7 +6,7 @@ use gi_core::math::Rgb;
 use gi_core::technique::Picture;
 use rayon::prelude::*;
 
-use super::Subject;
+use super::common::Subject;
 use crate::light::{At, Lights};
 use crate::tree::NodeId;
 

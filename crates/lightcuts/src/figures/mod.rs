@@ -2,43 +2,23 @@
 
 mod bounds;
 mod clusters;
+mod common;
 mod cuts;
 
 use std::path::Path;
 
-use gi_core::canvas::{Canvas, viridis};
+use gi_core::canvas::viridis;
 use gi_core::film::Film;
-use gi_core::math::Rgb;
 use gi_core::technique::Picture;
 use rayon::prelude::*;
 use vpl::to_file;
 
-use crate::cut::{Cut, Limits};
-use crate::light::{At, Lights};
+use crate::light::At;
 use crate::params::Params;
-use crate::record::Record;
-use crate::view::View;
+
+pub(crate) use common::Subject;
 
 pub use crate::params::Figure;
-
-/// Chooses the cut of a point.
-type Choose<'a> = fn(&Lights<'_, 'a>, &At<'_, '_, 'a>, &Limits, &mut Cut, &mut Option<&mut Record>);
-
-/// What figures show: lights and trees, seen by a camera.
-pub(crate) struct Subject<'f, 'a> {
-    pub(crate) view: View<'f, 'a>,
-    pub(crate) lights: &'f Lights<'f, 'a>,
-    pub(crate) choose: Choose<'a>,
-}
-
-impl<'a> Subject<'_, 'a> {
-    /// The cut of a point.
-    fn cut(&self, at: &At<'_, '_, 'a>) -> Cut {
-        let mut cut = Cut::default();
-        (self.choose)(self.lights, at, &self.view.params.cut, &mut cut, &mut None);
-        cut
-    }
-}
 
 impl Figure {
     /// Draw the figure.
@@ -66,11 +46,6 @@ pub(crate) fn file(subject: &Subject, path: &Path) -> Vec<u8> {
     to_file(path, &subject.lights.prepared.set().lights, origin)
 }
 
-fn background(film: &Film) -> Canvas {
-    let pixels = film.radiance().into_iter().map(|c| c.map(|v| v.clamp(0.0, 1.0)) * 0.35);
-    Canvas::over(film.size(), pixels.collect())
-}
-
 fn cut_size<'a>(subject: &Subject<'_, 'a>, film: &Film) -> Picture {
     let [w, h] = film.size();
     let size = |i: usize| {
@@ -88,11 +63,4 @@ fn cut_size<'a>(subject: &Subject<'_, 'a>, film: &Film) -> Picture {
         channels: vec![("Clusters".into(), channel(0)), ("Rays".into(), channel(1))],
         view: sizes.iter().map(|s| viridis(s[0] / largest)).collect(),
     }
-}
-
-/// The colour of item `k` in a list; neighbours in the list have different colours.
-fn colour(k: usize) -> Rgb {
-    let hue = (k as f32 * 0.618_034).fract() * 6.0;
-    let part = |shift: f32| ((hue + shift) % 6.0 - 3.0).abs().clamp(1.0, 2.0) - 1.0;
-    Rgb::new(part(0.0), part(4.0), part(2.0)) * 0.8 + Rgb::grey(0.1)
 }
