@@ -84,7 +84,7 @@ pub struct ReachOptions {
 }
 
 impl ReachOptions {
-    /// Check that the maximum radius is not less than the minimum.
+    /// Check that the maximum radius is at least the minimum.
     ///
     /// # Errors
     /// Both values.
