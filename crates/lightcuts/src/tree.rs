@@ -1,7 +1,7 @@
 //! The light tree [slide 57]: leaves are lights, inner nodes are clusters of what lies below.
 //!
-//! Built bottom-up: of all pairs of clusters the one that is cheapest to represent by one light is joined, until one is
-//! left [Walter05, 3.2]. Which pairs are joined is found in rounds, many at a time, see [`crate::cluster`].
+//! Trees are built bottom-up: join the pair of clusters that is cheapest to represent by one light, until one cluster is
+//! left [Walter05, 3.2]. [`crate::cluster`] finds many pairs per round.
 
 use gi_core::math::{Bounds, Rgb};
 use gi_core::scene::Scene;

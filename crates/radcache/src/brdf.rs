@@ -1,6 +1,5 @@
-//! BRDFs in the basis [slide 18]: f_r times the cosine of a material's glossy lobe, projected for every elevation of the
-//! outgoing direction. Lobes are the same all round, so that azimuth 0 serves for all, and only cosines
-//! (m >= 0) are in it.
+//! BRDF tables [slide 18]: the coefficients c_k of f_r times the cosine, for a material's glossy lobe and each elevation of the
+//! outgoing direction. Lobes are isotropic, so azimuth 0 represents all, and only functions with m >= 0 are not zero.
 
 use std::f32::consts::FRAC_PI_2;
 
@@ -11,28 +10,28 @@ use rayon::prelude::*;
 
 use crate::sh::{Basis, Coefficients, MAX_FUNCTIONS, MAX_ORDER, Window};
 
-/// Elevations of the outgoing direction, from the normal to the horizon, at even angles.
+/// Number of elevations of the outgoing direction, at equal angles from the normal to the horizon.
 const ELEVATIONS: usize = 64;
-/// Angle of the last of them: at the horizon itself nothing is defined.
+/// Angle of the last elevation: at the horizon itself the BRDF is not defined.
 const LAST: f32 = FRAC_PI_2 - 1e-3;
-/// Samples of a lobe along each side of the square that they are drawn from.
+/// Number of samples of a lobe along each side of the unit square.
 const SIDE: usize = 64;
-/// Share of a lobe's energy that an automatic order may leave out.
+/// Fraction of a lobe's energy that an automatic order may leave out.
 pub const LEFT_OUT: f32 = 0.05;
 
 /// A lobe's coefficients.
 #[derive(Clone, Debug)]
 pub struct BrdfTable {
-    /// How many bands it has.
+    /// Number of bands.
     pub order: usize,
-    /// Share of the energy, the integral of (f_r cos)^2, that they leave out: the mean over outgoing directions.
+    /// Fraction of the energy, the integral of (f_r cos)^2, that these bands leave out; the mean over outgoing directions.
     pub left_out: f32,
     basis: Basis,
-    /// Elevation by elevation the functions with m >= 0, (l, m) at l (l + 1) / 2 + m.
+    /// One row per elevation, with the functions of m >= 0; (l, m) is at l (l + 1) / 2 + m.
     rows: Vec<Vec3A>,
 }
 
-/// Functions with m >= 0 of an order.
+/// Number of functions with m >= 0 of an order.
 const fn halved(order: usize) -> usize {
     order * (order + 1) / 2
 }
@@ -49,7 +48,7 @@ fn outgoing(i: usize) -> Vec3 {
     Vec3::new(angle.sin(), 0.0, angle.cos())
 }
 
-/// Project a lobe on `bands` bands by drawing from it on an even grid.
+/// Project a lobe onto `bands` bands, with samples of the lobe on a regular grid.
 fn project(lobe: &GlossyLobe, basis: Basis, bands: usize, wo: Vec3) -> Projection {
     let mut coefficients = [Vec3A::ZERO; MAX_FUNCTIONS];
     let (mut energy, mut y) = (0.0f64, [0.0; MAX_FUNCTIONS]);
@@ -67,7 +66,7 @@ fn project(lobe: &GlossyLobe, basis: Basis, bands: usize, wo: Vec3) -> Projectio
 }
 
 impl Projection {
-    /// Share of the energy beyond the bands below `order`.
+    /// Fraction of the energy in bands from `order` on.
     fn left_out(&self, order: usize) -> f32 {
         let kept: f32 =
             self.coefficients[..order * order].iter().map(|c| c.length_squared() / 3.0).sum();
@@ -83,7 +82,8 @@ fn mean(all: &[Projection], of: impl Fn(&Projection) -> f32) -> f32 {
 }
 
 impl BrdfTable {
-    /// Tabulate a lobe with `order` bands; with 0 as many as leave out [`LEFT_OUT`] of the energy, or else [`MAX_ORDER`].
+    /// Tabulate a lobe with `order` bands. 0 selects the smallest order that leaves out at most [`LEFT_OUT`] of the energy, up to
+    /// [`MAX_ORDER`].
     pub fn new(lobe: &GlossyLobe, basis: Basis, window: Window, order: usize) -> Self {
         let bands = if order == 0 { MAX_ORDER } else { order };
         let project = |i| project(lobe, basis, bands, outgoing(i));
