@@ -14,7 +14,7 @@ pub type Hessian = DMat2;
 
 /// The Hessian without occlusion: the surface that each ray hits is a small, unoccluded emitter. Let w be its direction, r its
 /// distance, m its normal, and G = cos cos' / r^2. The second derivative of G, divided by G, is
-/// (24 w w' - 4 I - 4 (m w' + w m') / cos') / r^2. The cosine cos' is at least [`GRAZING`], because the term is unbounded for
+/// (24 w w' - 4 I - 4 (m w' + w m') / cos') / r^2. The cosine cos' is at least `GRAZING`, because the term is unbounded for
 /// surfaces seen at grazing angles.
 pub fn geometric(h: &Hemisphere) -> Hessian {
     let mut sum = DMat2::ZERO;
