@@ -1,4 +1,4 @@
-//! What the technique shows of itself.
+//! Pictures of the virtual lights.
 
 use gi_core::bsdf::Transport;
 use gi_core::canvas::{Canvas, seen_at, viridis};
@@ -11,7 +11,7 @@ use vpl::{Kind, Receiver, Vpls};
 pub use crate::params::Figure;
 
 impl Figure {
-    /// Draw. `pixel` is the pixel whose connections are drawn; `None` is the middle of the picture.
+    /// Draw the figure. `pixel` is the pixel whose connections are drawn; `None` is the middle of the picture.
     pub(crate) fn draw(
         self,
         setting: &Setting,
@@ -32,7 +32,7 @@ fn background(film: &Film) -> Canvas {
     Canvas::over(film.size(), pixels.collect())
 }
 
-/// Radius of a dot, pixels.
+/// Radius of a dot in pixels.
 fn dot(film: &Film) -> f32 {
     (film.size()[0] as f32 / 250.0).max(1.0)
 }
@@ -68,7 +68,7 @@ fn connections(setting: &Setting, vpls: &Vpls, film: &Film, pixel: Option<[usize
         };
         let Some(to) = setting.camera.connect(end, [0.5; 2], margin) else { continue };
         let open = !c.transmittance(setting.scene).is_black();
-        // Green and red of one palette that the colour-blind can tell apart.
+        // A green and a red that colour-blind readers can tell apart.
         let colour = if open { Rgb::new(0.0, 0.35, 0.17) } else { Rgb::new(0.66, 0.12, 0.0) };
         canvas.line(from, Vec2::from_array(to.film), 0.3 * dot(film), colour);
         canvas.disc(Vec2::from_array(to.film), 0.7 * dot(film), colour);

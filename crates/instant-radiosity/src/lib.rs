@@ -1,26 +1,30 @@
-//! Instant radiosity [slides 47-52, Keller97]: light paths leave virtual point lights where they meet surfaces, and
-//! every point that the eye sees is lit by all of them, with shadows.
+//! Instant radiosity [slides 47-52, Keller97]: light paths leave virtual point lights where they meet surfaces, and all of
+//! these lights illuminate every point that the eye sees, with shadows.
 //!
 //! | | |
 //! |---|---|
-//! | estimated | L(x) = sum_i f(x) f(y_i) cos cos' / d^2 V(x, y_i) power_i over the virtual point lights y_i of a pass, passes averaged: the accumulation buffer |
-//! | `--vpls` | about how many lights a pass has |
+//! | estimated | L(x) = sum_i f(x) f(y_i) min(G(x, y_i), b) V(x, y_i) power_i over the virtual point lights y_i of a pass, with the geometry term G = cos cos' / d^2. Passes are averaged: the accumulation buffer |
+//! | `--vpls` | approximate number of lights per pass |
 //! | `--termination` | when light paths end: fractional absorption (the original) or Russian roulette |
-//! | `--clamp` | bound of the geometric term cos cos' / d^2 in units of one over the squared radius of the scene; `inf` is none |
-//! | `--compensation` | `path`: what the bound cut off comes back by paths, without bias \[Kollig04\]; `none` |
-//! | `--caustics` | `photon`: light that mirrors and glass focus is read from photons, blurred over discs that shrink with the passes; `path` |
-//! | `--vsl` | lights are small spheres instead of points: no bound, no bright spots on glossy surfaces, blurred \[Hasan09\] |
-//! | `--relaxation` | passes k = 0, 1, ... bound by clamp (k + 1)^relaxation: the bias goes to zero \[Davidovic12\] |
-//! | `--direct` | direct light by sampling lights, or by points of lights as virtual lights [slides 47, 48] |
-//! | bias | none with compensation, but for the blur of caustics; with a bound alone, corners and contacts are too dark |
-//! | how it fails | few lights show as hard shadows of each; without a bound, as bright spots where a light is near |
+//! | `--clamp` | b, the upper bound of the geometry term, in units of 1 / (scene radius)^2; `inf` for no bound |
+//! | `--compensation` | `path`: eye paths find the light that the bound cuts off, without bias \[Kollig04\]; `none`: it is lost |
+//! | `--caustics` | `photon`: light focused by mirrors and glass is read from photons, blurred over discs that shrink with the passes; `path` |
+//! | `--vsl` | lights are small spheres instead of points: no bound and no bright spots on glossy surfaces, but blur \[Hasan09\] |
+//! | `--relaxation` | r: the bound of pass k = 0, 1, ... is clamp (k + 1)^r, so the bias goes to zero \[Davidovic12\] |
+//! | `--direct` | direct light by sampling light sources, or by virtual lights placed on them [slides 47, 48] |
+//! | bias | with compensation, only the blur of caustics; without it, corners and contacts are too dark |
+//! | how it fails | with few lights each one casts a visible hard shadow; without a bound, surfaces near a light have bright spots |
 //! | sources | \[Keller97\], \[Kollig04\], \[Hasan09\], \[Davidovic12\] |
+//!
+//! Read next: in the crate `vpl`: `shoot.rs` (light paths leave lights), `illuminate.rs` (f G power for one light),
+//! `prepared.rs` (the shadow rays to many lights); here: `sphere.rs` (lights as spheres).
 
 #![forbid(unsafe_code)]
 
 pub mod figures;
 mod params;
 pub mod sphere;
+mod statistics;
 
 use std::ops::Range;
 use std::path::Path;
@@ -31,12 +35,11 @@ use gi_core::film::Film;
 use gi_core::math::Rgb;
 use gi_core::sampler::Sampler;
 use gi_core::technique::{Picture, Setting, Technique};
-use vpl::{
-    Direct, Energy, MIN_ROUGHNESS, Pilot, Prepared, Receiver, Shooting, Vpls, shoot, to_file,
-};
+use vpl::{Direct, MIN_ROUGHNESS, Pilot, Prepared, Receiver, Shooting, Vpls, shoot, to_file};
 
 pub use params::{Figure, Params};
-use sphere::Spheres;
+use sphere::{SphereLights, Spheres};
+use statistics::Totals;
 
 /// Instant radiosity.
 pub struct InstantRadiosity<'a> {
@@ -47,10 +50,7 @@ pub struct InstantRadiosity<'a> {
     vpls: Vpls,
     spheres: Spheres,
     focused: FocusedLight,
-    energy: Energy,
-    /// Lights and paths of all passes.
-    lights: u64,
-    paths: u64,
+    totals: Totals,
 }
 
 impl<'a> Technique<'a> for InstantRadiosity<'a> {
@@ -69,29 +69,26 @@ impl<'a> Technique<'a> for InstantRadiosity<'a> {
             vpls: Vpls::default(),
             spheres: Spheres::default(),
             focused,
-            energy: Energy::default(),
-            lights: 0,
-            paths: 0,
+            totals: Totals::default(),
         })
     }
 
-    /// A set of virtual point lights, and one sample a pixel lit by all of them.
+    /// Make a set of virtual point lights, and illuminate one sample per pixel by all of them.
     fn pass(&mut self, index: u32, film: &mut Film) {
         self.vpls = self.shoot(index);
         if self.params.vsl {
             self.spheres = Spheres::round(&self.vpls.lights, self.setting.scene);
         }
         self.focused.shoot(self.setting.scene, self.setting.seed, index);
-        self.lights += self.vpls.lights.len() as u64;
-        self.paths += self.vpls.paths;
-        let most = self.bound(index);
+        self.totals.add(&self.vpls);
+        let bound = self.bound(index);
         let lights = Prepared::new(&self.vpls, self.setting.scene);
         film.add_pass(|pixel| {
             let mut walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
             while let Some(v) = &walk.next_vertex() {
                 walk.add_emitted(v);
                 if v.wants_estimate()
-                    && let Some(estimate) = self.gather(v, &lights, most, &mut walk.sampler)
+                    && let Some(estimate) = self.gather(v, &lights, bound, &mut walk.sampler)
                 {
                     walk.add_estimate(v, estimate);
                 }
@@ -105,17 +102,7 @@ impl<'a> Technique<'a> for InstantRadiosity<'a> {
     }
 
     fn statistics(&self) -> Vec<(String, f64)> {
-        let [kept, cut] = self.energy.kept_and_cut();
-        vec![
-            ("vpls".into(), self.lights as f64),
-            ("light_paths".into(), self.paths as f64),
-            ("reflectance".into(), self.pilot.reflectance.into()),
-            ("connections".into(), self.energy.connections() as f64),
-            ("energy_cut".into(), cut / (kept + cut).max(f64::MIN_POSITIVE)),
-            ("caustic_photons".into(), self.focused.photons() as f64),
-            ("caustic_radius".into(), self.focused.mean_radius()),
-            ("vpl_bytes".into(), self.vpls.memory_bytes() as f64),
-        ]
+        self.totals.statistics(&self.pilot, &self.focused, &self.vpls)
     }
 
     fn reach(&self) -> String {
@@ -140,7 +127,7 @@ impl<'a> Technique<'a> for InstantRadiosity<'a> {
 }
 
 impl InstantRadiosity<'_> {
-    /// The lights of a pass: its light paths are the next of one sequence.
+    /// The lights of a pass. Its light paths continue the sequence of the passes before it.
     fn shoot(&self, index: u32) -> Vpls {
         let paths = self.pilot.paths_for(self.params.vpls);
         let how = Shooting {
@@ -148,7 +135,7 @@ impl InstantRadiosity<'_> {
             first_path: index.wrapping_mul(paths),
             paths,
             termination: self.params.termination,
-            // A path of the eye, the connection, and the light's own way are two segments more.
+            // The eye ray and the connection are two of the segments that `max_depth` counts.
             max_scatterings: self.params.limits.max_depth.map(|d| d.saturating_sub(2)),
             lights: self.params.direct == Direct::Vpl,
             pilot: self.pilot,
@@ -156,56 +143,70 @@ impl InstantRadiosity<'_> {
         shoot(self.setting.scene, &how)
     }
 
-    /// The bound of a pass, per squared world unit.
+    /// The bound of the geometry term in a pass, per squared world unit.
     fn bound(&self, index: u32) -> f32 {
         let radius = self.setting.scene.radius();
         self.params.bound.clamp * (index as f32 + 1.0).powf(self.params.relaxation)
             / (radius * radius)
     }
 
-    /// Light a vertex by all lights [slide 50].
+    /// The light of a vertex from all virtual lights, and what it covers: the path continues for the rest.
     fn gather(
         &self,
         v: &EyeVertex,
         lights: &Prepared,
-        most: f32,
+        bound: f32,
         sampler: &mut Sampler,
     ) -> Option<Estimate> {
         let bsdf = v.bsdf.broad(v.wo, MIN_ROUGHNESS)?;
-        let at = Receiver::new(&v.surface, v.wo, &bsdf);
-        // A light after j scatterings has come j + 1 segments, and the connection is one more.
-        let deepest = match self.params.limits.max_depth {
+        let x = Receiver::new(&v.surface, v.wo, &bsdf);
+        // A light or photon after j scatterings has j + 1 segments behind it, and the connection is one more.
+        let max_scatterings = match self.params.limits.max_depth {
             None => u32::MAX,
-            Some(most) => most.checked_sub(v.segments + 1)?,
+            Some(max_depth) => max_depth.checked_sub(v.segments + 1)?,
         };
-        let points = self.vpls.up_to(0).len();
-        let surfaces = points..self.vpls.up_to(deepest).len();
-        // The points of lights are direct light, and nothing bounds them [slides 47, 48].
-        let direct = || self.add_up(&at, lights, 0..points, f32::INFINITY);
+        let on_sources = 0..self.vpls.up_to(0).len();
+        let on_surfaces = on_sources.end..self.vpls.up_to(max_scatterings).len();
+        // Virtual lights on light sources bring direct light; they have no bound [slides 47, 48].
+        let direct = || self.add_up(&x, lights, on_sources, f32::INFINITY);
         let direct = (self.params.direct == Direct::Vpl).then(direct);
         let indirect = if self.params.vsl {
-            self.spheres.gather(self, &at, surfaces, sampler)
+            self.add_up_spheres(&x, on_surfaces, sampler)
         } else {
-            self.add_up(&at, lights, surfaces, most)
+            self.add_up(&x, lights, on_surfaces, bound)
         };
         let is_compensated = self.params.bound.is_compensated() && !self.params.vsl;
-        let most = if is_compensated { most } else { f32::INFINITY };
-        let covers = Covers::Visible { max_geometry: most, min_roughness: MIN_ROUGHNESS };
-        // A photon after j scatterings has come j + 1 segments.
-        let caustic = self.focused.radiance(self.setting.scene, (&v.surface, v.wo, &bsdf), deepest);
+        let max_geometry = if is_compensated { bound } else { f32::INFINITY };
+        let covers = Covers::Visible { max_geometry, min_roughness: MIN_ROUGHNESS };
+        let scene = self.setting.scene;
+        let caustic = self.focused.radiance(scene, (&v.surface, v.wo, &bsdf), max_scatterings);
         Some(Estimate { covers, direct, indirect, caustic })
     }
 
-    /// The sum over a range of lights, every geometric term bounded by `most`.
-    fn add_up(&self, at: &Receiver, lights: &Prepared, range: Range<usize>, most: f32) -> Rgb {
+    /// L(x) = sum_i f(x) f(y_i) min(G, b) V power_i over a range of the lights [slide 50].
+    fn add_up(&self, x: &Receiver, lights: &Prepared, range: Range<usize>, bound: f32) -> Rgb {
         let (mut sum, mut cut) = (Rgb::BLACK, 0.0);
-        let connections = lights.for_each_visible(range, at, |c, through| {
-            let arrived = c.radiance * through;
-            let share = if c.geometry > most { most / c.geometry } else { 1.0 };
-            cut += (arrived * (1.0 - share)).luminance();
-            sum += arrived * share;
+        let connections = lights.for_each_visible(range, x, |connection, visibility| {
+            // f(x) f(y_i) G V power_i, with G not clamped yet.
+            let radiance = connection.radiance * visibility;
+            let kept = if connection.geometry > bound { bound / connection.geometry } else { 1.0 };
+            cut += (radiance * (1.0 - kept)).luminance();
+            sum += radiance * kept;
         });
-        self.energy.note(sum.luminance(), cut, connections);
+        self.totals.energy.note(sum.luminance(), cut, connections);
+        sum
+    }
+
+    /// The same sum over lights as spheres; it needs no bound.
+    fn add_up_spheres(&self, x: &Receiver, range: Range<usize>, sampler: &mut Sampler) -> Rgb {
+        let lights = SphereLights {
+            scene: self.setting.scene,
+            vpls: &self.vpls,
+            spheres: &self.spheres,
+            samples: self.params.vsl_samples,
+        };
+        let (sum, connections) = lights.gather(x, range, sampler);
+        self.totals.energy.note(sum.luminance(), 0.0, connections);
         sum
     }
 

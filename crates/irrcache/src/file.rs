@@ -1,7 +1,10 @@
 //! The cache as a file: its records, level by level.
 
+use lightcache::Cache;
 use lightcache::file::{Body, Reader, Writer};
 use lightcache::record::Record;
+
+use crate::params::Params;
 
 /// A cache as it was saved.
 pub type SavedCache = lightcache::file::SavedCache<Levels>;
@@ -24,6 +27,43 @@ impl Body for Levels {
         let level = |r: &mut Reader| r.table(Record::FLOATS, Record::from_floats);
         (0..r.u32()?).map(|_| level(r)).collect::<Result<_, _>>().map(Levels)
     }
+}
+
+/// Insert the records of a saved cache, and return their number.
+///
+/// # Errors
+/// One line: the cache was made of another world or with other settings.
+pub(crate) fn insert(
+    saved: SavedCache,
+    world: u64,
+    params: &Params,
+    levels: &mut [Cache<Record>],
+) -> Result<usize, String> {
+    saved.check(world, &shaping_settings(params))?;
+    let mut count = 0;
+    for (cache, records) in levels.iter_mut().zip(&saved.body.0) {
+        count += records.len();
+        // The records have limited each other's radii already: inserting them changes none.
+        records.iter().for_each(|r| cache.insert(*r));
+    }
+    Ok(count)
+}
+
+/// Caches in the form that a file stores.
+pub(crate) fn saved(world: u64, params: &Params, levels: &[Cache<Record>]) -> SavedCache {
+    let body = Levels(levels.iter().map(|c| c.records().to_vec()).collect());
+    SavedCache { world, settings: shaping_settings(params), body }
+}
+
+/// The settings that change what a record holds. A saved cache can be used only with the same ones.
+fn shaping_settings(params: &Params) -> String {
+    let Params { accuracy, bounces, radius, error, limits, .. } = params;
+    let bounces = bounces.map_or("path".to_string(), |b| b.to_string());
+    let depth = limits.max_depth.map_or(-1, |d| d as i32);
+    let caustics = if params.caustics.by_photons() { "photon" } else { "path" };
+    format!(
+        "--accuracy {accuracy} --error {error:?} --radius {radius:?} --bounces {bounces} --max-depth {depth} --caustics {caustics}"
+    )
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use gi_core::options::{CausticOptions, Parameters, PathLimits, defaults};
 use lightcache::control::{ErrorControl, SphereRadius};
-use lightcache::options::{CacheFiles, Figure, Gradients, ReachOptions, Weights, accuracy};
+use lightcache::options::{CacheFigure, CacheFiles, Gradients, ReachOptions, Weights, accuracy};
 
 /// The options of irradiance caching.
 #[derive(Args, Clone, Debug, PartialEq)]
@@ -45,12 +45,28 @@ pub struct Params {
     pub files: CacheFiles,
     /// Pictures of the cache to draw, separated by commas; each becomes OUT.NAME.png and layers of the EXR
     #[arg(long = "show", value_name = "SHOW", value_enum, value_delimiter = ',')]
-    pub figures: Vec<Figure>,
+    pub figures: Vec<CacheFigure>,
 }
 
 impl Default for Params {
     fn default() -> Self {
         defaults()
+    }
+}
+
+impl Params {
+    /// Number of cache levels.
+    pub(crate) fn levels(&self) -> usize {
+        self.bounces.unwrap_or(1).max(1) as usize
+    }
+
+    /// Whether the records of cache `level` hold the light of a vertex after `segments` segments. With `max_depth`, a record
+    /// is valid only at the depth it was created for, and the last vertex of a path has no indirect light.
+    pub(crate) fn covers_depth(&self, segments: u32, level: usize) -> bool {
+        match self.limits.max_depth {
+            None => true,
+            Some(_) => segments == 1 + level as u32 && self.limits.goes_on(segments + 1),
+        }
     }
 }
 

@@ -1,43 +1,43 @@
-//! How far a record is good for: the error controls.
+//! Error control: the region in which a record is valid.
 
 use std::f32::consts::PI;
 
 use gi_core::math::Rgb;
 use glam::Vec3;
 
-use super::gradients::Gradient;
-use super::hemisphere::Hemisphere;
-use super::hessian::{Hessian, eigen, geometric, occlusion};
-pub use super::options::{ErrorControl, SphereRadius};
-use super::site::RELAXED;
+use crate::gradients::Gradient;
+use crate::hemisphere::Hemisphere;
+use crate::hessian::{Hessian, eigen, geometric, occlusion};
+pub use crate::options::{ErrorControl, SphereRadius};
+use crate::site::RELAXED;
 
-/// The controls with their numbers.
+/// Settings of error control.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Control {
-    /// What the error is estimated by.
+    /// How the error is estimated.
     pub error: ErrorControl,
-    /// The split sphere's length.
+    /// Which distance is the radius of the split sphere.
     pub radius: SphereRadius,
-    /// The accuracy a: the error that is allowed, relative. The lecture's w > 10 is 0.1.
+    /// The accuracy a, the allowed relative error; 0.1 is w > 10 in the lecture.
     pub accuracy: f32,
 }
 
-/// The part of the plane round a record that it is good for.
+/// The ellipse in the tangent plane in which a record is valid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Validity {
-    /// Half axes of an ellipse, world.
+    /// Half axes of the ellipse, world.
     pub radii: [f32; 2],
-    /// Unit direction of the first, local.
+    /// Unit direction of the first half axis, local.
     pub axis: Vec3,
 }
 
-/// Share of the error of going to an ellipse's rim that a Hessian's record may make, times the squared unit of length:
-/// chosen so that the Hessians take about as many records as the bounded split sphere at the same accuracy in the Cornell box.
+/// Allowed error at the ellipse boundary for Hessians, per squared unit of length. Tuned in the Cornell box to match the record
+/// count of the bounded split sphere at equal accuracy.
 const HESSIAN_SCALE: f32 = 5e-4;
 
 impl Control {
-    /// How far the record of a hemisphere is good for, before the limits of picture and neighbours. `unit` is the radius of
-    /// the scene, or the distance of the eye where that is less.
+    /// The region of validity of a hemisphere's record, before the limits by pixels and neighbours. `unit` is the smaller of scene
+    /// radius and distance to the eye.
     pub fn validity(
         &self,
         h: &Hemisphere,
@@ -64,14 +64,14 @@ impl Control {
         }
     }
 
-    /// The ellipse over which the integral of 1/2 |x' H x| is what is allowed: radii (4 error / (pi |eigenvalue|))^(1/4)
+    /// The ellipse over which the integral of 1/2 |x' H x| is the allowed error. Its radii are (4 error / (pi |eigenvalue|))^(1/4)
     /// \[Schwarzhaupt12, eq. 5\].
     fn by_hessian(&self, h: Hessian, e: Rgb, unit: f32) -> Validity {
         let ([large, small], axis) = eigen(h);
         let allowed = self.accuracy * HESSIAN_SCALE * unit * unit * e.mean();
         let radius = |eigenvalue: f64| {
             let eigenvalue = eigenvalue.abs() as f32;
-            // A flat direction ends where the picture's limits say; a black one has nothing to get wrong.
+            // Without curvature, or without light, only the limits by pixels apply.
             if eigenvalue > 0.0 {
                 (4.0 * allowed / (PI * eigenvalue)).powf(0.25)
             } else {
@@ -81,14 +81,14 @@ impl Control {
         Validity { radii: [radius(large), radius(small)], axis: axis.as_vec2().extend(0.0) }
     }
 
-    /// Whether limits of the picture and of neighbours hold for this control.
+    /// Whether the limits by pixels and by neighbours apply.
     pub fn has_limits(&self) -> bool {
         self.error != ErrorControl::SplitSphere
     }
 
-    /// How fast the radius may grow with the distance to a neighbour: R as fast as that, and a record is
-    /// good for a R \[Krivanek06\]. Radii by Hessians grow slower, so that a record does not cover its neighbours even where
-    /// lookups are relaxed: one in the open, whose rays saw nothing, would answer in the corners far from it.
+    /// Largest growth of the radius per distance to a neighbour. The slide's R may grow as fast as the distance, and a record is
+    /// valid within a R \[Krivanek06\]. Radii by Hessians grow more slowly, so that a record does not cover its neighbours even
+    /// in relaxed lookups: otherwise a record in the open, whose rays hit nothing, would be used in distant corners.
     pub fn slope(&self) -> f32 {
         match self.error {
             ErrorControl::SplitSphere | ErrorControl::Bounded => self.accuracy,

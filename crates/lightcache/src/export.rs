@@ -1,4 +1,4 @@
-//! Records to be looked at: PLY and CSV.
+//! Records as files for other programs: PLY and CSV.
 
 use std::path::Path;
 
@@ -6,9 +6,9 @@ use glam::Vec3;
 
 use gi_core::files::is_table;
 
-use super::record::Record;
+use crate::record::Record;
 
-/// Records as a file of points: a table or a point cloud, by the file's name. `origin` is that of the scene.
+/// Records as a table if the file name ends in `.csv`, else as a point cloud. `origin` is the origin of the scene.
 pub fn to_file<'r>(
     path: &Path,
     records: impl Iterator<Item = &'r Record>,
@@ -17,7 +17,8 @@ pub fn to_file<'r>(
     if is_table(path) { to_csv(records, origin).into_bytes() } else { to_ply(records, origin) }
 }
 
-/// Records as a table, `origin` being that of the scene: position, normal, irradiance, radii, gradient by position of the channels' mean.
+/// Records as a table: position, normal, irradiance, radii, and the translational gradient averaged over channels. `origin` is
+/// the origin of the scene.
 pub fn to_csv<'r>(records: impl Iterator<Item = &'r Record>, origin: Vec3) -> String {
     let mut out =
         String::from("x,y,z,nx,ny,nz,e_r,e_g,e_b,radius_u,radius_v,clear,grad_x,grad_y,grad_z\n");
@@ -33,7 +34,8 @@ pub fn to_csv<'r>(records: impl Iterator<Item = &'r Record>, origin: Vec3) -> St
     out
 }
 
-/// Records as a point cloud, `origin` being that of the scene: position, normal, colour (irradiance over the largest one), radius.
+/// Records as a point cloud: position, normal, irradiance, radius, and a colour (irradiance relative to the largest). `origin` is
+/// the origin of the scene.
 pub fn to_ply<'r>(records: impl Iterator<Item = &'r Record>, origin: Vec3) -> Vec<u8> {
     let records: Vec<&Record> = records.collect();
     let properties = ["x", "y", "z", "nx", "ny", "nz", "e_r", "e_g", "e_b", "radius"];

@@ -8,31 +8,31 @@ use gi_core::math::{Bounds, Rgb};
 use gi_core::technique::{Picture, Setting};
 use glam::{Vec2, Vec3};
 
-use super::Cache;
-pub use super::options::Figure;
-use super::site::{Query, Site, Sited};
+use crate::cache::Cache;
+pub use crate::options::CacheFigure;
+use crate::site::{Query, Site, Sited};
 
-impl Figure {
-    /// Draw.
+impl CacheFigure {
+    /// Draw the figure.
     pub fn draw(self, setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Picture {
         let named = |name: &str, view| Picture { name: name.into(), channels: Vec::new(), view };
         match self {
-            Figure::Records => records(setting, cache, film),
-            Figure::Validity => named("validity", validity(setting, cache, film)),
-            Figure::Octree => named("octree", octree(setting, cache, film)),
-            Figure::OctreeSlice => named("octree-slice", octree_slice(setting, cache, film)),
-            Figure::Weights => weights(setting, cache, film),
+            CacheFigure::Records => records(setting, cache, film),
+            CacheFigure::Validity => named("validity", validity(setting, cache, film)),
+            CacheFigure::Octree => named("octree", octree(setting, cache, film)),
+            CacheFigure::OctreeSlice => named("octree-slice", octree_slice(setting, cache, film)),
+            CacheFigure::Weights => weights(setting, cache, film),
         }
     }
 }
 
-/// The picture, darkened so that what is drawn over it stands out.
+/// The picture, darkened so that drawings stand out.
 fn background(film: &Film, brightness: f32) -> Canvas {
     let pixels = film.radiance().into_iter().map(|c| c.map(|v| v.clamp(0.0, 1.0)) * brightness);
     Canvas::over(film.size(), pixels.collect())
 }
 
-/// Places in the picture of the records that it shows.
+/// The records that are visible in the picture, with their positions in it.
 fn visible<'c>(setting: &Setting, cache: &'c Cache<impl Sited>) -> Vec<(&'c Site, Vec2)> {
     let place = |s: &'c Site| Some((s, seen_at(setting.scene, setting.camera, s.p, s.n)?));
     cache.records().iter().map(Sited::site).filter_map(place).collect()
@@ -59,12 +59,12 @@ fn records(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Picture
     Picture { name: "records".into(), channels, view: canvas.into_pixels() }
 }
 
-/// Radius of a dot, pixels: seen at any size of the picture.
+/// Radius of a dot in pixels, so that dots are visible at any picture size.
 fn dot(film: &Film) -> f32 {
     (film.size()[0] as f32 / 400.0).max(0.8)
 }
 
-/// Corners of the polygon that stands for an ellipse.
+/// Number of corners of the polygon that approximates an ellipse.
 const CORNERS: usize = 32;
 
 fn validity(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Vec<Rgb> {
@@ -88,7 +88,7 @@ fn validity(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Vec<Rg
     canvas.into_pixels()
 }
 
-/// Where a point falls in the picture or near it, whether hidden or not.
+/// The position of a point in the picture or near it, whether it is visible or not.
 fn project(setting: &Setting, p: Vec3) -> Option<Vec2> {
     let margin = setting.camera.size()[0] as f32;
     setting.camera.connect(p, [0.5; 2], margin).map(|c| Vec2::from_array(c.film))
@@ -147,7 +147,7 @@ fn octree_slice(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Ve
     canvas.into_pixels()
 }
 
-/// The record that is seen nearest to the picture's middle.
+/// The visible record nearest to the middle of the picture.
 fn middle_record(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Option<usize> {
     let middle = Vec2::from_array(film.size().map(|n| 0.5 * n as f32));
     let distance = |site: &Site| {
@@ -173,7 +173,7 @@ fn weights(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Picture
             }
         }
     }
-    // Two decades round the least that counts, which is white where it is crossed.
+    // The colours span two decades round the smallest valid weight. A white line shows where that weight is crossed.
     let good = |i: usize| weight[i] > least;
     let colour = |i: usize| {
         let edge =

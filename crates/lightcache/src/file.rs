@@ -1,40 +1,40 @@
-//! Caches as files, to be read again: what all kinds of them have, a header, the world and the settings that records are
-//! good for, and a checksum. What is in between is the technique's: a [`Body`].
+//! Caches as files that a later run can read. All kinds of caches share a header, the world and the settings for which the
+//! records are valid, and a checksum. Each technique adds its own [`Body`].
 
 use std::path::Path;
 
-/// What a kind of cache file holds.
+/// The part of a cache file that is specific to a technique.
 pub trait Body: Sized {
     /// First bytes of the file.
     const MAGIC: &'static [u8; 8];
-    /// Version of the format. Raise it whenever a record's bytes, or what they mean, change.
+    /// Version of the format. Increase it whenever the bytes of a record or their meaning change.
     const VERSION: u32;
-    /// What such a file is, with its article.
+    /// Name of this kind of file, with its article.
     const WHAT: &'static str;
 
-    /// Write it.
+    /// Write the body.
     fn write(&self, out: &mut Writer);
 
-    /// Read it.
+    /// Read the body.
     ///
     /// # Errors
-    /// One line: it is damaged.
+    /// One line: the file is damaged.
     fn read(reader: &mut Reader) -> Result<Self, String>;
 }
 
-/// A cache as it was saved: what it is good for, and its records.
+/// A saved cache: the world and settings for which it is valid, and its records.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SavedCache<B> {
-    /// Identity of the world that it was made in.
+    /// Identity of the world for which it was made.
     pub world: u64,
-    /// The settings that shape records, in words.
+    /// The settings that change what records hold, as text.
     pub settings: String,
     /// The records.
     pub body: B,
 }
 
 impl<B: Body> SavedCache<B> {
-    /// The file's bytes: little-endian, a checksum at the end.
+    /// The bytes of the file: little-endian, with a checksum at the end.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut out = Writer(B::MAGIC.to_vec());
         out.u32(B::VERSION);
@@ -59,7 +59,7 @@ impl<B: Body> SavedCache<B> {
     /// Read the bytes of such a file.
     ///
     /// # Errors
-    /// One line about why it is not one: not a cache, another version, damaged.
+    /// One line with the cause: not a cache, another version, damaged.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
         let mut r = Reader { bytes };
         if r.take(B::MAGIC.len())? != B::MAGIC {
@@ -68,7 +68,7 @@ impl<B: Body> SavedCache<B> {
         let version = r.u32()?;
         if version != B::VERSION {
             return Err(format!(
-                "its format is version {version}, this program reads {}: make it anew",
+                "its format is version {version}, but this program reads version {}: create the cache again with --cache-out",
                 B::VERSION
             ));
         }
@@ -83,20 +83,19 @@ impl<B: Body> SavedCache<B> {
         Ok(SavedCache { world, settings, body })
     }
 
-    /// Check that the cache is good for this world and these settings.
+    /// Check that the cache is valid for this world and these settings.
     ///
     /// # Errors
-    /// One line about what differs.
+    /// One line that names the difference.
     pub fn check(&self, world: u64, settings: &str) -> Result<(), String> {
         if self.world != world {
             return Err(
-                "the cache was made of another scene: its shapes, materials or lights differ"
-                    .into(),
+                "the cache was made for another scene: shapes, materials or lights differ".into()
             );
         }
         if self.settings != settings {
             return Err(format!(
-                "the cache was made with {}, this run has {settings}: make them alike",
+                "the cache was made with {}, but this run has {settings}: use the same settings",
                 self.settings
             ));
         }
@@ -112,17 +111,17 @@ fn cut_off() -> String {
 pub struct Writer(Vec<u8>);
 
 impl Writer {
-    /// A whole number.
+    /// A whole number of 32 bits.
     pub fn u32(&mut self, v: u32) {
         self.0.extend(v.to_le_bytes());
     }
 
-    /// A larger one.
+    /// A whole number of 64 bits.
     pub fn u64(&mut self, v: u64) {
         self.0.extend(v.to_le_bytes());
     }
 
-    /// A table with its number of rows in front: `put` gives a row's floats, as many in each row.
+    /// A table: the number of rows, then the floats of each row from `put`. All rows have the same number of floats.
     pub fn table<R>(&mut self, rows: &[R], put: impl Fn(&R, &mut Vec<f32>)) {
         self.u64(rows.len() as u64);
         let mut floats = Vec::new();
@@ -149,7 +148,7 @@ impl<'a> Reader<'a> {
     /// See [`Writer::u32`].
     ///
     /// # Errors
-    /// The file ends too early; so do all methods.
+    /// The file ends too early. All methods return this error.
     pub fn u32(&mut self) -> Result<u32, String> {
         Ok(u32::from_le_bytes(self.take(4)?.try_into().expect("four bytes")))
     }
@@ -159,7 +158,7 @@ impl<'a> Reader<'a> {
         Ok(u64::from_le_bytes(self.take(8)?.try_into().expect("eight bytes")))
     }
 
-    /// See [`Writer::table`]: `row` makes a row of its `width` floats.
+    /// See [`Writer::table`]; `row` converts `width` floats to a row.
     pub fn table<R>(&mut self, width: usize, row: impl Fn(&[f32]) -> R) -> Result<Vec<R>, String> {
         let count = usize::try_from(self.u64()?).map_err(|_| cut_off())?;
         let size = width.checked_mul(4).and_then(|w| count.checked_mul(w)).ok_or_else(cut_off)?;
@@ -176,7 +175,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// FNV-1a, 64 bits: against damage, not against malice.
+/// FNV-1a with 64 bits. It detects damage, not manipulation.
 fn checksum(bytes: &[u8]) -> u64 {
     bytes
         .iter()

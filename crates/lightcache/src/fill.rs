@@ -1,40 +1,41 @@
-//! Filling caches: an overture over the picture from coarse to fine, in rounds. A round asks for what is missing, against
-//! a cache that does not change meanwhile, then computes all of that, then puts it in, in order. Rounds do not depend on
+//! The order in which a prepass fills a cache: over the picture from coarse to fine, in rounds. A round finds the places that
+//! need records while the cache is frozen, then computes these records, then inserts them in order. Rounds do not depend on
 //! the number of threads, and so neither does the cache.
 
 use rayon::prelude::*;
 
-/// Points of the first round; each round has twice as many as the one before, up to [`LAST`].
+/// Number of points in the first round. Each round has twice as many as the round before, up to [`LAST`].
 const FIRST: usize = 16;
-/// Points of the largest rounds: few enough that what a round computes twice, since two of its points lie near each
-/// other, is little; enough to keep threads busy.
+/// Number of points in the largest rounds. In large rounds, nearby points get unnecessary records; small rounds leave threads
+/// idle.
 const LAST: usize = 512;
 
-/// Ask `points` points in rounds what they miss, and let `answer` see to it.
+/// Go through `points` points in rounds: `find` returns the places without a record at a point, and `fill` adds records for all
+/// places of a round.
 pub fn in_rounds<C: Sync, W: Send>(
     cache: &mut C,
     points: usize,
-    ask: impl Fn(&C, usize) -> Vec<W> + Sync,
-    mut answer: impl FnMut(&mut C, Vec<W>),
+    find: impl Fn(&C, usize) -> Vec<W> + Sync,
+    mut fill: impl FnMut(&mut C, Vec<W>),
 ) {
     let (mut from, mut round) = (0, FIRST);
     while from < points {
         let to = (from + round).min(points);
         let frozen = &*cache;
-        let missing: Vec<W> =
-            (from..to).into_par_iter().with_min_len(8).flat_map_iter(|k| ask(frozen, k)).collect();
-        if !missing.is_empty() {
-            answer(cache, missing);
+        let found: Vec<W> =
+            (from..to).into_par_iter().with_min_len(8).flat_map_iter(|k| find(frozen, k)).collect();
+        if !found.is_empty() {
+            fill(cache, found);
         }
         (from, round) = (to, (2 * round).min(LAST));
     }
 }
 
-/// The pixels of a picture from coarse to fine: neighbours in the order lie far apart, and every beginning of it is
-/// spread evenly.
+/// The pixels of a picture from coarse to fine. Consecutive pixels lie far apart, and every prefix of the order covers the
+/// picture evenly.
 pub fn coarse_to_fine([w, h]: [usize; 2]) -> Vec<[u32; 2]> {
     let bits = usize::BITS - (w.max(h).max(2) - 1).leading_zeros();
-    // The bits of x and y in turn, highest first, are the order's number from its lowest bit.
+    // The index of a pixel, from its lowest bit, holds the bits of x and y in turn, highest first.
     let pixel = |i: usize| {
         let coordinate = |shift: usize| {
             (0..bits).fold(0, |c, b| c | ((i >> (2 * b as usize + shift)) & 1) << (bits - 1 - b))
@@ -47,7 +48,7 @@ pub fn coarse_to_fine([w, h]: [usize; 2]) -> Vec<[u32; 2]> {
         .collect()
 }
 
-/// The numbers below `n` in an order that jumps about evenly: as [`coarse_to_fine`] in one dimension.
+/// The numbers below `n` from coarse to fine, like [`coarse_to_fine`] in one dimension.
 pub fn scattered(n: usize) -> Vec<u32> {
     let bits = usize::BITS - n.max(2).leading_zeros();
     let number = |i: usize| (i.reverse_bits() >> (usize::BITS - bits)) as u32;
@@ -86,9 +87,9 @@ mod tests {
             &mut cache,
             1000,
             |cache, k| if cache.contains(&(k % 50)) { vec![] } else { vec![k % 50] },
-            |cache, missing| cache.extend(missing),
+            |cache, found| cache.extend(found),
         );
-        // The first two rounds bring 16 and 32, the third the two that are left and what it repeats of its own.
+        // The first two rounds add 16 and 32 numbers. The third adds the two that are left, and repeats some of its own.
         assert_eq!(cache[..50], (0..50).collect::<Vec<_>>());
         assert!(cache.len() <= 50 + LAST);
     }

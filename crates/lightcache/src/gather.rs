@@ -5,41 +5,40 @@ use std::f32::consts::PI;
 use gi_core::eye::{Estimate, EyeVertex, EyeWalk, GatherRay, PathLimits};
 use gi_core::geometry::Surface;
 use gi_core::math::Frame;
-use gi_core::ray::Ray;
 use gi_core::rng::{bits_to_unit, hash_u32, hash_words};
 use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
 use glam::Vec3;
 
-use super::control::Control;
-use super::gradients::{rotational, translational};
-use super::hemisphere::{Hemisphere, Seen, Strata};
-use super::record::Record;
-use super::site::{Query, RELAXED, Site};
+use crate::control::Control;
+use crate::gradients::{rotational, translational};
+use crate::hemisphere::{Hemisphere, Seen, Strata};
+use crate::record::Record;
+use crate::site::{Query, RELAXED, Site};
 
-/// A point that wants a record.
+/// A point that needs a record.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
     /// The point.
     pub surface: Surface,
-    /// Unit normal that irradiance is taken with.
+    /// Unit normal for irradiance.
     pub n: Vec3,
-    /// Segments of the path from the eye to here.
+    /// Number of segments of the path from the eye.
     pub segments: u32,
     /// Length of that path, world.
     pub length: f32,
-    /// Which random numbers the record's rays draw: no two places have the same.
+    /// Selects the random numbers of the record's rays; differs for each place.
     pub key: u32,
 }
 
 impl Place {
-    /// What a lookup here asks for.
+    /// The lookup at this place.
     pub fn query(&self) -> Query {
         Query { p: self.surface.p, n: self.n }
     }
 }
 
-/// How records of one cache are made.
+/// Settings for making the records of one cache.
 #[derive(Clone, Copy)]
 pub struct Gatherer<'a> {
     /// The world.
@@ -48,11 +47,11 @@ pub struct Gatherer<'a> {
     pub limits: PathLimits,
     /// Seed of all random numbers.
     pub seed: u32,
-    /// How hemispheres are cut.
+    /// How hemispheres are divided.
     pub strata: Strata,
-    /// How far records are good for.
+    /// How the region of validity is chosen.
     pub control: Control,
-    /// Smallest and largest radius of a record, in units of the length of the path to it.
+    /// Smallest and largest radius of a record, as a fraction of the length of the path to it.
     pub spacing: [f32; 2],
 }
 
@@ -68,7 +67,7 @@ impl<'a> Gatherer<'a> {
         self.record_of(place, &frame, &h)
     }
 
-    /// What rays see from a place, and the frame of their directions.
+    /// The light that rays from a place find, and the frame of their directions.
     pub fn look(
         &self,
         place: &Place,
@@ -79,13 +78,13 @@ impl<'a> Gatherer<'a> {
         (frame, h)
     }
 
-    /// The irradiance record of what was seen.
+    /// The irradiance record of a hemisphere.
     pub fn record_of(&self, place: &Place, frame: &Frame, h: &Hemisphere) -> Record {
         let e = h.irradiance();
         let calm = h.without_sparks();
         let gradient = translational(&calm);
         let scene = self.scene.radius();
-        // What is far off does not make coarser what is near: ground to the horizon is no measure of a court on it.
+        // Distant parts of a large scene must not make records near the eye coarser.
         let unit = scene.min(place.length);
         let validity = self.control.validity(&calm, calm.irradiance(), &gradient, unit);
         let [least, most] = if self.control.has_limits() {
@@ -107,7 +106,7 @@ impl<'a> Gatherer<'a> {
         Record { e, site, rotational, translational: gradient.to_world(frame) }
     }
 
-    /// Tangents turned by a random angle, so that the borders of strata do not line up from record to record.
+    /// A frame whose tangents are rotated by a random angle, so that the borders of strata do not align between records.
     fn frame(&self, place: &Place) -> Frame {
         let angle = 2.0 * PI * bits_to_unit(hash_u32(place.key ^ 0x7475_726e));
         let frame = Frame::from_normal(place.n);
@@ -116,7 +115,7 @@ impl<'a> Gatherer<'a> {
         Frame { s, t: place.n.cross(s), n: place.n }
     }
 
-    /// Look along all rays of the hemisphere.
+    /// Trace all rays of the hemisphere.
     fn hemisphere(
         &self,
         place: &Place,
@@ -128,7 +127,7 @@ impl<'a> Gatherer<'a> {
         let jitter = |i: usize| sampler(i).next_2d();
         Hemisphere::gather(self.strata, jitter, |i, direction| {
             let mut sampler = sampler(i);
-            sampler.skip(); // the jitter's
+            sampler.skip(); // `jitter` used these numbers
             let wi = frame.to_world(direction);
             let ray = self.scene.spawn(&place.surface, wi);
             let (segments, length) = (place.segments + 1, place.length);
@@ -147,7 +146,7 @@ impl<'a> Gatherer<'a> {
                 }
             }
             let found = walk.sample();
-            // A bent normal may send rays beneath the surface: what they meet there is no measure of the surroundings.
+            // With a bent normal, rays may go below the surface. What they hit there says nothing about the surroundings.
             let beneath = wi.dot(place.surface.ng) * place.n.dot(place.surface.ng) <= 0.0;
             let distance = if found.depth > 0.0 && !beneath { found.depth } else { f32::INFINITY };
             Seen {
@@ -158,23 +157,4 @@ impl<'a> Gatherer<'a> {
             }
         })
     }
-}
-
-/// Share of the distance between two points that a ray between them is lifted off their surfaces by: more than a curved
-/// surface bulges where both normals are alike enough for one record.
-const LIFT: f32 = 0.1;
-/// A record is looked at through a ray where it is farther than this share of the distance of the nearest thing round it:
-/// nearer, nothing can stand in between.
-const SURELY_CLEAR: f32 = 0.5;
-
-/// Whether nothing stands between a record and the query: the guard against light that leaks under thin walls and round
-/// corners. Lengths are relative to the distance between the two.
-pub fn sees(scene: &Scene, site: &Site, q: &Query) -> bool {
-    let distance = (site.p - q.p).length();
-    if distance <= SURELY_CLEAR * site.clear {
-        return true;
-    }
-    let lifted = |p: Vec3, n: Vec3| p + n * (LIFT * distance);
-    let (a, b) = (lifted(q.p, q.n), lifted(site.p, site.n));
-    !scene.tree().occluded(&Ray { o: a, tmin: 0.0, d: b - a, tmax: 1.0 })
 }

@@ -1,4 +1,4 @@
-//! How irradiance changes when the point moves and when the normal turns, from the same rays that gave it
+//! Gradients of irradiance by position and by normal, from the rays of the record
 //! [slide 12] \[Ward92\].
 
 use std::f32::consts::PI;
@@ -6,9 +6,9 @@ use std::f32::consts::PI;
 use gi_core::math::{Frame, Rgb};
 use glam::Vec3;
 
-use super::hemisphere::{Hemisphere, Strata};
+use crate::hemisphere::{Hemisphere, Strata};
 
-/// A gradient of a colour: a vector a channel.
+/// A gradient of a colour: one vector per channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Gradient(pub [Vec3; 3]);
 
@@ -19,12 +19,12 @@ impl Gradient {
         Rgb::from(self.0.map(|g| g.dot(d)))
     }
 
-    /// The same, no channel leading to more than twice its value or below nothing within `reach`: gradients of points
-    /// next to an edge have no bound.
+    /// Limit the gradient so that within `reach` no channel more than doubles or becomes negative. Gradients next to an edge are
+    /// unbounded.
     pub fn limited(mut self, value: Rgb, reach: f32) -> Self {
         for (g, v) in self.0.iter_mut().zip(value.to_array()) {
             *g *= (v / (g.length() * reach)).min(1.0);
-            // Zero over zero where there is no light.
+            // Without light this is zero over zero.
             *g = if g.is_finite() { *g } else { Vec3::ZERO };
         }
         self
@@ -50,8 +50,8 @@ fn tangent(phi: f32) -> Vec3 {
 }
 
 /// Rotational gradient, the integral of L (n x w): for a normal n' near n, E(n') = E(n) + (n x n') . gradient.
-/// Unbiased for a radiance that is constant across each ring: the tangent of the angle is the ring's mean, since that of
-/// a ray near the horizon has no bound.
+/// The tangent of the angle is averaged over each ring, because it is unbounded for rays near the horizon. The result is
+/// unbiased if radiance is constant across each ring.
 pub fn rotational(h: &Hemisphere) -> Gradient {
     let Strata { rings, sectors } = h.strata;
     let mut gradient = Gradient::default();
@@ -66,27 +66,27 @@ pub fn rotational(h: &Hemisphere) -> Gradient {
     gradient
 }
 
-/// Mean of tan(theta) over a ring, in the measure sin^2(theta) that rings are drawn in.
+/// Mean of tan(theta) over a ring, with sin^2(theta) uniformly distributed as for the rays.
 fn mean_tangent(from: f32, to: f32) -> f32 {
     // The integral of sqrt(s / (1 - s)).
     let integral = |s: f32| s.min(1.0).sqrt().asin() - (s * (1.0 - s).max(0.0)).sqrt();
     (integral(to) - integral(from)) / (to - from)
 }
 
-/// Translational gradient in the tangent plane \[Ward92, Krivanek05\]: where neighbouring strata differ, the border between
-/// them moves when the point does, by one over the distance of the nearer.
+/// Translational gradient in the tangent plane \[Ward92, Krivanek05\]. When the point moves, the border between two strata moves
+/// with a speed of one over the distance of the nearer stratum.
 ///
-/// Borders between rings lie at theta_j with sin^2(theta_j) = j / M, where ring j begins; taking another ring's
-/// index there costs 14 to 18 % of the gradient.
+/// The border between rings j - 1 and j lies at theta_j with sin^2(theta_j) = j / M. An index that is off by one changes the
+/// gradient by 14 to 18 %.
 pub fn translational(h: &Hemisphere) -> Gradient {
     let Strata { rings, sectors } = h.strata;
     let mut gradient = Gradient::default();
     let sector = 2.0 * PI / sectors as f32;
     for k in 0..sectors {
         let before = (k + sectors - 1) % sectors;
-        // Moving along the sector's middle, borders between rings move by cos(theta) / r.
+        // A move along the middle of the sector moves the borders between rings by cos(theta) / r.
         let u = tangent(h.strata.phi(k) + 0.5 * sector);
-        // Moving across the sector's first border, that border turns by 1 / (r sin(theta)).
+        // A move across the first border of the sector turns that border by 1 / (r sin(theta)).
         let v = Vec3::Z.cross(tangent(h.strata.phi(k)));
         for j in 0..rings {
             let here = h.at(j, k);
@@ -119,7 +119,7 @@ mod tests {
         (mean, (variance / n).sqrt())
     }
 
-    /// A ceiling at height 1 that shines with radiance 1 where `x > edge`: seen from the origin.
+    /// A ceiling at height 1 that emits radiance 1 where `x > edge`, seen from the origin.
     fn half_plane(edge: f32) -> impl Fn(Vec3) -> (Rgb, f32, Vec3) {
         move |w| {
             let t = 1.0 / w.z;

@@ -1,17 +1,17 @@
-//! What a point sees: rays over the hemisphere, one in each of M x N strata.
+//! The light over the hemisphere of a point: one ray in each of M x N strata.
 
 use std::f32::consts::PI;
 
 use gi_core::math::{Rgb, safe_sqrt};
 use glam::Vec3;
 
-/// A hemisphere cut into M rings and N sectors that hold equal shares of the cosine-weighted solid angle. Directions are
-/// local, z along the normal; ring 0 is round the normal.
+/// A hemisphere divided into M rings and N sectors of equal cosine-weighted solid angle. Directions are local, with z along the
+/// normal; ring 0 surrounds the normal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Strata {
-    /// M: rings from the normal to the horizon.
+    /// M: number of rings, from the normal to the horizon.
     pub rings: usize,
-    /// N: sectors round the normal.
+    /// N: number of sectors round the normal.
     pub sectors: usize,
 }
 
@@ -38,7 +38,7 @@ impl Strata {
         2.0 * PI * k as f32 / self.sectors as f32
     }
 
-    /// Direction in stratum (`j`, `k`), drawn in proportion to the cosine [slide 7].
+    /// Direction in stratum (`j`, `k`), sampled in proportion to the cosine [slide 7].
     pub fn direction(self, j: usize, k: usize, [u, v]: [f32; 2]) -> Vec3 {
         let sin_sq = (j as f32 + u) / self.rings as f32;
         let phi = 2.0 * PI * (k as f32 + v) / self.sectors as f32;
@@ -47,33 +47,33 @@ impl Strata {
     }
 }
 
-/// What one ray saw.
+/// The result of one ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen {
     /// Its direction, local.
     pub direction: Vec3,
-    /// Radiance that comes along it.
+    /// Incoming radiance.
     pub radiance: Rgb,
-    /// Distance of the first surface, world; infinite where there is none.
+    /// Distance of the first surface, world; infinite if there is none.
     pub distance: f32,
-    /// Unit normal of that surface, local, on either side.
+    /// Unit normal of that surface, local; it may point to either side.
     pub normal: Vec3,
 }
 
-/// What all rays of a hemisphere saw, ring by ring.
+/// The results of all rays of a hemisphere, ring by ring.
 #[derive(Clone, Debug)]
 pub struct Hemisphere {
-    /// How it is cut.
+    /// How it is divided.
     pub strata: Strata,
     seen: Vec<Seen>,
 }
 
-/// Fraction of the rays, and the number of them at least, that [`Hemisphere::without_sparks`] takes for chance.
+/// Fraction and smallest number of rays that [`Hemisphere::without_sparks`] treats as outliers.
 const SPARKS: f32 = 0.01;
 const FEWEST_SPARKS: usize = 2;
 
 impl Hemisphere {
-    /// Look along one ray in each stratum: `jitter` gives its place in the stratum, `look` what is seen.
+    /// Trace one ray per stratum: `jitter` gives its position in the stratum, `look` its result.
     pub fn gather(
         strata: Strata,
         mut jitter: impl FnMut(usize) -> [f32; 2],
@@ -88,20 +88,20 @@ impl Hemisphere {
         Hemisphere { strata, seen }
     }
 
-    /// What the ray of ring `j` and sector `k` saw.
+    /// The result of the ray in ring `j` and sector `k`.
     #[inline]
     pub fn at(&self, j: usize, k: usize) -> &Seen {
         &self.seen[j * self.strata.sectors + k]
     }
 
-    /// What all rays saw, ring by ring.
+    /// The results of all rays, ring by ring.
     pub fn all(&self) -> &[Seen] {
         &self.seen
     }
 
-    /// The same with the brightest rays no brighter than the next: what so few of them saw is chance. From such rays a
-    /// record cannot tell how far it is good for. If it were asked, bright chances would reach only near and their absence
-    /// far, and the light between records would be too dark.
+    /// The same hemisphere with its few brightest rays limited to the next brightest one. The region of validity must not depend on
+    /// such outliers: records with a bright outlier would get small radii and records without one large radii, so that the
+    /// light between records would be too dark.
     pub fn without_sparks(&self) -> Self {
         let few = ((SPARKS * self.seen.len() as f32) as usize).max(FEWEST_SPARKS);
         let mut means: Vec<f32> = self.seen.iter().map(|s| s.radiance.mean()).collect();
@@ -121,13 +121,13 @@ impl Hemisphere {
         sum * (PI / self.seen.len() as f32)
     }
 
-    /// Harmonic mean N / sum_i 1 / d_i of the distances [slide 9]; infinite where nothing is seen.
+    /// Harmonic mean N / sum_i 1 / d_i of the distances [slide 9]; infinite if no ray hits a surface.
     pub fn harmonic_mean(&self) -> f32 {
         let sum: f64 = self.seen.iter().map(|s| 1.0 / f64::from(s.distance)).sum();
         (self.seen.len() as f64 / sum) as f32
     }
 
-    /// Smallest of the distances; infinite where nothing is seen.
+    /// Smallest distance; infinite if no ray hits a surface.
     pub fn nearest(&self) -> f32 {
         self.seen.iter().map(|s| s.distance).fold(f32::INFINITY, f32::min)
     }
@@ -200,8 +200,8 @@ pub(crate) mod tests {
         let room = |spark: f32| {
             let mut rng = Pcg::new(5, 11);
             let look = |i: usize, w: Vec3| {
-                let shine = 1.0 + w.x + if i == 40 { spark } else { 0.0 };
-                Seen { direction: w, radiance: Rgb::grey(shine), distance: 1.0, normal: -w }
+                let emitted = 1.0 + w.x + if i == 40 { spark } else { 0.0 };
+                Seen { direction: w, radiance: Rgb::grey(emitted), distance: 1.0, normal: -w }
             };
             Hemisphere::gather(Strata::of(200), |_| rng.next_2d(), look)
         };

@@ -1,28 +1,28 @@
-//! How fast the gradient itself changes, which is the error of going along it \[Schwarzhaupt12\]: second derivatives of
-//! irradiance by the position in the tangent plane, from the same rays.
+//! Hessians of irradiance: second derivatives by the position in the tangent plane, from the rays of the record. They give the
+//! error of extrapolation along the gradient \[Schwarzhaupt12\].
 
 use std::f32::consts::PI;
 
 use gi_core::math::Rgb;
 use glam::{DMat2, DVec2, DVec3, Vec3};
 
-use super::gradients::Gradient;
-use super::hemisphere::{Hemisphere, Seen};
+use crate::gradients::Gradient;
+use crate::hemisphere::{Hemisphere, Seen};
 
 /// Second derivatives of the mean of the channels, by the tangents s and t of the record's frame.
 pub type Hessian = DMat2;
 
-/// Every ray's surface as a small emitter that nothing hides. The factor of a point seen in direction w at distance r on
-/// a surface with normal m, with G = cos cos' / r^2, is
-/// (24 w w' - 4 I - 4 (m w' + w m') / cos') / r^2. Surfaces seen at less than a cosine of 0.1 would count
-/// without bound: they count as if seen at that.
+/// The Hessian without occlusion: the surface that each ray hits is a small, unoccluded emitter. Let w be its direction, r its
+/// distance, m its normal, and G = cos cos' / r^2. The second derivative of G, divided by G, is
+/// (24 w w' - 4 I - 4 (m w' + w m') / cos') / r^2. The cosine cos' is at least `GRAZING`, because the term is unbounded for
+/// surfaces seen at grazing angles.
 pub fn geometric(h: &Hemisphere) -> Hessian {
     let mut sum = DMat2::ZERO;
     for s in h.all().iter().filter(|s| s.distance.is_finite()) {
         let (w, r_sq) = (flat(s.direction), f64::from(s.distance).powi(2));
         let m = s.normal * -1f32.copysign(s.normal.dot(s.direction));
         let cos = f64::from(-m.dot(s.direction)).max(GRAZING);
-        // m points back at the record: its emitter's cosine is -m . w.
+        // m points back to the record: the cosine at the emitter is -m . w.
         let m = -flat(m);
         let mw = outer(m, w);
         let second =
@@ -35,9 +35,9 @@ pub fn geometric(h: &Hemisphere) -> Hessian {
 /// Smallest cosine at an emitter that [`geometric`] divides by.
 const GRAZING: f64 = 0.1;
 
-/// The rays' hit points as a closed mesh round the record: triangles between neighbours, each as bright as its farthest
-/// corner, so that what moves in front of something else hides it. Irradiance is Lambert's sum over the edges,
-/// 1/2 (L_left - L_right) n . Gamma, and its derivatives are those of the edges. Gives the gradient too.
+/// The Hessian with occlusion, and the gradient. The hit points of the rays form a closed mesh round the record, with triangles
+/// between neighbours. Each triangle has the radiance of its farthest corner, so that near surfaces occlude distant ones.
+/// Irradiance is Lambert's sum over the edges, 1/2 (L_left - L_right) n . Gamma; its derivatives are those of the edges.
 pub fn occlusion(h: &Hemisphere) -> (Gradient, Hessian) {
     let mesh = Mesh::new(h);
     let (mut gradient, mut hessian) = ([DVec2::ZERO; 3], DMat2::ZERO);
@@ -55,7 +55,7 @@ pub fn occlusion(h: &Hemisphere) -> (Gradient, Hessian) {
     (Gradient(gradient.map(|g| g.extend(0.0).as_vec3())), hessian)
 }
 
-/// Where rays that see nothing are taken to end, in units of the farthest distance that any of them saw.
+/// Length of rays that hit nothing, in units of the largest distance of the other rays.
 const FAR: f64 = 100.0;
 
 /// The mesh of [`occlusion`]: row 0 is the innermost ring, the last row is the horizon.
@@ -82,27 +82,27 @@ impl Mesh {
             (0..sectors).map(of).collect()
         };
         let mut rows: Vec<_> = (0..rings).map(|j| row(j, false)).collect();
-        // Down to the horizon, as the lowest ring saw.
+        // The last row lies on the horizon and copies the lowest ring.
         rows.push(row(rings - 1, true));
         Mesh { sectors, rows }
     }
 
-    /// Call `edge` with the ends of each edge as seen from the record, what shines on its left and on its right.
+    /// Call `edge` with the two ends of each edge, and with the radiance on its left and on its right, as seen from the record.
     fn for_each_edge(&self, mut edge: impl FnMut(DVec3, DVec3, Rgb, Rgb)) {
         let n = self.sectors;
-        // Cells between rows are cut from (j, k) to (j + 1, k + 1). Seen from the record with azimuth to the right...
+        // Each cell between two rows is split along the diagonal from (j, k) to (j + 1, k + 1), into a lower and an upper triangle.
         let lower = |j: usize, k: usize| self.farthest([(j, k), (j + 1, k), (j + 1, k + 1)]);
         let upper = |j: usize, k: usize| self.farthest([(j, k), (j + 1, k + 1), (j, k + 1)]);
         let at = |j: usize, k: usize| self.rows[j][k % n].0;
         let cap = self.cap();
         for j in 0..self.rows.len() {
             for k in 0..n {
-                // Along the row: further out is the cell below, further in the one above or the cap.
+                // The edge along the row, between the cell outside and the cell (or the cap) inside.
                 let outside = if j + 1 < self.rows.len() { upper(j, k) } else { Rgb::BLACK };
                 let inside = if j > 0 { lower(j - 1, k) } else { cap };
                 edge(at(j, k), at(j, k + 1), inside, outside);
                 if j + 1 < self.rows.len() {
-                    // Outwards, and across the cell.
+                    // The edge to the next row, and the diagonal of the cell.
                     edge(at(j, k), at(j + 1, k), lower(j, k), upper(j, (k + n - 1) % n));
                     edge(at(j, k), at(j + 1, k + 1), upper(j, k), lower(j, k));
                 }
@@ -110,7 +110,7 @@ impl Mesh {
         }
     }
 
-    /// Radiance of the corner that is farthest.
+    /// Radiance of the farthest corner.
     fn farthest(&self, corners: [(usize, usize); 3]) -> Rgb {
         let of = |(j, k): (usize, usize)| self.rows[j][k % self.sectors];
         let mut best = of(corners[0]);
@@ -123,14 +123,14 @@ impl Mesh {
         best.1
     }
 
-    /// Mean radiance round the normal.
+    /// Mean radiance of the innermost ring, for the cap round the normal.
     fn cap(&self) -> Rgb {
         self.rows[0].iter().map(|v| v.1).sum::<Rgb>() / self.sectors as f32
     }
 }
 
-/// First and second derivatives of n . Gamma of the edge from `a` to `b`, both as seen from the record, when the record
-/// moves in its tangent plane. Gamma has the angle Theta between `a` and `b` as its length and is normal to both.
+/// First and second derivatives of n . Gamma of the edge from `a` to `b` (relative to the record) when the record moves in its
+/// tangent plane. Gamma is normal to `a` and `b`, and its length is the angle Theta between them.
 fn edge_derivatives(a: DVec3, b: DVec3) -> (DVec2, DMat2) {
     // n . Gamma = N q with N = n . (a x b), linear in the move, and q = Theta / |a x b|.
     let (e, c) = (b - a, a.cross(b));
@@ -165,7 +165,7 @@ impl Quotient {
     fn new(p: f64, sq: f64) -> Self {
         let d = p * p + sq;
         let (by_p, by_pp, by_p_sq) = (-1.0 / d, 2.0 * p / (d * d), 1.0 / (d * d));
-        // Nearly parallel: the series of atan, whose closed form cancels.
+        // For nearly parallel vectors the closed form cancels: use the series of atan.
         if p > 0.0 && sq < 1e-3 * p * p {
             let t = sq / (p * p);
             let value = (1.0 - t / 3.0 + t * t / 5.0 - t.powi(3) / 7.0) / p;
@@ -194,12 +194,12 @@ fn flat_d(v: DVec3) -> DVec2 {
     v.truncate()
 }
 
-/// Eigenvalues of a symmetric matrix by size, the larger first, and the unit eigenvector of the first.
+/// Eigenvalues of a symmetric matrix, the one of larger absolute value first, and the unit eigenvector of the first.
 pub fn eigen(h: Hessian) -> ([f64; 2], DVec2) {
     let (a, b, d) = (h.x_axis.x, 0.5 * (h.x_axis.y + h.y_axis.x), h.y_axis.y);
     let (mean, half) = (0.5 * (a + d), 0.5 * (a - d));
     let root = (half * half + b * b).sqrt();
-    // By absolute size the one on the mean's side is the larger.
+    // The eigenvalue with the sign of the mean has the larger absolute value.
     let (large, small) =
         if mean >= 0.0 { (mean + root, mean - root) } else { (mean - root, mean + root) };
     let vector = if root == 0.0 {
@@ -213,105 +213,4 @@ pub fn eigen(h: Hessian) -> ([f64; 2], DVec2) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::hemisphere::Strata;
-    use crate::hemisphere::tests::hemisphere;
-
-    #[test]
-    fn edge_derivatives_are_finite_differences() {
-        let gamma = |a: DVec3, b: DVec3| {
-            let c = a.cross(b);
-            c.length().atan2(a.dot(b)) * c.z / c.length()
-        };
-        let cases = [
-            (DVec3::new(0.3, -0.2, 1.1), DVec3::new(-0.6, 0.5, 0.7)),
-            (DVec3::new(0.3, -0.2, 1.1), DVec3::new(0.31, -0.19, 1.12)),
-            (DVec3::new(2.0, 1.0, 0.1), DVec3::new(-2.0, 1.0, 0.1)),
-            (DVec3::new(0.3, -0.2, 1.1), DVec3::new(0.61, -0.39, 2.2)),
-        ];
-        for (a, b) in cases {
-            let at = |x: f64, y: f64| gamma(a - DVec3::new(x, y, 0.0), b - DVec3::new(x, y, 0.0));
-            let (g, h) = edge_derivatives(a, b);
-            let d = 1e-3;
-            let numeric =
-                DVec2::new(at(d, 0.0) - at(-d, 0.0), at(0.0, d) - at(0.0, -d)) / (2.0 * d);
-            assert!(
-                (g - numeric).length() < 1e-5 * (1.0 + numeric.length()),
-                "{g} is not {numeric}"
-            );
-            let xx = (at(d, 0.0) - 2.0 * at(0.0, 0.0) + at(-d, 0.0)) / (d * d);
-            let yy = (at(0.0, d) - 2.0 * at(0.0, 0.0) + at(0.0, -d)) / (d * d);
-            let xy = (at(d, d) - at(d, -d) - at(-d, d) + at(-d, -d)) / (4.0 * d * d);
-            for (found, exact) in [(h.x_axis.x, xx), (h.y_axis.y, yy), (h.x_axis.y, xy)] {
-                assert!(
-                    (found - exact).abs() < 2e-4 * (1.0 + exact.abs()),
-                    "{found} is not {exact}: {a}, {b}"
-                );
-            }
-        }
-    }
-
-    /// A smooth ceiling at height 1 whose radiance grows with x^2: what both Hessians should agree on.
-    fn bowl(w: Vec3) -> (Rgb, f32, Vec3) {
-        let q = w / w.z;
-        let bright = (-(q.x - 0.3).powi(2) - 0.5 * q.y * q.y).exp();
-        (Rgb::grey(bright), q.length(), -Vec3::Z)
-    }
-
-    /// E of the bowl at a moved point, by brute force over the ceiling.
-    fn bowl_irradiance(x: f64, y: f64) -> f64 {
-        let (n, reach) = (800, 5.0);
-        let step = 2.0 * reach / f64::from(n);
-        let mut sum = 0.0;
-        for i in 0..n {
-            for j in 0..n {
-                let q = DVec2::new(f64::from(i) + 0.5, f64::from(j) + 0.5) * step - reach;
-                let l = (-(q.x - 0.3).powi(2) - 0.5 * q.y * q.y).exp();
-                let r_sq = (q.x - x).powi(2) + (q.y - y).powi(2) + 1.0;
-                sum += l / (r_sq * r_sq);
-            }
-        }
-        sum * step * step
-    }
-
-    #[test]
-    fn both_hessians_and_the_mesh_gradient_are_those_of_a_smooth_ceiling() {
-        let e = bowl_irradiance;
-        let d = 0.02;
-        let xx = (e(d, 0.0) - 2.0 * e(0.0, 0.0) + e(-d, 0.0)) / (d * d);
-        let yy = (e(0.0, d) - 2.0 * e(0.0, 0.0) + e(0.0, -d)) / (d * d);
-        let gx = (e(d, 0.0) - e(-d, 0.0)) / (2.0 * d);
-        // Many rays, since both are compared with the exact value: the mesh is coarse otherwise.
-        let runs: Vec<_> = (0..8).map(|s| hemisphere(Strata::of(20_000), s, bowl)).collect();
-        let mean = |f: &dyn Fn(&Hemisphere) -> f64| runs.iter().map(f).sum::<f64>() / 8.0;
-        for (name, found, exact) in [
-            ("geometric xx", mean(&|h| geometric(h).x_axis.x), xx),
-            ("geometric yy", mean(&|h| geometric(h).y_axis.y), yy),
-            ("occlusion xx", mean(&|h| occlusion(h).1.x_axis.x), xx),
-            ("occlusion yy", mean(&|h| occlusion(h).1.y_axis.y), yy),
-            ("mesh gradient x", mean(&|h| f64::from(occlusion(h).0.0[0].x)), gx),
-        ] {
-            assert!((found / exact - 1.0).abs() < 0.05, "{name}: {found} is not {exact}");
-        }
-    }
-
-    #[test]
-    fn under_a_constant_sky_nothing_changes() {
-        let h = hemisphere(Strata::of(500), 4, |w| (Rgb::WHITE, 1.0 + w.z, -w));
-        let (gradient, hessian) = occlusion(&h);
-        assert!(gradient.0[1].length() < 1e-6 && hessian.x_axis.length() < 1e-6);
-    }
-
-    #[test]
-    fn eigenvalues_and_vectors() {
-        let turn = DMat2::from_angle(0.4);
-        for (large, small) in [(3.0, 1.0), (-3.0, 1.0), (2.0, -0.5), (-2.0, -0.1), (1.0, 0.0)] {
-            let h = turn * DMat2::from_diagonal(DVec2::new(large, small)) * turn.transpose();
-            let ([l, s], v) = eigen(h);
-            assert!((l - large).abs() < 1e-9 && (s - small).abs() < 1e-9, "{l} {s}");
-            assert!((v.dot(turn.x_axis).abs() - 1.0).abs() < 1e-9, "{v}");
-        }
-        assert_eq!(eigen(DMat2::IDENTITY * 2.0), ([2.0, 2.0], DVec2::X));
-    }
-}
+mod tests;

@@ -1,17 +1,18 @@
-//! An octree over positions, each with a radius of influence [slide 8]. It does not know what stands at them.
+//! An octree over positions, each with a radius of influence [slide 8]. It does not know which records belong to them.
 //!
-//! Every leaf holds fewer than three items. Every node knows the box that the influence of its items reaches, so that a
-//! lookup goes down only where something may reach the point: what it finds is what a scan of all items would find.
+//! Every leaf holds fewer than three items. Every node stores the bounding box of its items' influence. A lookup descends only
+//! into boxes that hold the point, and finds the same items as a scan of all items.
 
 use gi_core::math::Bounds;
 use glam::Vec3;
 
-/// Number of an item: they are counted in the order of insertion.
+/// Index of an item, in the order of insertion.
 pub type Id = u32;
 
-/// Most items in a leaf: "< 3" [slide 8].
+/// Largest number of items in a leaf: "< 3" [slide 8].
 const LEAF: usize = 2;
-/// Levels below the root, after which a leaf holds all that come: items at one place cannot be parted.
+/// Number of levels below the root. A leaf at the last level holds any number of items, because items at the same position
+/// cannot be separated.
 const MAX_DEPTH: u32 = 20;
 const NONE: u32 = u32::MAX;
 
@@ -19,7 +20,7 @@ const NONE: u32 = u32::MAX;
 struct Item {
     p: Vec3,
     radius: f32,
-    /// Next item of the same leaf.
+    /// The next item in the same leaf.
     next: Id,
 }
 
@@ -28,9 +29,9 @@ struct Node {
     /// Smallest corner and side of the node's cube.
     low: Vec3,
     side: f32,
-    /// Box round all influence below.
+    /// Bounding box of the influence of all items below.
     reach: Bounds,
-    /// Largest and smallest radius below.
+    /// Largest and smallest radius of the items below.
     largest: f32,
     smallest: f32,
     /// First of eight children, or [`NONE`] in a leaf.
@@ -82,17 +83,28 @@ pub struct Octree {
     items: Vec<Item>,
 }
 
-/// A leaf, for looking at.
+/// A limit on radii: an item of `radius` at `p` allows radius + slope * distance elsewhere \[Krivanek06\].
+#[derive(Clone, Copy, Debug)]
+pub struct Cone {
+    /// Position of the item.
+    pub p: Vec3,
+    /// Radius of the item.
+    pub radius: f32,
+    /// Growth of the limit per unit of distance.
+    pub slope: f32,
+}
+
+/// A leaf, for figures and tests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cell {
     /// Its cube.
     pub cube: Bounds,
-    /// How many items it holds.
+    /// Number of items in it.
     pub items: usize,
 }
 
 impl Octree {
-    /// An empty tree over a box. Items outside of it are kept too, in the leaves at its edge.
+    /// An empty tree over a box. Items outside the box are stored in the leaves at its edge.
     pub fn new(bounds: Bounds) -> Self {
         let side = bounds.extent().max_element().max(f32::MIN_POSITIVE) * 1.001;
         let low = bounds.center() - 0.5 * side;
@@ -109,7 +121,7 @@ impl Octree {
         self.items.is_empty()
     }
 
-    /// Put in the next item.
+    /// Insert an item.
     pub fn insert(&mut self, p: Vec3, radius: f32) -> Id {
         let id = self.items.len() as Id;
         self.items.push(Item { p, radius, next: NONE });
@@ -134,7 +146,7 @@ impl Octree {
         (node.first, node.count) = (id, node.count + 1);
     }
 
-    /// Hand a leaf's items to eight new children.
+    /// Split a leaf: move its items to eight new children.
     fn split(&mut self, at: usize) {
         let first_child = self.nodes.len() as u32;
         let (low, half) = (self.nodes[at].low, 0.5 * self.nodes[at].side);
@@ -157,7 +169,7 @@ impl Octree {
     /// Call `visit` for every item whose influence, times `slack` (1 or more), reaches `p`.
     #[inline]
     pub fn visit(&self, p: Vec3, slack: f32, mut visit: impl FnMut(Id)) {
-        // Eight children a level wait at most.
+        // At most eight children per level are on the stack.
         let mut stack = [0u32; 8 * MAX_DEPTH as usize + 1];
         let mut waiting = 1;
         while waiting > 0 {
@@ -186,7 +198,7 @@ impl Octree {
         }
     }
 
-    /// The smallest of radius + slope * distance over all items: what neighbours allow at `p`.
+    /// The smallest value of radius + slope * distance over all items: the radius that neighbours allow at `p`.
     pub fn cone_at(&self, p: Vec3, slope: f32) -> f32 {
         let mut best = f32::INFINITY;
         self.cone_below(0, p, slope, &mut best);
@@ -210,29 +222,26 @@ impl Octree {
         }
     }
 
-    /// Let an item of `radius` at `p` lower all others to radius + slope * distance, but no one below what `least` says
-    /// of it. `lowered` is told of each.
+    /// Lower the radius of every item to the value of `cone` at the item, but not below `least` of the item. `lowered` is called
+    /// with each item that changes, and its new radius.
     pub fn lower(
         &mut self,
-        p: Vec3,
-        radius: f32,
-        slope: f32,
+        cone: &Cone,
         least: &impl Fn(Id) -> f32,
         lowered: &mut impl FnMut(Id, f32),
     ) {
-        self.lower_below(0, (p, radius, slope), least, lowered);
+        self.lower_below(0, cone, least, lowered);
     }
 
     fn lower_below(
         &mut self,
         at: u32,
-        cone: (Vec3, f32, f32),
+        cone: &Cone,
         least: &impl Fn(Id) -> f32,
         lowered: &mut impl FnMut(Id, f32),
     ) {
-        let (p, radius, slope) = cone;
         let node = &self.nodes[at as usize];
-        if node.largest <= radius + slope * node.distance(p) {
+        if node.largest <= cone.radius + cone.slope * node.distance(cone.p) {
             return;
         }
         let (children, mut id) = (node.children, node.first);
@@ -248,7 +257,7 @@ impl Octree {
         }
         while id != NONE {
             let item = &mut self.items[id as usize];
-            let allowed = (radius + slope * (item.p - p).length()).max(least(id));
+            let allowed = (cone.radius + cone.slope * (item.p - cone.p).length()).max(least(id));
             if item.radius > allowed {
                 item.radius = allowed;
                 lowered(id, allowed);
@@ -262,7 +271,7 @@ impl Octree {
         (node.reach, node.largest, node.smallest) = (reach, largest, smallest);
     }
 
-    /// All leaves that hold anything.
+    /// All leaves that are not empty.
     pub fn cells(&self) -> impl Iterator<Item = Cell> {
         self.nodes.iter().filter(|n| n.children == NONE && n.count > 0).map(|n| Cell {
             cube: Bounds { min: n.low, max: n.low + n.side },
@@ -272,102 +281,4 @@ impl Octree {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use gi_core::rng::Pcg;
-
-    /// Points of a few clusters with radii, and a tree of them.
-    fn tree(n: usize, seed: u64) -> (Octree, Vec<(Vec3, f32)>) {
-        let mut rng = Pcg::new(seed, 0);
-        let mut point = || Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
-        let centers: Vec<Vec3> = (0..8).map(|_| point()).collect();
-        let items: Vec<(Vec3, f32)> = (0..n)
-            .map(|i| {
-                let spread = if i % 3 == 0 { 1.0 } else { 0.05 };
-                let p = centers[i % 8] * (1.0 - spread) + point() * spread;
-                (p, 0.15 * point().x.powi(3) + 0.002)
-            })
-            .collect();
-        let mut tree = Octree::new(Bounds { min: Vec3::ZERO, max: Vec3::ONE });
-        items.iter().for_each(|&(p, r)| {
-            tree.insert(p, r);
-        });
-        (tree, items)
-    }
-
-    #[test]
-    fn a_lookup_finds_what_a_scan_finds() {
-        let (tree, items) = tree(3000, 1);
-        let mut rng = Pcg::new(2, 0);
-        let mut found_some = 0;
-        for _ in 0..2000 {
-            // Within the box and beyond.
-            let p = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32()) * 1.2 - 0.1;
-            for slack in [1.0, 2.0] {
-                let mut found = Vec::new();
-                tree.visit(p, slack, |id| found.push(id));
-                found.sort_unstable();
-                let scan = (0..items.len() as Id).filter(|&i| {
-                    let (q, r) = items[i as usize];
-                    (q - p).length_squared() <= (r * slack).powi(2)
-                });
-                assert_eq!(found, scan.collect::<Vec<_>>());
-                found_some += usize::from(!found.is_empty());
-            }
-        }
-        assert!(found_some > 1000, "lookups that find nothing test nothing: {found_some}");
-    }
-
-    #[test]
-    fn every_cell_holds_fewer_than_three_but_where_items_coincide() {
-        let (tree, _) = tree(3000, 3);
-        let mut cells = 0;
-        for cell in tree.cells() {
-            assert!(cell.items < 3);
-            cells += cell.items;
-        }
-        assert_eq!(cells, 3000);
-        let mut same = Octree::new(Bounds { min: Vec3::ZERO, max: Vec3::ONE });
-        (0..10).for_each(|_| {
-            same.insert(Vec3::splat(0.3), 0.1);
-        });
-        let mut found = 0;
-        same.visit(Vec3::splat(0.35), 1.0, |_| found += 1);
-        assert_eq!(found, 10);
-    }
-
-    #[test]
-    fn neighbours_lower_each_other_as_a_scan_would() {
-        let slope = 0.1;
-        let (mut tree, mut items) = tree(500, 5);
-        let mut rng = Pcg::new(6, 0);
-        for _ in 0..300 {
-            let p = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
-            let scan = items.iter().map(|&(q, r)| r + slope * (q - p).length());
-            let allowed = scan.fold(f32::INFINITY, f32::min);
-            assert_eq!(tree.cone_at(p, slope), allowed);
-            let radius = allowed.min(0.1 * rng.next_f32());
-            let least = |id: Id| 0.001 * (id % 5) as f32;
-            let mut told = Vec::new();
-            tree.lower(p, radius, slope, &least, &mut |id, r| told.push((id, r)));
-            let mut expected = Vec::new();
-            for (id, (q, r)) in items.iter_mut().enumerate() {
-                let limit = (radius + slope * (*q - p).length()).max(least(id as Id));
-                if *r > limit {
-                    *r = limit;
-                    expected.push((id as Id, limit));
-                }
-            }
-            told.sort_by_key(|t| t.0);
-            assert_eq!(told, expected);
-            tree.insert(p, radius);
-            items.push((p, radius));
-        }
-        let mut found = Vec::new();
-        tree.visit(Vec3::splat(0.5), 1.0, |id| found.push(id));
-        found.sort_unstable();
-        let reaches =
-            |&i: &Id| (items[i as usize].0 - 0.5).length_squared() <= items[i as usize].1.powi(2);
-        assert_eq!(found, (0..items.len() as Id).filter(reaches).collect::<Vec<_>>());
-    }
-}
+mod tests;

@@ -53,7 +53,7 @@ pub enum Weights {
 
 /// A picture of a cache.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Figure {
+pub enum CacheFigure {
     /// Positions of the records, coloured by radius from small (dark) to large (bright) [slides 13, 14]
     Records,
     /// Region in which each record is valid
@@ -84,7 +84,7 @@ pub struct ReachOptions {
 }
 
 impl ReachOptions {
-    /// Check that the maximum radius is not less than the minimum.
+    /// Check that the maximum radius is at least the minimum.
     ///
     /// # Errors
     /// Both values.

@@ -1,22 +1,22 @@
-//! What is kept of a point: its irradiance, and how that changes.
+//! The irradiance record of a point: irradiance and its gradients.
 
 use gi_core::math::Rgb;
 use glam::Vec3;
 
-use super::gradients::Gradient;
-pub use super::options::Gradients;
-use super::site::{Query, Site, Sited};
+use crate::gradients::Gradient;
+pub use crate::options::Gradients;
+use crate::site::{Query, Site, Sited};
 
 /// A record of the cache: the lecture's irradiance sample [slide 10], with gradients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record {
     /// Irradiance E of indirect light.
     pub e: Rgb,
-    /// Normal n, position p, and how far it is good for: the slide's range r times the accuracy.
+    /// Normal n, position p, and the radii of validity: the slide's range r times the accuracy a.
     pub site: Site,
-    /// E(n') = E(n) + (n x n') . this, a gradient by rotation.
+    /// Rotational gradient: E(n') = E(n) + (n x n') . gradient.
     pub rotational: Gradient,
-    /// Gradient by the position, in the tangent plane, per world unit.
+    /// Translational gradient in the tangent plane, per world unit.
     pub translational: Gradient,
 }
 
@@ -31,7 +31,7 @@ impl Sited for Record {
 }
 
 impl Record {
-    /// The record's irradiance brought to the query along its gradients \[Ward92, eq. 6\].
+    /// The irradiance E_i(x) at the query, extrapolated from the record along its gradients \[Ward92, eq. 6\].
     #[inline]
     pub fn extrapolate(&self, q: &Query, gradients: Gradients) -> Rgb {
         let mut e = self.e;
@@ -46,7 +46,7 @@ impl Record {
 }
 
 impl Record {
-    /// Floats of a record.
+    /// Number of floats of a record.
     pub const FLOATS: usize = 3 + Site::FLOATS + 2 * 9;
 
     /// The record as floats, for files.

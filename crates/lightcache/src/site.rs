@@ -1,35 +1,35 @@
-//! Where a record stands and how far it is good for: what records of any kind have, whatever they hold.
+//! The position of a record and the region in which it is valid: the part that records of all kinds share.
 
 use gi_core::math::safe_sqrt;
 use glam::Vec3;
 
-/// A place with its reach.
+/// Position, orientation and region of validity of a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Site {
     /// Unit normal, on the side that the light comes from.
     pub n: Vec3,
     /// Position, world.
     pub p: Vec3,
-    /// How far the record is good for along `axis` and across it in the tangent plane, world: where the error that comes
-    /// with distance alone reaches the accuracy asked for. In the slide's terms a r.
+    /// Radii along `axis` and across it in the tangent plane, world. At this distance the error from distance alone reaches the
+    /// accuracy a; on the slide this is a r.
     pub radii: [f32; 2],
     /// Unit tangent.
     pub axis: Vec3,
-    /// The smallest that neighbours may make the radii, world.
+    /// Lower limit of the radii when neighbours reduce them, world.
     pub least: f32,
-    /// Distance of the nearest surface that any ray met, world.
+    /// Distance to the nearest surface that a gather ray hit, world.
     pub clear: f32,
 }
 
-/// What stands at a site.
+/// A record with a site.
 pub trait Sited {
-    /// Where.
+    /// The site.
     fn site(&self) -> &Site;
-    /// Where, to limit its reach.
+    /// The site, to limit its radii.
     fn site_mut(&mut self) -> &mut Site;
 }
 
-/// Where a record is asked for.
+/// The point of a lookup.
 #[derive(Clone, Copy, Debug)]
 pub struct Query {
     /// Position, world.
@@ -38,14 +38,14 @@ pub struct Query {
     pub n: Vec3,
 }
 
-/// How many times less accurate than allowed a record may be where no better one is found.
+/// Factor on the allowed error for lookups that find no record otherwise.
 pub const RELAXED: f32 = 2.0;
 
-/// How far behind the record's tangent plane a point may lie, in units of the record's reach.
+/// Largest distance of a query behind a record, as a fraction of the record's radius.
 const BEHIND: f32 = 0.05;
 
 impl Site {
-    /// Floats of a site.
+    /// Number of floats of a site.
     pub const FLOATS: usize = 3 * 3 + 2 + 2;
 
     /// The site as floats, for files.
@@ -68,13 +68,13 @@ impl Site {
         self.radii[0].max(self.radii[1])
     }
 
-    /// Let the radii be no larger than `reach`.
+    /// Limit the radii to `reach`.
     pub fn limit(&mut self, reach: f32) {
         self.radii = self.radii.map(|r| r.min(reach));
     }
 
     /// The estimate of the error at `q` [slide 11], in units of the accuracy a:
-    /// (|x - x_j| / r_j + sqrt(1 - n . n_j)) / a. The record is good for the query below 1.
+    /// (|x - x_j| / r_j + sqrt(1 - n . n_j)) / a. The record is valid at the query if this is below 1.
     #[inline]
     pub fn error(&self, q: &Query, accuracy: f32) -> f32 {
         let d = q.p - self.p;
@@ -84,8 +84,8 @@ impl Site {
         (u * u + v * v + h * h).sqrt() + safe_sqrt(1.0 - self.n.dot(q.n)) / accuracy
     }
 
-    /// Whether the point lies so far behind the record that what the record sees may be hidden from it: below the
-    /// plane with the mean of both normals \[Ward88\].
+    /// Whether the record is in front of the query, so that the record may see light that is hidden from the query. The test uses
+    /// the plane through the record with the mean of both normals \[Ward88\].
     #[inline]
     pub fn is_in_front_of(&self, q: &Query) -> bool {
         (q.p - self.p).dot(self.n + q.n) * 0.5 < -BEHIND * self.reach()

@@ -15,11 +15,11 @@ use gi_core::camera::Camera;
 use gi_core::geometry::Surface;
 use gi_core::scene::Scene;
 use glam::Vec3;
-use lightcuts::Params;
 use lightcuts::bound::Site;
 use lightcuts::cut::{Limits, Lit, Rule};
 use lightcuts::light::{At, Lights};
 use lightcuts::tree::Forest;
+use lightcuts::{Params, light_by_cut};
 use rayon::prelude::*;
 use vpl::{LightNumbers, Pilot, Prepared, Receiver, Shooting, Termination, Vpls, points, shoot};
 
@@ -124,7 +124,7 @@ fn measure(scene: &Scene, seen: &[Point], number: u32, asked: &Asked) -> (f64, f
         let receiver = Receiver::new(surface, *wo, bsdf);
         let site = Site::new(surface, *wo, bsdf, most);
         let at = At { receiver, site, deepest: u32::MAX, direct: true };
-        if by_cut { lights.light(&at, &asked.limits) } else { lights.light_by_all(&at) }
+        if by_cut { light_by_cut(&lights, &at, &asked.limits) } else { lights.light_by_all(&at) }
     };
     let memory = (set.memory_bytes() + forest.memory_bytes()) as f64 * 1e-6;
     print!("{:9} {building:8.3} {memory:6.1}", set.lights.len());

@@ -1,20 +1,15 @@
-//! Upper bounds of what the lights of a cluster bring to a point [slide 61, Walter05, 3.3]: of the geometric term by the
-//! least distance, of the cosine at the lights by box and cone, of the material as [`gi_core::bsdf::Bsdf::bound`] has it.
-//! Visibility is bounded by 1.
-
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
+//! Upper bounds of the light that a cluster brings to a point [slide 61, Walter05, 3.3]. The smallest distance bounds the geometry
+//! term, box and cone bound the cosine at the lights, [`gi_core::bsdf::Bsdf::bound`] bounds the material. The bound of
+//! visibility is 1.
 
 use gi_core::bsdf::{Bsdf, ScatterBound, Toward};
 use gi_core::geometry::Surface;
-use gi_core::math::{Bounds, Frame, INV_PI, Rgb, safe_sqrt};
-use gi_core::scene::Scene;
+use gi_core::math::{Frame, INV_PI, Rgb, safe_sqrt};
 use glam::Vec3;
-use vpl::LitSurface;
 
 use crate::tree::{Family, Node, NormalCone, Tree};
 
-/// A point that is lit.
+/// A point that receives light, in the form that bounds need.
 #[derive(Clone, Copy)]
 pub struct Site<'s, 'a> {
     /// Position, world.
@@ -23,11 +18,11 @@ pub struct Site<'s, 'a> {
     pub wo: Vec3,
     /// How it scatters.
     pub bsdf: &'s Bsdf<'a>,
-    /// Bound of the geometric term of lights of surfaces, per squared world unit.
+    /// The clamp of the geometry term of lights on surfaces, per squared world unit.
     pub most: f32,
-    /// Whether light is shaded by the geometric normal: what the bound of the geometric term leaves is then f times it.
+    /// Whether shading uses the geometric normal: then f times the clamp is a bound of the clamped light.
     flat: bool,
-    /// f of a Lambertian surface and the frame round its normal: bounds of nothing else are as cheap.
+    /// f of a purely Lambertian surface and the frame of its normal, for a cheaper bound.
     lambert: Option<(Rgb, Frame)>,
 }
 
@@ -40,7 +35,7 @@ impl<'s, 'a> Site<'s, 'a> {
         Site { p: surface.p, wo, bsdf, most, flat: bsdf.is_flat(), lambert }
     }
 
-    /// What is scattered toward a cluster at most.
+    /// Upper bound of the BSDF over directions toward a cluster.
     #[inline(always)]
     fn scatter(&self, toward: &Toward) -> ScatterBound {
         match &self.lambert {
@@ -50,21 +45,21 @@ impl<'s, 'a> Site<'s, 'a> {
     }
 }
 
-/// What a cluster's lights bring at most, factor by factor.
+/// The factors of the bound for the lights of a cluster.
 pub struct Terms {
     /// Directions to the lights.
     pub toward: Toward,
-    /// What the point scatters.
+    /// The bound of the BSDF at the point.
     pub scatter: ScatterBound,
-    /// Cosine at the lights, or how much they send of what arrives at them: times `scatter.f_cos` and over the squared
-    /// distance it is the bound.
+    /// Bound of the cosine at the lights, or of the fraction that glossy lights scatter. The bound is this times `scatter.f_cos`
+    /// over the squared distance.
     pub emitted: f32,
-    /// The same over the cosine at the lights, for the bounded geometric term.
+    /// The same divided by the cosine at the lights, for the clamped geometry term.
     pub emitted_over_cos: f32,
 }
 
 impl Terms {
-    /// Bound the factors of a node's lights; `None` where none of them can bring anything.
+    /// The factors for the lights of a node; `None` if none of them can bring light.
     #[inline(always)]
     pub fn new(tree: &Tree, k: u32, site: &Site) -> Option<Self> {
         let node = tree.node(k);
@@ -91,7 +86,7 @@ impl Terms {
         some.then_some(Terms { toward, scatter, emitted, emitted_over_cos })
     }
 
-    /// The bound of what the node's lights bring, by channel.
+    /// The bound of the light from the node, per channel.
     #[inline(always)]
     pub fn bound(&self, tree: &Tree, node: &Node, site: &Site) -> Rgb {
         let falloff = match tree.family {
@@ -108,15 +103,15 @@ impl Terms {
     }
 }
 
-/// Against rounding in the sum of powers, and in what is bounded.
+/// Margin for rounding in sums of powers and in evaluations.
 const SAFETY: f32 = 1.0 + 1e-4;
-/// Keeps the bound finite where the point lies in the box.
+/// Smallest squared distance: keeps the bound finite if the point lies in the box.
 const LEAST_DISTANCE_SQ: f32 = 1e-30;
 
-/// The largest cosine at lights whose normals lie in a cone (or, with `side` -1, in its opposite), seen from the point.
+/// The largest cosine at lights whose normals lie in a cone; with `side` -1, in the opposite cone.
 #[inline]
 fn max_cos(toward: &Toward, cone: &NormalCone, side: f32) -> f32 {
-    // Light leaves against the directions in which the point sees it.
+    // Light leaves opposite to the direction in which the point sees the light.
     let cos = toward.max_cos(&Frame::from_normal(cone.axis * -side));
     if cone.cos == 1.0 {
         return cos.max(0.0);
@@ -131,93 +126,14 @@ fn max_cos(toward: &Toward, cone: &NormalCone, side: f32) -> f32 {
 /// Rounding of the cosine of a difference of angles.
 const COS_ROUNDING: f32 = 1e-6;
 
-/// How far a node's estimate may be from the truth, as luminance: both lie between nothing and the bound. (The paper takes
-/// the bound itself, which is up to twice as much.)
+/// Upper bound of a node's error, as luminance. Estimate and truth both lie between 0 and the bound, so the error is at most the
+/// larger of the estimate and the rest. (The paper uses the bound itself, which is up to twice as large.)
 #[inline]
 pub fn error(estimate: Rgb, bound: Rgb) -> f32 {
     let (estimate, bound) = (estimate.luminance(), bound.luminance());
-    // Nothing times infinity: nothing is known.
+    // Zero times infinity gives no information.
     let bound = if bound.is_nan() { f32::MAX } else { bound };
     estimate.max(bound - estimate)
-}
-
-/// How much of what arrives at glossy lights they send in a direction at most, per solid angle, in the largest channel.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Gain {
-    /// The share.
-    pub most: f32,
-    /// The share over the cosine with the geometric normal.
-    pub over_cos: f32,
-    /// Whether some of it may leave behind the surface.
-    pub both_sides: bool,
-}
-
-impl Gain {
-    /// The larger of both.
-    pub fn max(self, o: Gain) -> Gain {
-        Gain {
-            most: self.most.max(o.most),
-            over_cos: self.over_cos.max(o.over_cos),
-            both_sides: self.both_sides || o.both_sides,
-        }
-    }
-}
-
-/// Pieces of the sphere of directions that are looked at for a glossy light, beyond the first ones.
-const PIECES: usize = 48;
-
-/// A piece of the sphere, by its bound.
-struct Piece(f32, Bounds);
-
-impl PartialEq for Piece {
-    fn eq(&self, o: &Self) -> bool {
-        self.cmp(o) == Ordering::Equal
-    }
-}
-impl Eq for Piece {}
-impl PartialOrd for Piece {
-    fn partial_cmp(&self, o: &Self) -> Option<Ordering> {
-        Some(self.cmp(o))
-    }
-}
-impl Ord for Piece {
-    fn cmp(&self, o: &Self) -> Ordering {
-        self.0.total_cmp(&o.0)
-    }
-}
-
-/// The gain of a glossy light: the largest bound over pieces of the sphere, the worst of which is split again and again.
-pub fn gain(scene: &Scene, lit: &LitSurface) -> Gain {
-    let Some(bsdf) = lit.bsdf(scene) else { return Gain::default() };
-    Gain {
-        most: worst(|toward| bsdf.bound(lit.wo, toward).f_cos.max()),
-        over_cos: worst(|toward| bsdf.bound(lit.wo, toward).f.max()),
-        both_sides: !bsdf.is_flat() || bsdf.transmits(),
-    }
-}
-
-/// Bound a bound over all directions.
-fn worst(bound: impl Fn(&Toward) -> f32) -> f32 {
-    let piece = |b: Bounds| Piece(bound(&Toward::new(Vec3::ZERO, &b)), b);
-    let mut pieces = BinaryHeap::with_capacity(PIECES + 8);
-    for axis in 0..3 {
-        for side in [-1.0, 1.0] {
-            let mut face = Bounds { min: Vec3::NEG_ONE, max: Vec3::ONE };
-            (face.min[axis], face.max[axis]) = (side, side);
-            pieces.push(piece(face));
-        }
-    }
-    for _ in 0..PIECES {
-        let Some(Piece(_, b)) = pieces.pop() else { break };
-        let extent = b.extent();
-        let axis = extent.max_position();
-        let middle = b.center()[axis];
-        let (mut low, mut high) = (b, b);
-        (low.max[axis], high.min[axis]) = (middle, middle);
-        pieces.push(piece(low));
-        pieces.push(piece(high));
-    }
-    pieces.peek().map_or(0.0, |p| p.0)
 }
 
 #[cfg(test)]

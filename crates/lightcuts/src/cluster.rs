@@ -1,9 +1,9 @@
-//! Joining lights to clusters, greedily, in n log n.
+//! Greedy clustering of lights in n log n.
 //!
-//! The cheapest pair of all is always a pair of clusters of which each is the other's cheapest partner, and so are other
-//! pairs that the greedy order would join later: joining a pair never makes a third cluster cheaper to join. So all such
-//! pairs are joined at once, round by round, and the tree is the greedy one. Of many clusters each looks for partners only
-//! among its neighbours along a space-filling curve through positions and normals.
+//! Two clusters are a mutual pair if each is the cheapest partner of the other. The cheapest pair of all is mutual. Joining a pair
+//! never makes a third cluster cheaper to join, so the greedy order joins every mutual pair sooner or later. Therefore all
+//! mutual pairs are joined at once, round by round, and the result is the greedy tree. With many clusters, each searches for
+//! partners only among its neighbours on a space-filling curve through positions and normals.
 
 use gi_core::math::{Bounds, Rgb};
 use gi_core::rng::{bits_to_unit, hash_words};
@@ -21,16 +21,16 @@ pub struct Cluster {
     pub cone: Cone,
     /// Sum of their powers.
     pub power: Rgb,
-    /// The light that stands for all.
+    /// The representative light.
     pub representative: u32,
-    /// What was joined, by number; the same number twice for a light.
+    /// Indices of the two joined clusters; for a light, the same index twice.
     children: [u32; 2],
 }
 
-/// Fewest clusters of which only neighbours are looked at, and neighbours on either side. Larger is nearer to greedy, slower.
+/// From this number of clusters on, only [`NEIGHBOURS`] on either side are searched. Larger values are closer to greedy, but slower.
 const MANY: usize = 384;
 const NEIGHBOURS: usize = 16;
-/// A round that joins less than this share of the clusters makes too little way.
+/// A round that joins fewer than one pair per this many clusters is too slow.
 const LEAST_JOINED: usize = 16;
 
 impl Cluster {
@@ -40,14 +40,14 @@ impl Cluster {
         Cluster { bounds, cone: Cone::new(n), power, representative: number, children: [0; 2] }
     }
 
-    /// What was joined; `None` for a light.
+    /// The two joined clusters; `None` for a light.
     pub fn children(&self) -> Option<[usize; 2]> {
         let [a, b] = self.children.map(|k| k as usize);
         (a != b).then_some([a, b])
     }
 
-    /// Join two clusters that stand at `children`. One of their representatives stands for both, in proportion to power;
-    /// no two joins have the same two, so that their hashes are independent.
+    /// Join the two clusters with indices `children`. One of their representatives is chosen in proportion to power. No two joins
+    /// have the same representatives, so their hashes are independent.
     fn join(a: &Cluster, b: &Cluster, children: [u32; 2], seed: u32) -> Self {
         let power = a.power + b.power;
         let u = bits_to_unit(hash_words(&[seed, a.representative, b.representative]));
@@ -61,7 +61,7 @@ impl Cluster {
         }
     }
 
-    /// What it costs to have one light stand for both: I (diagonal^2 + c^2 (1 - cos beta)^2) [Walter05, 3.2].
+    /// The cost of one representative for both: I (diagonal^2 + c^2 (1 - cos beta)^2) [Walter05, 3.2].
     #[inline]
     fn cost(&self, other: &Cluster, c: f32) -> f32 {
         let diagonal_sq = self.bounds.union(other.bounds).extent().length_squared();
@@ -71,20 +71,20 @@ impl Cluster {
     }
 }
 
-/// Join lights until one cluster is left: all clusters that were, the root last. `c` is the length that normals count with.
+/// Join lights until one cluster is left. Returns all clusters, the root last. `c` is the length by which normals are weighted.
 pub fn join_all(mut leaves: Vec<Cluster>, c: f32, seed: u32) -> Option<Vec<Cluster>> {
     sort_along_curve(&mut leaves, c);
     let mut open: Vec<u32> = (0..leaves.len() as u32).collect();
     let mut all = leaves;
     all.reserve(all.len());
     while open.len() > 1 {
-        // What is open, side by side: neighbours are looked at many times.
+        // Copy the open clusters side by side: neighbours are read many times.
         let clusters: Vec<Cluster> = open.iter().map(|&k| all[k as usize]).collect();
         let mut partners = cheapest_partners(&clusters, c);
         let mutual = |p: &[u32], i: usize| p[p[i] as usize] == i as u32;
         let joined = (0..open.len()).filter(|&i| mutual(&partners, i)).count() / 2;
         if joined * LEAST_JOINED < open.len() && open.len() > MANY {
-            // Powers or distances that grow like a chain: join neighbours along the curve.
+            // Powers or distances that grow along a chain give few mutual pairs: join neighbours on the curve.
             partners = (0..open.len() as u32).map(|i| (i ^ 1).min(open.len() as u32 - 1)).collect();
         }
         let mut next = Vec::with_capacity(open.len() - joined);
@@ -102,8 +102,8 @@ pub fn join_all(mut leaves: Vec<Cluster>, c: f32, seed: u32) -> Option<Vec<Clust
     (!all.is_empty()).then_some(all)
 }
 
-/// For each cluster the partner that it is cheapest to join with. Pairs are ordered strictly, so that some pair is always
-/// mutual; of equally cheap ones those that differ in the lowest bit of their numbers come first, so that many are.
+/// The cheapest partner of each cluster. Pairs are strictly ordered, so that at least one pair is mutual. Ties prefer indices
+/// that differ in bit 0, which yields many mutual pairs per round.
 fn cheapest_partners(clusters: &[Cluster], c: f32) -> Vec<u32> {
     let reach = if clusters.len() <= MANY { clusters.len() } else { NEIGHBOURS };
     let best = |i: usize| {
@@ -123,11 +123,11 @@ fn cheapest_partners(clusters: &[Cluster], c: f32) -> Vec<u32> {
     (0..clusters.len()).into_par_iter().with_min_len(256).map(best).collect()
 }
 
-/// Sort lights along a Morton curve through positions and, where they count, normals.
+/// Sort lights along a Morton curve through positions and, if `c` is not 0, normals.
 fn sort_along_curve(leaves: &mut Vec<Cluster>, c: f32) {
     let bounds = leaves.iter().fold(Bounds::EMPTY, |b, l| b.union(l.bounds));
     let (low, size) = (bounds.min, bounds.extent().max_element().max(f32::MIN_POSITIVE));
-    // One unit of the curve is the same length for all axes; normals count with c.
+    // All axes have the same unit of length; normals are weighted by c.
     let unit = size.max(2.0 * c);
     let bits = if c > 0.0 { 10 } else { 20 };
     let most = (1u32 << bits) - 1;

@@ -1,4 +1,4 @@
-//! Cones of directions: where the normals of a cluster of lights point.
+//! Cones of directions, which bound the normals of a cluster of lights.
 
 use std::f32::consts::PI;
 
@@ -13,7 +13,7 @@ pub struct Cone {
     pub angle: f32,
 }
 
-/// Rounding of an angle between unit vectors: near zero the arc cosine has half the digits of its argument.
+/// Rounding of an angle between unit vectors: near zero, the arc cosine loses half the digits of its argument.
 const ROUNDING: f32 = 1e-3;
 
 impl Cone {
@@ -22,7 +22,7 @@ impl Cone {
         Cone { axis, angle: 0.0 }
     }
 
-    /// Half the angle of the smallest cone round both; what [`Cone::union`] has.
+    /// The half angle of [`Cone::union`], the smallest cone round both.
     #[inline]
     pub fn union_angle(&self, other: &Cone) -> f32 {
         if self.axis == other.axis {
@@ -40,11 +40,11 @@ impl Cone {
         if angle <= wide.angle || angle >= PI {
             return Cone { axis: wide.axis, angle };
         }
-        // Turn the axis of the wider one toward the other.
+        // Turn the axis of the wider cone toward the other.
         let cos = wide.axis.dot(narrow.axis);
         let turn = angle - wide.angle;
         let across = narrow.axis - wide.axis * cos;
-        // Of opposite axes only rounding is left, and any way round is as good.
+        // Between opposite axes only rounding is left, and any direction of the turn is right.
         let across = if across.length_squared() < ROUNDING * ROUNDING {
             wide.axis.any_orthonormal_vector()
         } else {

@@ -1,51 +1,52 @@
-//! Lightcuts [slides 58-61]: a partition of all lights into clusters, chosen for one point.
+//! A cut [slides 58-61]: a partition of all lights into clusters, chosen for one point.
 
+use std::cell::RefCell;
 use std::collections::BinaryHeap;
 
 use gi_core::math::Rgb;
 
 pub use crate::params::{Limits, Rule};
 
-/// By how much the errors of clusters, added up as squares, may exceed the error of the whole: bounds are rarely reached.
-/// Measured, so that 99 of 100 points of the gallery and of the patio stay below.
+/// The root of the sum of squared errors may exceed the allowed error of the whole by this factor, because bounds are rarely
+/// reached. Measured: 99 of 100 points of the scenes gallery and patio stay below the allowed error.
 const QUADRATURE: f64 = 1.5;
 
-/// A cluster of a cut, and what its representative says of it.
+/// A cluster of a cut, with the light of its representative.
 #[derive(Clone, Copy, Debug)]
 pub struct Cluster {
-    /// How far its estimate may be wrong, as luminance; 0 for a light.
+    /// Upper bound of the error of its estimate, as luminance; 0 for a single light.
     pub error: f32,
-    /// Which tree.
+    /// Index of the tree.
     pub tree: u32,
-    /// Which node.
+    /// Index of the node.
     pub node: u32,
-    /// What the representative would bring if its power were one: shadows and the bound of the geometric term included.
+    /// The light of the representative at unit power, with shadows and the clamped geometry term.
     pub unit: Rgb,
-    /// The share of it that the bound of the geometric term has left.
+    /// The fraction of it that the clamp of the geometry term kept.
     pub kept: f32,
-    /// Where its record is, if cuts are recorded.
+    /// Index of its entry, if the cut is recorded.
     pub slot: u32,
 }
 
-/// Light that a cut brings, and what it cost.
+/// The light of a point, and its cost.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Lit {
-    /// Radiance from points of lights.
+    /// Radiance from lights on light sources.
     pub direct: Rgb,
-    /// Radiance from lights of surfaces.
+    /// Radiance from lights on surfaces.
     pub indirect: Rgb,
-    /// Luminance of indirect light that the bound of the geometric term cut off.
+    /// Luminance of the indirect light that the clamp cut off.
     pub cut_off: f32,
-    /// Clusters, those that cannot bring anything left out.
+    /// Number of clusters, without those that cannot bring light.
     pub size: u32,
-    /// Shadow rays.
+    /// Number of shadow rays.
     pub rays: u32,
-    /// Whether the cut ended at the most clusters, and not at its error.
+    /// Whether refinement ended at the maximum number of clusters, with the error still too large.
     pub at_most: bool,
 }
 
 impl Lit {
-    /// All of it.
+    /// Direct and indirect radiance.
     pub fn all(&self) -> Rgb {
         self.direct + self.indirect
     }
@@ -55,42 +56,58 @@ impl Lit {
 #[derive(Default)]
 pub struct Cut {
     pub(crate) clusters: Vec<Cluster>,
-    /// Those that may be refined, the worst on top: its error's bits (errors are not negative: their bits are in their
-    /// order), and below them its number.
-    pub(crate) open: BinaryHeap<u64>,
-    /// Estimate of the whole, as luminance.
+    /// The heap of clusters that may be refined, the one with the largest error on top. The high 32 bits are the bits of the
+    /// error (for non-negative floats they sort like the values), the low 32 bits are the index of the cluster.
+    pub(crate) heap: BinaryHeap<u64>,
+    /// Estimate of all light, as luminance.
     pub total: f64,
-    /// Sum of the squares of the open clusters' errors, once no cluster alone is worse than it may be: before that some
-    /// are so much larger than others that taking them out again would leave nothing but rounding.
+    /// Sum of the squared errors on the heap. Started only once no cluster exceeds the allowed error; earlier, cancellation
+    /// would ruin the sum.
     pub(crate) squares: Option<f64>,
     pub(crate) rays: u32,
 }
 
+/// A split adds at most this many clusters: both children may be pairs of lights.
+pub(crate) const MAX_GROWTH: usize = 3;
+
+thread_local! {
+    /// One cut per thread, used again for every point, so that choosing a cut allocates nothing.
+    static CUT: RefCell<Cut> = RefCell::default();
+}
+
 impl Cut {
-    /// Forget everything.
+    /// Call `f` with the empty cut of this thread.
+    pub(crate) fn with_empty<T>(f: impl FnOnce(&mut Cut) -> T) -> T {
+        CUT.with_borrow_mut(|cut| {
+            cut.clear();
+            f(cut)
+        })
+    }
+
+    /// Empty the cut, to use its memory again.
     pub fn clear(&mut self) {
-        self.open.clear();
+        self.heap.clear();
         self.clusters.clear();
         (self.total, self.squares, self.rays) = (0.0, None, 0);
     }
 
-    /// All clusters, in no order that means anything, but always the same.
+    /// All clusters. Their order has no meaning, but is the same in every run.
     pub fn clusters(&self) -> &[Cluster] {
         &self.clusters
     }
 
-    /// Whether no error is larger than it may be.
+    /// Whether no error exceeds what `limits` allow.
     pub(crate) fn is_good(&mut self, limits: &Limits) -> bool {
         let allowed = f64::from(limits.error) * self.total;
         let error = |worst: &u64| f64::from(f32::from_bits((worst >> 32) as u32));
-        if self.open.peek().is_some_and(|worst| error(worst) > allowed) {
+        if self.heap.peek().is_some_and(|worst| error(worst) > allowed) {
             self.squares = None;
             return false;
         }
-        if limits.rule == Rule::Cluster || self.open.is_empty() {
+        if limits.rule == Rule::Cluster || self.heap.is_empty() {
             return true;
         }
-        let squares = || self.open.iter().map(|c| error(c).powi(2)).sum();
+        let squares = || self.heap.iter().map(|c| error(c).powi(2)).sum();
         let squares = *self.squares.get_or_insert_with(squares);
         squares <= (QUADRATURE * allowed).powi(2)
     }

@@ -1,22 +1,26 @@
-//! Lightcuts [slides 53-61, Walter05]: all illumination becomes point lights, thousands to millions of them, and every
-//! point is lit by a few clusters of them, chosen for it so that no cluster's error can be seen.
+//! Lightcuts [slides 53-61, Walter05]: all illumination becomes point lights, thousands to millions of them. Each point is
+//! illuminated by a few clusters of these lights, chosen for the point so that the error of no cluster is visible.
 //!
 //! | | |
 //! |---|---|
-//! | estimated | L(x) = sum over clusters C of a cut of f(x) G(x, y) V(x, y) power(C), with y the cluster's representative; passes, each with lights of its own, are averaged |
-//! | `--error` | error that may be, relative to the whole: Weber's law |
-//! | `--rule` | error of what: `cluster`, each alone, as the lecture has it; `whole`, of 99 of 100 points too (default) |
-//! | `--max-cut` | most clusters of a cut (with `--error 0` no limit) |
-//! | `--lights` | points of lights: areas, sky, sun (shared out by power) |
-//! | `--vpls` | about how many virtual point lights indirect light has |
-//! | `--fixed-lights` | all passes have the lights of the first: what lights' number leaves wrong stays |
-//! | `--clamp`, `--compensation` | bound of the geometric term of indirect lights, and paths that bring back what it cuts off, as in instant radiosity |
-//! | `--caustics` | `photon`: light that mirrors and glass focus is read from photons, blurred over discs that shrink with the passes; `path` |
-//! | `--method` | `cuts`; `all`: light by light; `stochastic`, `one`: light drawn from the same trees, without bias \[Yuksel19, Conty18\] |
-//! | `--reconstruct` | cuts at corners of blocks of pixels, interpolated between where they agree [Walter05, 5] |
-//! | bias | a cluster's error is bounded by `--error` of the whole; errors of many clusters average out. None with `--error 0`, but for the blur of caustics |
-//! | how it fails | lights that are few or near show as such; in the dark, where 2 % is little, and everywhere with `whole` and many lights, cuts reach their limit (`at_max_cut`) |
+//! | estimated | L(x) = sum over the clusters C of a cut of f(x) G(x, y) V(x, y) power(C), where y is the representative light of C. Passes, each with lights of its own, are averaged |
+//! | refinement | start with the roots of the trees; split the cluster with the largest error bound until that bound is below `--error` times the estimate of L(x) [slides 57-60] |
+//! | `--error` | allowed error, as a fraction of the point's radiance: Weber's law |
+//! | `--rule` | what `--error` bounds: `cluster`, each cluster alone, as in the lecture; `whole`, for 99 of 100 points also the sum (default) |
+//! | `--max-cut` | maximum number of clusters in a cut (no maximum with `--error 0`) |
+//! | `--lights` | number of points on area lights, sky and sun, distributed by power |
+//! | `--vpls` | approximate number of virtual point lights for indirect light |
+//! | `--fixed-lights` | all passes use the lights of the first pass; the error from too few lights stays |
+//! | `--clamp`, `--compensation` | upper bound of the geometry term of indirect lights, and paths for the light that it cuts off, as in instant radiosity |
+//! | `--caustics` | `photon`: light focused by mirrors and glass is read from photons, blurred over discs that shrink with the passes; `path` |
+//! | `--method` | `cuts`; `all`: every light; `stochastic`, `one`: lights sampled from the same trees, without bias \[Yuksel19, Conty18\] |
+//! | `--reconstruct` | cuts only at the corners of blocks of pixels, interpolated where they agree [Walter05, 5] |
+//! | bias | each cluster's error is at most `--error` times the whole; the errors of many clusters average out. None with `--error 0`, except the blur of caustics |
+//! | how it fails | few or near lights show individually. In dark places, where 2 % is little light, and with `whole` and many lights, cuts reach `--max-cut` (statistics: `at_max_cut`) |
 //! | sources | \[Walter05\], \[Keller97\], \[Kollig04\] |
+//!
+//! Read next: `cut.rs` (the cut and its heap), `light.rs` (split, representative, estimate), `bound.rs` (the error bound),
+//! `tree.rs` and `cluster.rs` (the light trees), `sources.rs` (the point lights), `reconstruct.rs`, `sample.rs`.
 
 #![forbid(unsafe_code)]
 
@@ -25,47 +29,115 @@ pub mod cluster;
 pub mod cone;
 pub mod cut;
 pub mod figures;
+pub mod gain;
 pub mod light;
 mod params;
 mod picture;
 pub mod reconstruct;
+pub mod record;
 pub mod sample;
+mod sources;
 mod tally;
 #[cfg(test)]
 mod test_scenes;
 pub mod tree;
+mod view;
 
 use std::path::Path;
 
-use gi_core::bytes::{Reader, Writer};
 use gi_core::caustics::FocusedLight;
 use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
-use gi_core::film::{Film, Show};
+use gi_core::film::{Film, Sample as PixelSample};
 use gi_core::sampler::Sampler;
 use gi_core::technique::{Picture, Setting, Technique};
-use vpl::{
-    Direct, MIN_ROUGHNESS, Pilot, Prepared, Receiver, Shooting, Termination, Vpls, points, shoot,
-};
+use vpl::{Direct, MIN_ROUGHNESS, Pilot, Prepared};
 
-use bound::Site;
+use cut::{Cut, Limits, Lit, MAX_GROWTH};
+use figures::Subject;
 use light::{At, Lights};
-use reconstruct::Corners;
+use picture::Blocks;
+use reconstruct::{Corners, Sample};
+use record::Record;
+use sources::PassLights;
 use tally::Tally;
-use tree::Forest;
+use tree::NodeId;
+use view::{PathState, View};
 
 pub use params::{Method, Params, Reconstruction};
+
+/// Refine a cut [slides 57-60]: replace the cluster with the largest error by its children, until no error is visible or the
+/// cut has the maximum number of clusters.
+pub fn refine<'a>(
+    lights: &Lights<'_, 'a>,
+    at: &At<'_, '_, 'a>,
+    limits: &Limits,
+    cut: &mut Cut,
+    record: &mut Option<&mut Record>,
+) {
+    let max_clusters = limits.max_clusters() as usize;
+    while !cut.is_good(limits) && cut.clusters.len() + MAX_GROWTH <= max_clusters {
+        let Some(worst) = cut.heap.pop() else { return };
+        // The low bits of an entry are the index of the cluster.
+        lights.split(at, cut, worst as u32, record);
+    }
+}
+
+/// Choose the cut of a point: refine the cut of all roots. `record` stores the cut for reconstruction.
+pub fn choose<'a>(
+    lights: &Lights<'_, 'a>,
+    at: &At<'_, '_, 'a>,
+    limits: &Limits,
+    cut: &mut Cut,
+    record: &mut Option<&mut Record>,
+) {
+    let trees = &lights.forest.trees;
+    if let Some(record) = record {
+        record.begin(trees.len());
+    }
+    for (t, _) in trees.iter().enumerate().filter(|(_, tree)| at.counts(tree)) {
+        let root = NodeId { tree: t as u32, node: 0 };
+        lights.add(at, cut, root, root.tree, record);
+    }
+    refine(lights, at, limits, cut, record);
+}
+
+/// Illuminate a point by its cut [slide 61].
+pub fn light_by_cut<'a>(lights: &Lights<'_, 'a>, at: &At<'_, '_, 'a>, limits: &Limits) -> Lit {
+    Cut::with_empty(|cut| {
+        choose(lights, at, limits, cut, &mut None);
+        lights.add_up(cut, limits)
+    })
+}
+
+/// Choose the cut of a point and record it for reconstruction.
+fn record_cut<'a>(lights: &Lights<'_, 'a>, at: &At<'_, '_, 'a>, limits: &Limits) -> Sample {
+    let (mut record, mut cut) = (Record::default(), Cut::default());
+    choose(lights, at, limits, &mut cut, &mut Some(&mut record));
+    let lit = lights.add_up(&mut cut, limits);
+    Sample::new(lights, at, record, &lit)
+}
+
+/// Illuminate a point by a reconstruction cut: interpolate where the samples agree up to `agree`, and refine the rest.
+fn reconstruct<'a>(
+    lights: &Lights<'_, 'a>,
+    at: &At<'_, '_, 'a>,
+    corners: &Corners,
+    limits: &Limits,
+    agree: f32,
+) -> Lit {
+    let mut found = lights.interpolate(at, corners, agree);
+    refine(lights, at, limits, &mut found.cut, &mut None);
+    let refined = lights.add_up(&mut found.cut, limits);
+    found.with(refined)
+}
 
 /// Lightcuts.
 pub struct Lightcuts<'a> {
     setting: Setting<'a>,
     params: Params,
     pilot: Pilot,
-    /// The lights of the last pass, and their trees.
-    vpls: Vpls,
-    forest: Forest,
+    lights: PassLights,
     focused: FocusedLight,
-    /// Which pass they were made for.
-    made_for: u32,
     tally: Tally,
 }
 
@@ -82,123 +154,88 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
             setting,
             params: params.clone(),
             pilot,
-            vpls: Vpls::default(),
-            forest: Forest::default(),
+            lights: PassLights::default(),
             focused,
-            made_for: 0,
             tally: Tally::default(),
         };
-        technique.make_lights(0);
+        technique.make_lights_and_trees(0);
         Ok(technique)
     }
 
-    /// A set of lights and its trees, and one sample a pixel lit by cuts.
+    /// Make lights and trees, and illuminate one sample per pixel by cuts.
     fn pass(&mut self, index: u32, film: &mut Film) {
-        if index != self.made_for && !self.params.fixed_lights {
-            self.make_lights(index);
+        if index != self.lights.pass && !self.params.fixed_lights {
+            self.make_lights_and_trees(index);
         }
         self.focused.shoot(self.setting.scene, self.setting.seed, index);
-        let this = &*self;
-        let prepared = Prepared::new(&this.vpls, this.setting.scene);
-        let lights = this.lights(&prepared);
-        if this.params.reconstruction.reconstruct {
-            return picture::add_pass(this, &lights, index, film);
+        let prepared = Prepared::new(&self.lights.vpls, self.setting.scene);
+        let lights = self.lights(&prepared);
+        let Reconstruction { reconstruct, block, .. } = self.params.reconstruction;
+        if reconstruct {
+            let blocks = Blocks::of_pass(&self.setting, block, index);
+            let take = |film| self.sample_corner(&lights, film);
+            let light = |pixel, corners: picture::FindCorners<'_, '_>| {
+                self.sample_pixel(&lights, pixel, index, corners)
+            };
+            return picture::add_pass(&blocks, film, take, light);
         }
-        film.add_pass(|pixel| this.sample_pixel(&lights, pixel, index, |_| None));
+        film.add_pass(|pixel| self.sample_pixel(&lights, pixel, index, |_| None));
     }
 
-    /// Passes do not build on each other: what is kept are counts.
     fn save_state(&self) -> Option<Vec<u8>> {
-        let mut w = Writer::default();
-        w.text(&self.params.identity());
-        self.tally.save(&mut w);
-        Some(w.into_bytes())
+        Some(self.tally.save(&self.params.identity()))
     }
 
     fn restore(&mut self, state: &[u8]) -> Result<(), String> {
-        let mut r = Reader::new(state);
-        let params = r.text()?;
-        if params != self.params.identity() {
-            return Err(format!("it was made with other parameters: {params}"));
-        }
-        self.tally.restore(&mut r)?;
-        r.end()
+        self.tally.restore(&self.params.identity(), state)
     }
 
     fn statistics(&self) -> Vec<(String, f64)> {
-        let mut all = self.tally.statistics();
-        let bytes = self.vpls.memory_bytes() as f64;
-        all.push(("caustic_photons".into(), self.focused.photons() as f64));
-        all.push(("caustic_radius".into(), self.focused.mean_radius()));
-        all.push(("light_bytes".into(), bytes));
-        all.push(("tree_bytes".into(), self.forest.memory_bytes() as f64));
-        all
+        self.tally.statistics(&self.focused, &self.lights.vpls, &self.lights.forest)
     }
 
     fn reach(&self) -> String {
-        let params = &self.params;
-        let direct = if params.direct == Direct::Vpl { "direct and indirect" } else { "indirect" };
-        let cut = if params.bound.loses_light() {
-            "; bounded geometric terms cut light off in corners (biased)"
-        } else {
-            ""
-        };
-        format!("all paths that path tracing reaches, {direct} light from point lights{cut}")
+        self.params.reach()
     }
 
     fn pictures(&self, film: &Film) -> Vec<Picture> {
-        let prepared = Prepared::new(&self.vpls, self.setting.scene);
+        let prepared = Prepared::new(&self.lights.vpls, self.setting.scene);
         let lights = self.lights(&prepared);
-        self.params.figures.iter().flat_map(|f| f.draw(self, &lights, film)).collect()
+        let subject = Subject { view: self.view(), lights: &lights, choose };
+        self.params.figures.iter().flat_map(|f| f.draw(&subject, film)).collect()
     }
 
     fn export(&self, path: &Path) -> Vec<u8> {
-        self.file(path)
+        let prepared = Prepared::new(&self.lights.vpls, self.setting.scene);
+        let lights = self.lights(&prepared);
+        figures::file(&Subject { view: self.view(), lights: &lights, choose }, path)
     }
 }
 
 impl<'a> Lightcuts<'a> {
-    /// All illumination becomes point lights, and they become trees [slide 61].
-    fn make_lights(&mut self, index: u32) {
-        let Setting { scene, seed, .. } = self.setting;
-        let max_depth = self.params.limits.max_depth;
-        let paths = self.pilot.paths_for(self.params.vpls);
-        let how = Shooting {
-            seed,
-            first_path: index.wrapping_mul(paths),
-            paths,
-            termination: Termination::Roulette,
-            // A path of the eye, the connection, and the light's own way are two segments more.
-            max_scatterings: max_depth.map(|d| d.saturating_sub(2)),
-            lights: false,
-            pilot: self.pilot,
-        };
-        // What nobody will see need not be made.
-        let indirect = !matches!(self.setting.show, Show::Direct | Show::Caustic);
-        let mut set = if indirect { shoot(scene, &how) } else { Vpls::default() };
-        if self.params.direct == Direct::Vpl {
-            let direct = points(scene, &self.params.lights, seed, index).lights;
-            set.lights.splice(0..0, direct);
-        }
-        let clock = std::time::Instant::now();
-        self.forest = Forest::build(scene, &set, max_depth.is_some(), seed ^ index);
-        self.tally.built(&set, clock.elapsed());
-        (self.vpls, self.made_for) = (set, index);
+    /// Make the lights of a pass, and build their trees.
+    fn make_lights_and_trees(&mut self, index: u32) {
+        self.lights = PassLights::make(&self.setting, &self.params, self.pilot, index);
+        self.tally.built(&self.lights.vpls, self.lights.building);
     }
 
-    /// The lights, ready to light points.
+    /// Lights and trees, prepared to illuminate points.
     fn lights<'l>(&'l self, prepared: &'l Prepared<'l, 'a>) -> Lights<'l, 'a> {
-        Lights { scene: self.setting.scene, prepared, forest: &self.forest }
+        Lights { scene: self.setting.scene, prepared, forest: &self.lights.forest }
     }
 
-    /// One path through a pixel. `corners` gives samples to reconstruct its first point from, if there are any.
+    fn view(&self) -> View<'_, 'a> {
+        View { setting: &self.setting, params: &self.params }
+    }
+
+    /// One path through a pixel. `corners` finds samples from which the first point can be reconstructed.
     fn sample_pixel<'s>(
         &self,
         lights: &Lights<'_, 'a>,
         pixel: [usize; 2],
         index: u32,
         corners: impl Fn(&EyeVertex) -> Option<Corners<'s>>,
-    ) -> gi_core::film::Sample {
+    ) -> PixelSample {
         let mut walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
         while let Some(v) = &walk.next_vertex() {
             walk.add_emitted(v);
@@ -217,7 +254,7 @@ impl<'a> Lightcuts<'a> {
         walk.sample()
     }
 
-    /// Light a vertex.
+    /// The light of a vertex from all lights, and what it covers: the path continues for the rest.
     fn gather(
         &self,
         lights: &Lights<'_, 'a>,
@@ -226,86 +263,35 @@ impl<'a> Lightcuts<'a> {
         sampler: &mut Sampler,
     ) -> Option<Estimate> {
         let bsdf = v.bsdf.broad(v.wo, MIN_ROUGHNESS)?;
-        let at = self.at(&v.surface, v.wo, &bsdf, (v.segments, v.non_delta))?;
+        let path = PathState { segments: v.segments, non_delta: v.non_delta };
+        let at = self.view().at(&v.surface, v.wo, &bsdf, path)?;
         let params = &self.params;
         let lit = match (params.method, corners) {
             (Method::Cuts, Some(corners)) if lights.agree_on_the_whole(&at, corners) => {
-                let agree = params.reconstruction.agree;
                 self.tally.reconstructed();
-                lights.reconstruct(&at, corners, &params.cut, agree)
+                reconstruct(lights, &at, corners, &params.cut, params.reconstruction.agree)
             }
-            (Method::Cuts, _) => lights.light(&at, &params.cut),
+            (Method::Cuts, _) => light_by_cut(lights, &at, &params.cut),
             (Method::All, _) => lights.light_by_all(&at),
             (Method::Stochastic, _) => lights.light_stochastically(&at, params.samples, sampler),
             (Method::One, _) => lights.light_by_some(&at, params.samples, sampler),
         };
         self.tally.note(&lit, v.non_delta == 0);
-        let max_geometry = self.compensated();
+        let max_geometry = self.view().compensated_geometry();
+        let max_scatterings = self.view().max_scatterings(v.segments)?;
+        let scene = self.setting.scene;
         Some(Estimate {
             covers: Covers::Visible { max_geometry, min_roughness: MIN_ROUGHNESS },
             direct: (params.direct == Direct::Vpl).then_some(lit.direct),
             indirect: lit.indirect,
-            caustic: self.focused.radiance(
-                self.setting.scene,
-                (&v.surface, v.wo, &bsdf),
-                self.deepest(v.segments)?,
-            ),
+            caustic: self.focused.radiance(scene, (&v.surface, v.wo, &bsdf), max_scatterings),
         })
     }
 
-    /// What is asked about a point that a path met after so many segments and rough scatterings; `None` where no light is
-    /// near enough to count.
-    fn at<'s>(
-        &self,
-        surface: &'s gi_core::geometry::Surface,
-        wo: glam::Vec3,
-        bsdf: &'s gi_core::bsdf::Bsdf<'a>,
-        (segments, rough): (u32, u32),
-    ) -> Option<At<'s, 's, 'a>> {
-        let deepest = self.deepest(segments)?;
-        // Further from the eye all light is indirect.
-        let direct = match self.setting.show {
-            Show::All => true,
-            Show::Direct => rough == 0,
-            Show::Indirect => rough > 0,
-            Show::Caustic => false,
-        };
-        let indirect = matches!(self.setting.show, Show::All | Show::Indirect);
-        Some(At {
-            receiver: Receiver::new(surface, wo, bsdf),
-            site: Site::new(surface, wo, bsdf, self.most()),
-            deepest: if indirect { deepest } else { 0 },
-            direct: direct && self.params.direct == Direct::Vpl,
-        })
-    }
-
-    /// Most scatterings of light that may come to a point which a path met after so many segments: a light or a photon
-    /// after j scatterings, the light's own included, has come j + 1 segments.
-    fn deepest(&self, segments: u32) -> Option<u32> {
-        match self.params.limits.max_depth {
-            None => Some(u32::MAX),
-            Some(most) => most.checked_sub(segments + 1),
-        }
-    }
-
-    /// The bound of the geometric term, per squared world unit.
-    fn most(&self) -> f32 {
-        let radius = self.setting.scene.radius();
-        self.params.bound.clamp / (radius * radius)
-    }
-
-    /// The bound beyond which paths look for light.
-    fn compensated(&self) -> f32 {
-        if self.params.bound.is_compensated() { self.most() } else { f32::INFINITY }
-    }
-
-    /// The lights of the last pass.
-    pub fn vpls(&self) -> &Vpls {
-        &self.vpls
-    }
-
-    /// Their trees.
-    pub fn forest(&self) -> &Forest {
-        &self.forest
+    /// The recorded cut of the point seen at a film position; `None` if nothing there receives light.
+    fn sample_corner(&self, lights: &Lights<'_, 'a>, film: [f32; 2]) -> Option<Sample> {
+        let sample = self.view().at_film(film, |at| record_cut(lights, at, &self.params.cut))?;
+        self.tally.sampled(sample.rays);
+        Some(sample)
     }
 }

@@ -1,6 +1,5 @@
-//! Lighting a point: choosing its cut, and adding up what the cut's clusters bring [slide 61].
-
-use std::cell::RefCell;
+//! The steps by which a cut is refined: a shadow ray to a representative, a bound of the error, the split of a cluster. And the
+//! light of a finished cut [slide 61].
 
 use gi_core::math::Rgb;
 use gi_core::scene::Scene;
@@ -8,10 +7,10 @@ use vpl::{Prepared, Receiver};
 
 use crate::bound::{Site, Terms, error};
 use crate::cut::{Cluster, Cut, Limits, Lit};
-use crate::reconstruct::Record;
-use crate::tree::{Forest, Tree};
+use crate::record::Record;
+use crate::tree::{Forest, NodeId, Tree};
 
-/// Lights ready to light points.
+/// Lights and trees, prepared to illuminate points.
 pub struct Lights<'l, 'a> {
     /// The world.
     pub scene: &'a Scene,
@@ -21,85 +20,35 @@ pub struct Lights<'l, 'a> {
     pub forest: &'l Forest,
 }
 
-thread_local! {
-    /// A cut that is used again and again: choosing one allocates nothing.
-    static CUT: RefCell<Cut> = RefCell::default();
-}
-
-/// By how many clusters a cut grows at most when one is split: both children may be pairs.
-const MOST_MORE: usize = 3;
-
-/// A point and everything that is asked about it.
+/// A point that receives light.
 pub struct At<'r, 's, 'a> {
-    /// As connections want it.
+    /// The point for connections.
     pub receiver: Receiver<'r, 'a>,
-    /// As bounds want it.
+    /// The point for bounds.
     pub site: Site<'s, 'a>,
-    /// Only trees whose lights have at most so many scatterings.
+    /// Largest number of scatterings of lights that count here.
     pub deepest: u32,
-    /// Whether points of lights count.
+    /// Whether lights on light sources count.
     pub direct: bool,
 }
 
 impl At<'_, '_, '_> {
-    /// The share of a light that the bound of the geometric term leaves: of points of lights all.
+    /// The fraction of a light that the clamp of the geometry term keeps. Lights on light sources are not clamped.
     #[inline]
     pub fn kept(&self, geometry: f32, direct: bool) -> f32 {
         let most = self.site.most;
         if !direct && geometry > most { most / geometry } else { 1.0 }
     }
 
-    /// Whether a tree's lights count here.
+    /// Whether the lights of a tree count here.
     pub fn counts(&self, tree: &Tree) -> bool {
         if tree.is_direct() { self.direct } else { tree.depth[1] <= self.deepest }
     }
 }
 
 impl<'a> Lights<'_, 'a> {
-    /// Light a point by a cut.
-    pub fn light(&self, at: &At<'_, '_, 'a>, limits: &Limits) -> Lit {
-        CUT.with_borrow_mut(|cut| {
-            cut.clear();
-            self.choose(at, limits, cut, &mut None);
-            self.add_up(cut, limits)
-        })
-    }
-
-    /// Choose the cut of a point, from the roots [slide 61].
-    pub fn choose(
-        &self,
-        at: &At<'_, '_, 'a>,
-        limits: &Limits,
-        cut: &mut Cut,
-        record: &mut Option<&mut Record>,
-    ) {
-        let trees = &self.forest.trees;
-        if let Some(record) = record {
-            record.begin(trees.len());
-        }
-        for (t, _) in trees.iter().enumerate().filter(|(_, tree)| at.counts(tree)) {
-            self.add(at, cut, (t as u32, 0), t as u32, record);
-        }
-        self.refine(at, limits, cut, record);
-    }
-
-    /// Refine the worst cluster until none is worse than it may be, or there are too many.
-    pub fn refine(
-        &self,
-        at: &At<'_, '_, 'a>,
-        limits: &Limits,
-        cut: &mut Cut,
-        record: &mut Option<&mut Record>,
-    ) {
-        let most = limits.max_clusters() as usize;
-        while !cut.is_good(limits) && cut.clusters.len() + MOST_MORE <= most {
-            let Some(worst) = cut.open.pop() else { return };
-            self.split(at, cut, worst as u32, record);
-        }
-    }
-
-    /// Replace a cluster by its children. One of them has the same representative: what it says is known already.
-    fn split(
+    /// Replace a cluster by its children. One of them has the same representative, so its light is known already.
+    pub fn split(
         &self,
         at: &At<'_, '_, 'a>,
         cut: &mut Cut,
@@ -127,29 +76,31 @@ impl<'a> Lights<'_, 'a> {
             let bound = self.bound(at, parent.tree, same);
             self.weigh(cut, number, bound);
         }
-        self.add(at, cut, (parent.tree, other), slot + 1 - inherits, record);
+        let other = NodeId { tree: parent.tree, node: other };
+        self.add(at, cut, other, slot + 1 - inherits, record);
     }
 
-    /// Ask a node's representative, and add the node to a cut.
+    /// Add a node to a cut, with a shadow ray to its representative.
     pub fn add(
         &self,
         at: &At<'_, '_, 'a>,
         cut: &mut Cut,
-        (tree, node): (u32, u32),
+        id: NodeId,
         slot: u32,
         record: &mut Option<&mut Record>,
     ) {
+        let NodeId { tree, node } = id;
         let shape = &self.forest.trees[tree as usize];
-        // A ray to the other of two lights costs no more than a bound.
+        // A shadow ray to the second of two lights costs no more than a bound: add both lights.
         if shape.is_pair(node) {
             let [a, b] = shape.node(node).children().expect("two lights");
             let first = record.as_mut().map_or(0, |r| r.split(slot));
-            self.add(at, cut, (tree, a), first, record);
-            return self.add(at, cut, (tree, b), first + 1, record);
+            self.add(at, cut, NodeId { node: a, ..id }, first, record);
+            return self.add(at, cut, NodeId { node: b, ..id }, first + 1, record);
         }
         let light = shape.node(node).representative;
         let mut cluster = Cluster { error: 0.0, tree, node, unit: Rgb::BLACK, kept: 1.0, slot };
-        // What cannot bring anything needs no ray.
+        // A cluster that cannot bring light needs no shadow ray.
         let is_light = shape.node(node).children().is_none();
         let bound = self.bound(at, tree, node);
         if !is_light && bound.is_none() {
@@ -170,7 +121,7 @@ impl<'a> Lights<'_, 'a> {
         self.weigh(cut, cut.clusters.len() as u32 - 1, bound);
     }
 
-    /// Bound what a node's lights bring; `None` for lights, and where nothing comes from them.
+    /// Upper bound of the light from a cluster; `None` for single lights, and if no light comes from it.
     #[inline]
     pub(crate) fn bound(&self, at: &At, tree: u32, node: u32) -> Option<Rgb> {
         let tree = &self.forest.trees[tree as usize];
@@ -178,19 +129,19 @@ impl<'a> Lights<'_, 'a> {
         Some(Terms::new(tree, node, &at.site)?.bound(tree, tree.node(node), &at.site))
     }
 
-    /// Say how wrong a cluster may be, and add its estimate to the whole.
+    /// Set the error of a cluster, add its estimate to the total, and put it on the heap.
     #[inline]
     fn weigh(&self, cut: &mut Cut, number: u32, bound: Option<Rgb>) {
         let cluster = &mut cut.clusters[number as usize];
         let power = self.forest.trees[cluster.tree as usize].node(cluster.node).power;
         let estimate = cluster.unit * power;
         cut.total += f64::from(estimate.luminance());
-        // Lights have no error, and what cannot bring anything has none.
+        // A single light has no error, and neither has a cluster that cannot bring light.
         let error = bound.map_or(0.0, |bound| error(estimate, bound));
         cluster.error = error;
         if error > 0.0 {
             cut.squares = cut.squares.map(|s| s + f64::from(error).powi(2));
-            cut.open.push(u64::from(error.to_bits()) << 32 | u64::from(number));
+            cut.heap.push(u64::from(error.to_bits()) << 32 | u64::from(number));
         }
     }
 
@@ -211,7 +162,7 @@ impl<'a> Lights<'_, 'a> {
         lit
     }
 
-    /// What one light would bring if its power were one, shadows and the bound of the geometric term included.
+    /// The light that one virtual light of unit power brings, with shadows and the clamped geometry term.
     pub fn one_unit(&self, at: &At<'_, '_, 'a>, light: u32) -> Rgb {
         let Some(c) = self.prepared.connect_unit(light as usize, &at.receiver) else {
             return Rgb::BLACK;
@@ -221,12 +172,12 @@ impl<'a> Lights<'_, 'a> {
         c.radiance * c.transmittance(self.scene) * kept
     }
 
-    /// What one light brings.
+    /// The light that one virtual light brings.
     pub fn one(&self, at: &At<'_, '_, 'a>, light: u32) -> Rgb {
         self.one_unit(at, light) * self.prepared.set().lights[light as usize].power
     }
 
-    /// Light a point by all lights, one by one: what cuts are compared with.
+    /// Illuminate a point by every single light: the reference for cuts.
     pub fn light_by_all(&self, at: &At<'_, '_, 'a>) -> Lit {
         let set = self.prepared.set();
         let points = set.up_to(0).len();

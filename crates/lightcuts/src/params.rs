@@ -157,6 +157,19 @@ impl Default for Params {
     }
 }
 
+impl Params {
+    /// What the estimator reaches, in words.
+    pub(crate) fn reach(&self) -> String {
+        let direct = if self.direct == Direct::Vpl { "direct and indirect" } else { "indirect" };
+        let cut = if self.bound.loses_light() {
+            "; bounded geometric terms cut light off in corners (biased)"
+        } else {
+            ""
+        };
+        format!("all paths that path tracing reaches, {direct} light from point lights{cut}")
+    }
+}
+
 impl Parameters for Params {
     fn check(&self) -> Result<(), String> {
         if self.reconstruction.reconstruct && self.method != Method::Cuts {

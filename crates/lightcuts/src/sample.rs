@@ -1,8 +1,8 @@
-//! Today's relatives on the same trees, without bias: one light drawn by a walk down the tree \[Conty18\], and stochastic
-//! lightcuts, which draw a light from each cluster of a cut \[Yuksel19\].
+//! Two newer, unbiased methods on the same trees: one light sampled by a walk down the tree \[Conty18\], and stochastic
+//! lightcuts, which sample one light from each cluster of a cut \[Yuksel19\].
 //!
-//! A walk goes to a child in proportion to what it may bring: the bounds of [`crate::bound`], but with the distance to the
-//! middle of the box, which keeps the estimate steady near lights. A child that may bring something is never left out.
+//! A walk chooses a child in proportion to its importance: the bound of [`crate::bound`], but with the distance to the centre
+//! of the box, which reduces variance near lights. A child that may bring light has a probability above 0.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -14,12 +14,12 @@ use gi_core::sampler::Sampler;
 use crate::bound::{Site, Terms};
 use crate::cut::Lit;
 use crate::light::{At, Lights};
-use crate::tree::{Family, Tree};
+use crate::tree::{Family, NodeId, Tree};
 
-/// Glossy lights of whose peak nothing is known must not keep walks from all others.
+/// Limit of the emission in an importance: a glossy light with an unknown peak must not attract all walks.
 const MOST_EMITTED: f32 = 10.0;
 
-/// What a node may bring, roughly: 0 only where it can bring nothing.
+/// Rough estimate of the light from a node; 0 only if it can bring none.
 fn importance(tree: &Tree, k: u32, site: &Site) -> f32 {
     let Some(terms) = Terms::new(tree, k, site) else { return 0.0 };
     let [distance_sq, radius_sq] = terms.toward.middle_and_radius_sq();
@@ -36,7 +36,7 @@ fn importance(tree: &Tree, k: u32, site: &Site) -> f32 {
 }
 
 impl<'a> Lights<'_, 'a> {
-    /// Light a point by `count` lights drawn from all trees.
+    /// Illuminate a point by `count` lights sampled from all trees.
     pub fn light_by_some(&self, at: &At<'_, '_, 'a>, count: u32, sampler: &mut Sampler) -> Lit {
         let mut rng = numbers(sampler);
         let mut roots = Vec::new();
@@ -58,14 +58,15 @@ impl<'a> Lights<'_, 'a> {
             });
             let (tree, weight) = *chosen.unwrap_or(&roots[roots.len() - 1]);
             if weight > 0.0 {
-                self.draw(at, (tree, 0), count as f32 * weight / all, &mut rng, &mut lit);
+                let root = NodeId { tree, node: 0 };
+                self.draw(at, root, count as f32 * weight / all, &mut rng, &mut lit);
             }
         }
         lit
     }
 
-    /// Light a point by one light drawn from each of `size` clusters. The cut is chosen by what clusters may bring, not by
-    /// what was drawn: that would be biased.
+    /// Illuminate a point by one light sampled from each of `size` clusters. The cut is chosen by bounds; a choice by the
+    /// sampled lights would be biased.
     pub fn light_stochastically(
         &self,
         at: &At<'_, '_, 'a>,
@@ -79,40 +80,42 @@ impl<'a> Lights<'_, 'a> {
         lit
     }
 
-    /// A cut of at most so many nodes: that with the largest bound is split again and again.
-    fn clusters_by_bound(&self, at: &At<'_, '_, 'a>, size: u32) -> Vec<(u32, u32)> {
+    /// A cut of at most `size` nodes: the node with the largest bound is split repeatedly.
+    fn clusters_by_bound(&self, at: &At<'_, '_, 'a>, size: u32) -> Vec<NodeId> {
         let (mut open, mut lights) = (BinaryHeap::new(), Vec::new());
-        let mut next: Vec<(u32, u32)> = Vec::new();
+        let mut next: Vec<NodeId> = Vec::new();
         let trees = self.forest.trees.iter().enumerate();
-        next.extend(trees.filter(|(_, t)| at.counts(t)).map(|(t, _)| (t as u32, 0)));
+        next.extend(
+            trees.filter(|(_, t)| at.counts(t)).map(|(t, _)| NodeId { tree: t as u32, node: 0 }),
+        );
         loop {
-            for (t, k) in next.drain(..) {
-                if self.forest.trees[t as usize].node(k).children().is_none() {
-                    lights.push((t, k));
-                } else if let Some(bound) = self.bound(at, t, k) {
-                    // Bounds are not negative: their bits are in their order.
+            for id in next.drain(..) {
+                if self.forest.trees[id.tree as usize].node(id.node).children().is_none() {
+                    lights.push(id);
+                } else if let Some(bound) = self.bound(at, id.tree, id.node) {
+                    // The bits of non-negative floats sort like the values.
                     let bound = bound.luminance().min(f32::MAX);
-                    open.push((bound.to_bits(), Reverse((t, k))));
+                    open.push((bound.to_bits(), Reverse(id)));
                 }
             }
             if open.len() + lights.len() >= size as usize {
                 break;
             }
-            let Some((_, Reverse((t, k)))) = open.pop() else { break };
-            let children = self.forest.trees[t as usize].node(k).children();
-            next.extend(children.into_iter().flatten().map(|k| (t, k)));
+            let Some((_, Reverse(id))) = open.pop() else { break };
+            let children = self.forest.trees[id.tree as usize].node(id.node).children();
+            next.extend(children.into_iter().flatten().map(|node| NodeId { node, ..id }));
         }
-        let mut clusters: Vec<(u32, u32)> =
+        let mut clusters: Vec<NodeId> =
             open.into_iter().map(|(_, Reverse(node))| node).chain(lights).collect();
         clusters.sort_unstable();
         clusters
     }
 
-    /// Draw a light below a node and add what it brings, over the probability of having drawn it and over `pdf`.
+    /// Sample a light below a node, and add its light divided by its probability and by `pdf`.
     fn draw(
         &self,
         at: &At<'_, '_, 'a>,
-        (tree, mut node): (u32, u32),
+        NodeId { tree, mut node }: NodeId,
         mut pdf: f32,
         rng: &mut Pcg,
         lit: &mut Lit,
@@ -121,7 +124,7 @@ impl<'a> Lights<'_, 'a> {
         while let Some([a, b]) = shape.node(node).children() {
             let [first, second] = [a, b].map(|k| importance(shape, k, &at.site));
             let share = first / (first + second);
-            // Neither can bring anything.
+            // Neither child can bring light.
             if share.is_nan() {
                 return;
             }
@@ -143,7 +146,7 @@ impl<'a> Lights<'_, 'a> {
     }
 }
 
-/// As many numbers as a walk wants, from two of the path's.
+/// A generator of random numbers for walks, seeded with two numbers of the path.
 fn numbers(sampler: &mut Sampler) -> Pcg {
     let [a, b] = sampler.next_2d().map(|u| u64::from(u.to_bits()));
     Pcg::new(a << 32 | b, 0)

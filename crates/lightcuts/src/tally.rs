@@ -1,31 +1,33 @@
-//! What cuts cost, counted.
+//! Counts of what cuts cost, and the statistics made of them.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::Duration;
 
 use gi_core::bytes::{Reader, Writer};
+use gi_core::caustics::FocusedLight;
 use vpl::{Energy, Vpls};
 
 use crate::cut::Lit;
+use crate::tree::Forest;
 
-/// What is counted.
+/// The counts.
 #[derive(Clone, Copy)]
 enum Count {
     Points,
     Clusters,
     Rays,
-    /// Of what the eye sees alone.
+    /// The same three for directly visible points only.
     Seen,
     SeenClusters,
     SeenRays,
-    /// Cuts that ended at the most clusters.
+    /// Cuts that reached the maximum number of clusters.
     AtMost,
     Reconstructed,
-    /// Rays of samples that were reconstructed from.
+    /// Shadow rays of the samples for reconstruction.
     SampleRays,
 }
 
-/// Counts of all passes. Whole numbers: their sums do not depend on the order in which threads add.
+/// Counts of all passes. They are whole numbers, so sums do not depend on the order in which threads add.
 #[derive(Debug, Default)]
 pub(crate) struct Tally {
     energy: Energy,
@@ -43,7 +45,7 @@ impl Tally {
         self.counts[count as usize].load(Relaxed) as f64
     }
 
-    /// A point was lit; `seen`: by what the eye sees, not further down a path.
+    /// Count an illuminated point; `seen` if it is directly visible.
     pub(crate) fn note(&self, lit: &Lit, seen: bool) {
         self.add(Count::Points, 1);
         self.add(Count::Clusters, lit.size);
@@ -57,39 +59,52 @@ impl Tally {
         self.energy.note(lit.indirect.luminance(), lit.cut_off, lit.rays.into());
     }
 
-    /// A point was reconstructed.
+    /// Count a reconstructed point.
     pub(crate) fn reconstructed(&self) {
         self.add(Count::Reconstructed, 1);
     }
 
-    /// A sample for reconstruction took so many rays.
+    /// Count the shadow rays of a sample for reconstruction.
     pub(crate) fn sampled(&self, rays: u32) {
         self.add(Count::SampleRays, rays);
     }
 
-    /// A set's trees were built.
+    /// Count the lights of a pass and the time for building their trees.
     pub(crate) fn built(&mut self, set: &Vpls, time: Duration) {
         let direct = set.up_to(0).len();
         self.lights = [direct as u64, (set.lights.len() - direct) as u64];
         self.building += time;
     }
 
-    /// Keep what a resumed run goes on counting from.
-    pub(crate) fn save(&self, w: &mut Writer) {
+    /// The counts for a resumed run, with the `identity` of the parameters. Passes are independent and need nothing else.
+    pub(crate) fn save(&self, identity: &str) -> Vec<u8> {
+        let mut w = Writer::default();
+        w.text(identity);
         self.counts.iter().for_each(|n| w.u64(n.load(Relaxed)));
         self.energy.parts().into_iter().for_each(|n| w.u64(n));
+        w.into_bytes()
     }
 
-    /// Go on counting.
-    pub(crate) fn restore(&mut self, r: &mut Reader) -> Result<(), String> {
+    /// Continue from stored counts.
+    pub(crate) fn restore(&mut self, identity: &str, state: &[u8]) -> Result<(), String> {
+        let mut r = Reader::new(state);
+        let params = r.text()?;
+        if params != identity {
+            return Err(format!("it was made with other parameters: {params}"));
+        }
         for n in &self.counts {
             n.store(r.u64()?, Relaxed);
         }
         self.energy = Energy::from_parts([r.u64()?, r.u64()?, r.u64()?]);
-        Ok(())
+        r.end()
     }
 
-    pub(crate) fn statistics(&self) -> Vec<(String, f64)> {
+    pub(crate) fn statistics(
+        &self,
+        focused: &FocusedLight,
+        vpls: &Vpls,
+        forest: &Forest,
+    ) -> Vec<(String, f64)> {
         use Count::*;
         let n = |c| self.get(c);
         let mean = |sum: f64, of| sum / n(of).max(1.0);
@@ -107,6 +122,10 @@ impl Tally {
             ("at_max_cut", n(AtMost)),
             ("reconstructed", n(Reconstructed)),
             ("energy_cut", cut / (kept + cut).max(f64::MIN_POSITIVE)),
+            ("caustic_photons", focused.photons() as f64),
+            ("caustic_radius", focused.mean_radius()),
+            ("light_bytes", vpls.memory_bytes() as f64),
+            ("tree_bytes", forest.memory_bytes() as f64),
         ]
         .map(|(name, value)| (name.to_string(), value))
         .to_vec()

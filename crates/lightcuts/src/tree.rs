@@ -1,36 +1,45 @@
 //! The light tree [slide 57]: leaves are lights, inner nodes are clusters of what lies below.
 //!
-//! Built bottom-up: of all pairs of clusters the one that is cheapest to represent by one light is joined, until one is
-//! left [Walter05, 3.2]. Which pairs are joined is found in rounds, many at a time, see [`crate::cluster`].
+//! Trees are built bottom-up: join the pair of clusters that is cheapest to represent by one light, until one cluster is
+//! left [Walter05, 3.2]. [`crate::cluster`] finds many pairs per round.
 
 use gi_core::math::{Bounds, Rgb};
 use gi_core::scene::Scene;
 use glam::Vec3;
 use vpl::{Kind, Vpl, Vpls};
 
-use crate::bound::{Gain, gain};
 use crate::cluster::{Cluster, join_all};
+use crate::gain::{Gain, gain};
 
-/// How the lights of a tree shine: a tree a kind.
+/// How the lights of a tree emit. Each kind has a tree of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
-    /// Alike in all directions, or less in some (spots).
+    /// Equally in all directions, or less in some (spots).
     Omni,
-    /// As the cosine.
+    /// Proportional to the cosine with the normal.
     Oriented,
-    /// In parallel. Positions of such a tree are unit directions toward the lights.
+    /// Parallel light. The positions in such a tree are unit directions toward the lights.
     Directional,
-    /// As a BSDF scatters.
+    /// By a BSDF.
     Glossy,
 }
 
-/// A cone as bounds want it.
+/// A cone of normals, with the cosine that bounds need.
 #[derive(Clone, Copy, Debug)]
 pub struct NormalCone {
     /// Unit axis.
     pub axis: Vec3,
-    /// Cosine of the half angle: 1 for one direction, -1 for all.
+    /// Cosine of the half angle: 1 for a single direction, -1 for all directions.
     pub cos: f32,
+}
+
+/// A node of one of the trees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct NodeId {
+    /// Index of the tree.
+    pub tree: u32,
+    /// Index of the node in the tree; 0 is the root.
+    pub node: u32,
 }
 
 /// A light or a cluster of lights.
@@ -42,7 +51,7 @@ pub struct Node {
     pub cone: NormalCone,
     /// Sum of their powers.
     pub power: Rgb,
-    /// The light that stands for all: drawn in proportion to power, and one of the children's.
+    /// The representative light, sampled in proportion to power from the representatives of the children.
     pub representative: u32,
     /// The first of two children, the second follows it; 0 for a light.
     child: u32,
@@ -59,13 +68,13 @@ impl Node {
 /// A tree of lights of one kind.
 #[derive(Clone, Debug)]
 pub struct Tree {
-    /// How its lights shine.
+    /// How its lights emit.
     pub family: Family,
-    /// Scatterings on the paths of its lights, at most and at least; all 0 or none.
+    /// Largest and smallest number of scatterings of its lights. Either all are 0 or none is.
     pub depth: [u32; 2],
     /// The root first; parents before children.
     nodes: Vec<Node>,
-    /// Of glossy lights, a node each: how much they send in a direction at most.
+    /// One gain per node of a glossy tree; empty for other trees.
     gains: Vec<Gain>,
 }
 
@@ -88,13 +97,13 @@ impl Tree {
         &self.nodes
     }
 
-    /// How much the lights of a node send in a direction at most, of what arrives at them; only of a glossy tree.
+    /// Upper bound of what the glossy lights of a node scatter toward any direction; for glossy trees only.
     #[inline]
     pub fn gain(&self, k: u32) -> Gain {
         self.gains[k as usize]
     }
 
-    /// Whether its lights are points of lights: what they bring is direct light.
+    /// Whether its lights lie on light sources, so that they bring direct light.
     #[inline]
     pub fn is_direct(&self) -> bool {
         self.depth[0] == 0
@@ -131,7 +140,7 @@ impl Tree {
         Some(tree)
     }
 
-    /// Gains of all nodes: those of lights, and the larger of two children.
+    /// Gains of all nodes. A cluster has the larger gain of its two children.
     fn gains(&self, scene: &Scene, set: &Vpls) -> Vec<Gain> {
         use rayon::prelude::*;
         let of_light = |node: &Node| match set.lights[node.representative as usize].kind {
@@ -171,7 +180,7 @@ fn lay_out(joined: &[Cluster]) -> Vec<Node> {
         let first = nodes.len();
         nodes[to].child = first as u32;
         nodes.extend([node(&joined[a]), node(&joined[b])]);
-        // Down the first child: what is refined together lies together.
+        // Descend into the first child next: nodes that are refined together lie together in memory.
         open.extend([(b, first + 1), (a, first)]);
     }
     nodes
@@ -180,13 +189,13 @@ fn lay_out(joined: &[Cluster]) -> Vec<Node> {
 /// All lights as trees.
 #[derive(Clone, Debug, Default)]
 pub struct Forest {
-    /// The trees: of points of lights, then of lights of surfaces.
+    /// The trees of lights on light sources, then the trees of lights on surfaces.
     pub trees: Vec<Tree>,
 }
 
 impl Forest {
-    /// Build all trees of a set. Where paths have a limit, lights of each number of scatterings have trees of their own,
-    /// since not every point may see them all.
+    /// Build all trees of a set. With `by_depth` (for `max_depth`), the lights of each number of scatterings have trees of their
+    /// own, because not all of them may illuminate every point.
     pub fn build(scene: &Scene, set: &Vpls, by_depth: bool, seed: u32) -> Self {
         let deepest = set.lights.iter().map(|v| v.depth).max().unwrap_or(0);
         let groups: Vec<[u32; 2]> = match by_depth {
@@ -205,7 +214,7 @@ impl Forest {
         Forest { trees }
     }
 
-    /// What the trees occupy.
+    /// Memory of the trees in bytes.
     pub fn memory_bytes(&self) -> usize {
         let bytes = |t: &Tree| size_of_val(&t.nodes[..]) + size_of_val(&t.gains[..]);
         self.trees.iter().map(bytes).sum()
@@ -221,7 +230,7 @@ fn family_of(v: &Vpl) -> Family {
     }
 }
 
-/// Where a light is in the space of its tree.
+/// The position of a light in the space of its tree.
 pub fn place(light: &Vpl) -> Vec3 {
     leaf(light, 0).bounds.min
 }

@@ -1,6 +1,5 @@
-//! BRDFs in the basis [slide 18]: f_r times the cosine of a material's glossy lobe, projected for every elevation of the
-//! outgoing direction. Lobes are the same all round, so that azimuth 0 serves for all, and only cosines
-//! (m >= 0) are in it.
+//! BRDF tables [slide 18]: the coefficients c_k of f_r times the cosine, for a material's glossy lobe and each elevation of the
+//! outgoing direction. Lobes are isotropic, so azimuth 0 represents all, and only functions with m >= 0 are not zero.
 
 use std::f32::consts::FRAC_PI_2;
 
@@ -11,28 +10,28 @@ use rayon::prelude::*;
 
 use crate::sh::{Basis, Coefficients, MAX_FUNCTIONS, MAX_ORDER, Window};
 
-/// Elevations of the outgoing direction, from the normal to the horizon, at even angles.
+/// Number of elevations of the outgoing direction, at equal angles from the normal to the horizon.
 const ELEVATIONS: usize = 64;
-/// Angle of the last of them: at the horizon itself nothing is defined.
+/// Angle of the last elevation: at the horizon itself the BRDF is not defined.
 const LAST: f32 = FRAC_PI_2 - 1e-3;
-/// Samples of a lobe along each side of the square that they are drawn from.
+/// Number of samples of a lobe along each side of the unit square.
 const SIDE: usize = 64;
-/// Share of a lobe's energy that an automatic order may leave out.
+/// Fraction of a lobe's energy that an automatic order may leave out.
 pub const LEFT_OUT: f32 = 0.05;
 
 /// A lobe's coefficients.
 #[derive(Clone, Debug)]
 pub struct BrdfTable {
-    /// How many bands it has.
+    /// Number of bands.
     pub order: usize,
-    /// Share of the energy, the integral of (f_r cos)^2, that they leave out: the mean over outgoing directions.
+    /// Fraction of the energy, the integral of (f_r cos)^2, that these bands leave out; the mean over outgoing directions.
     pub left_out: f32,
     basis: Basis,
-    /// Elevation by elevation the functions with m >= 0, (l, m) at l (l + 1) / 2 + m.
+    /// One row per elevation, with the functions of m >= 0; (l, m) is at l (l + 1) / 2 + m.
     rows: Vec<Vec3A>,
 }
 
-/// Functions with m >= 0 of an order.
+/// Number of functions with m >= 0 of an order.
 const fn halved(order: usize) -> usize {
     order * (order + 1) / 2
 }
@@ -49,7 +48,7 @@ fn outgoing(i: usize) -> Vec3 {
     Vec3::new(angle.sin(), 0.0, angle.cos())
 }
 
-/// Project a lobe on `bands` bands by drawing from it on an even grid.
+/// Project a lobe onto `bands` bands, with samples of the lobe on a regular grid.
 fn project(lobe: &GlossyLobe, basis: Basis, bands: usize, wo: Vec3) -> Projection {
     let mut coefficients = [Vec3A::ZERO; MAX_FUNCTIONS];
     let (mut energy, mut y) = (0.0f64, [0.0; MAX_FUNCTIONS]);
@@ -67,7 +66,7 @@ fn project(lobe: &GlossyLobe, basis: Basis, bands: usize, wo: Vec3) -> Projectio
 }
 
 impl Projection {
-    /// Share of the energy beyond the bands below `order`.
+    /// Fraction of the energy in bands from `order` on.
     fn left_out(&self, order: usize) -> f32 {
         let kept: f32 =
             self.coefficients[..order * order].iter().map(|c| c.length_squared() / 3.0).sum();
@@ -83,7 +82,8 @@ fn mean(all: &[Projection], of: impl Fn(&Projection) -> f32) -> f32 {
 }
 
 impl BrdfTable {
-    /// Tabulate a lobe with `order` bands; with 0 as many as leave out [`LEFT_OUT`] of the energy, or else [`MAX_ORDER`].
+    /// Tabulate a lobe with `order` bands. 0 selects the smallest order that leaves out at most [`LEFT_OUT`] of the energy, up to
+    /// [`MAX_ORDER`].
     pub fn new(lobe: &GlossyLobe, basis: Basis, window: Window, order: usize) -> Self {
         let bands = if order == 0 { MAX_ORDER } else { order };
         let project = |i| project(lobe, basis, bands, outgoing(i));
@@ -103,50 +103,48 @@ impl BrdfTable {
         BrdfTable { order, left_out: left_out(order), basis, rows }
     }
 
-    /// The rows on both sides of an elevation, and the share of the second.
-    fn between(&self, cos_o: f32) -> (&[Vec3A], &[Vec3A], f32) {
+    /// The coefficients for an outgoing direction of cosine `cos_o`.
+    #[inline]
+    pub fn at(&self, cos_o: f32) -> BrdfRow<'_> {
         let x = (cos_o.clamp(0.0, 1.0).acos() / LAST).min(1.0) * (ELEVATIONS - 1) as f32;
         let i = (x as usize).min(ELEVATIONS - 2);
         let width = halved(self.order);
         let row = |i: usize| &self.rows[i * width..(i + 1) * width];
-        (row(i), row(i + 1), x - i as f32)
+        BrdfRow { order: self.order, low: row(i), high: row(i + 1), fraction: x - i as f32 }
     }
 
-    /// Radiance out of the light with these coefficients, in the frame whose z is the normal and that has the outgoing
-    /// direction, of cosine `cos_o`, above its x axis: the dot product [slide 18].
-    #[inline]
-    pub fn radiance(&self, cos_o: f32, light: &Coefficients) -> Rgb {
-        let (a, b, t) = self.between(cos_o);
-        let (mut sum_a, mut sum_b) = (Vec3A::ZERO, Vec3A::ZERO);
-        for l in 0..self.order {
-            let (half, whole) = (halved(l), l * (l + 1));
-            for m in 0..=l {
-                sum_a += a[half + m] * light[whole + m];
-                sum_b += b[half + m] * light[whole + m];
-            }
-        }
-        Rgb::from(sum_a.lerp(sum_b, t).to_array())
-    }
-
-    /// rho_hd: the share of light from all round, or toward it, that goes on [slide 15].
+    /// The directional reflectance rho_hd(w_o): the integral of f_r cos over all incoming directions [slide 15].
     pub fn albedo(&self, cos_o: f32) -> Rgb {
-        let (a, b, t) = self.between(cos_o);
-        Rgb::from((a[0].lerp(b[0], t) * self.basis.integral()).to_array())
+        let BrdfRow { low, high, fraction, .. } = self.at(cos_o);
+        Rgb::from((low[0].lerp(high[0], fraction) * self.basis.integral()).to_array())
     }
 
-    /// Its approximation of f_r times the cosine, the sum over bands: `wo` above the x axis.
-    pub fn value(&self, cos_o: f32, wi: Vec3) -> Rgb {
+    /// The basis functions at `wi` as if they were light: the dot product with them is the approximation of f_r cos at `wi`.
+    pub fn light_from(&self, wi: Vec3) -> Coefficients {
         let mut y = [0.0; MAX_FUNCTIONS];
         self.basis.evaluate(self.order, wi, &mut y);
-        let mut light = [Vec3A::ZERO; MAX_FUNCTIONS];
-        light.iter_mut().zip(y).for_each(|(c, y)| *c = Vec3A::splat(y));
-        self.radiance(cos_o, &light)
+        y.map(Vec3A::splat)
     }
+}
+
+/// Coefficients c_k(w_o) at one elevation of the outgoing direction, between two rows of a table. Functions with m >= 0 only;
+/// (l, m) stands at l (l + 1) / 2 + m.
+#[derive(Clone, Copy, Debug)]
+pub struct BrdfRow<'t> {
+    /// Number of bands.
+    pub order: usize,
+    /// The row of the elevation below.
+    pub low: &'t [Vec3A],
+    /// The row of the elevation above.
+    pub high: &'t [Vec3A],
+    /// Position between the two rows, from 0 to 1.
+    pub fraction: f32,
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dot;
     use crate::sh::tests::quadrature;
     use crate::test_scenes::lobe_scene;
     use gi_core::math::INV_PI;
@@ -190,7 +188,7 @@ mod tests {
         let mut light = [Vec3A::ZERO; MAX_FUNCTIONS];
         light[0] = Vec3A::splat((0.5 * INV_PI).sqrt().recip());
         for cos_o in [1.0, 0.7, 0.3] {
-            let (found, albedo) = (table.radiance(cos_o, &light), table.albedo(cos_o));
+            let (found, albedo) = (dot(&table.at(cos_o), &light), table.albedo(cos_o));
             assert!((found.g / albedo.g - 1.0).abs() < 1e-5, "{found:?} is not {albedo:?}");
         }
     }
@@ -213,8 +211,8 @@ mod tests {
                 (1..9).map(|n| BrdfTable::new(&lobe, basis, Window::None, n)).collect();
             let error = |table: &BrdfTable| -> f64 {
                 let off = |light: &Coefficients, cos_o: f32| {
-                    let exact = tables[7].radiance(cos_o, light).g;
-                    f64::from(table.radiance(cos_o, light).g - exact).powi(2)
+                    let exact = dot(&tables[7].at(cos_o), light).g;
+                    f64::from(dot(&table.at(cos_o), light).g - exact).powi(2)
                 };
                 environments.iter().map(|e| off(e, 0.9) + off(e, 0.6) + off(e, 0.3)).sum()
             };

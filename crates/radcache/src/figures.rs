@@ -1,4 +1,4 @@
-//! What the technique shows of itself.
+//! Pictures of the caches, of the basis and of BRDFs.
 
 use std::f32::consts::{PI, TAU};
 
@@ -6,28 +6,40 @@ use gi_core::canvas::Canvas;
 use gi_core::film::Film;
 use gi_core::math::Rgb;
 use gi_core::sampler::Sampler;
-use gi_core::technique::Picture;
+use gi_core::technique::{Picture, Setting};
 use gi_core::warp;
 use glam::{Vec2, Vec3};
-use lightcache::figures::Figure;
+use lightcache::figures::CacheFigure;
 
-pub use crate::params::Show;
+pub use crate::params::Figure;
 
-use crate::RadianceCaching;
-use crate::brdf::BrdfTable;
-use crate::sh::{Basis, MAX_FUNCTIONS, Window, index};
+use crate::brdf::{BrdfRow, BrdfTable};
+use crate::caches::Caches;
+use crate::params::Params;
+use crate::sh::{Basis, Coefficients, MAX_FUNCTIONS, Window, index};
+use crate::surfaces::Surfaces;
 
-impl Show {
-    /// Draw.
-    pub fn draw(self, technique: &RadianceCaching, film: &Film) -> Vec<Picture> {
+/// What figures show.
+pub(crate) struct Subject<'s> {
+    pub(crate) setting: &'s Setting<'s>,
+    pub(crate) params: &'s Params,
+    pub(crate) surfaces: &'s Surfaces,
+    pub(crate) caches: &'s Caches,
+    /// The dot product of a BRDF and light.
+    pub(crate) dot: fn(&BrdfRow, &Coefficients) -> Rgb,
+}
+
+impl Figure {
+    /// Draw the figure; a scene without glossy lobes has no BRDF to show.
+    pub(crate) fn draw(self, subject: &Subject, film: &Film) -> Vec<Picture> {
         match self {
-            Show::Records => records(technique, film),
-            Show::Basis => vec![named("basis", basis(technique.params.basis, film.size()))],
-            Show::Brdf => {
-                brdf(technique, film.size()).map(|view| named("brdf", view)).into_iter().collect()
+            Figure::Records => records(subject, film),
+            Figure::Basis => vec![named("basis", basis(subject.params.basis, film.size()))],
+            Figure::Brdf => {
+                brdf(subject, film.size()).map(|view| named("brdf", view)).into_iter().collect()
             }
-            Show::Samples => {
-                let view = samples(technique, film.size());
+            Figure::Samples => {
+                let view = samples(subject, film.size());
                 view.map(|view| named("samples", view)).into_iter().collect()
             }
         }
@@ -38,20 +50,20 @@ fn named(name: &str, view: Vec<Rgb>) -> Picture {
     Picture { name: name.into(), channels: Vec::new(), view }
 }
 
-fn records(technique: &RadianceCaching, film: &Film) -> Vec<Picture> {
-    let caches = technique.caches();
-    let diffuse = Figure::Records.draw(&technique.setting, &caches.diffuse, film);
-    let glossy = Figure::Records.draw(&technique.setting, &caches.glossy, film);
+fn records(subject: &Subject, film: &Film) -> Vec<Picture> {
+    let caches = subject.caches;
+    let diffuse = CacheFigure::Records.draw(subject.setting, &caches.diffuse, film);
+    let glossy = CacheFigure::Records.draw(subject.setting, &caches.glossy, film);
     vec![diffuse, Picture { name: "glossy-records".into(), ..glossy }]
 }
 
-/// Blue and orange: eyes that do not tell red from green tell them apart.
+/// Blue and orange, which colour-blind readers can tell apart.
 const POSITIVE: Rgb = Rgb::new(0.02, 0.15, 0.6);
 const NEGATIVE: Rgb = Rgb::new(0.85, 0.3, 0.02);
-/// Bands that are drawn.
+/// Number of bands that are drawn.
 const BANDS: usize = 5;
 
-/// A row a band, m from -l to l: each function as the body |y(w)| w, seen a little from above.
+/// One row per band, m from -l to l. Each function is the surface |y(w)| w, seen from slightly above.
 fn basis(basis: Basis, [w, h]: [usize; 2]) -> Vec<Rgb> {
     let mut pixels = vec![Rgb::WHITE; w * h];
     let cell = (w as f32 / (2 * BANDS - 1) as f32).min(h as f32 / BANDS as f32);
@@ -67,21 +79,28 @@ fn basis(basis: Basis, [w, h]: [usize; 2]) -> Vec<Rgb> {
                 basis.evaluate(BANDS, d, &mut y);
                 y[index(l, m)]
             };
-            body(&mut pixels, [w, h], (middle, 0.5 * cell), &value, [right, up, towards]);
+            let circle = Circle { middle, radius: 0.5 * cell };
+            draw_lobe(&mut pixels, [w, h], circle, &value, [right, up, towards]);
         }
     }
     pixels
 }
 
-/// Draw |value(d)| d by its depth: points of the body, dense enough to leave no pixel out.
-fn body(
+/// The part of a picture that a lobe fills.
+struct Circle {
+    middle: Vec2,
+    radius: f32,
+}
+
+/// Draw the surface of the points |value(d)| d with a depth buffer. Its points are dense enough to cover every pixel.
+fn draw_lobe(
     pixels: &mut [Rgb],
     [w, h]: [usize; 2],
-    (middle, half): (Vec2, f32),
+    Circle { middle, radius }: Circle,
     value: &dyn Fn(Vec3) -> f32,
     [right, up, towards]: [Vec3; 3],
 ) {
-    let steps = (10.0 * half) as usize + 8;
+    let steps = (10.0 * radius) as usize + 8;
     let direction = |i: usize, j: usize| {
         let (theta, phi) =
             (PI * (i as f32 + 0.5) / steps as f32, TAU * j as f32 / (2 * steps) as f32);
@@ -98,7 +117,7 @@ fn body(
     for i in 0..steps {
         for j in 0..2 * steps {
             let (d, p) = (direction(i, j), point(i, j));
-            let at = middle + Vec2::new(p.dot(right), -p.dot(up)) * (0.95 * half);
+            let at = middle + Vec2::new(p.dot(right), -p.dot(up)) * (0.95 * radius);
             if at.x < 0.0 || at.y < 0.0 || at.x as usize >= w || at.y as usize >= h {
                 continue;
             }
@@ -113,15 +132,15 @@ fn body(
     }
 }
 
-/// Elevation that light goes out at in [`brdf`]: 45 degrees.
+/// Outgoing direction in [`brdf`] and [`samples`]: 45 degrees.
 const OUT: Vec3 = Vec3::new(std::f32::consts::FRAC_1_SQRT_2, 0.0, std::f32::consts::FRAC_1_SQRT_2);
 
-/// f_r cos over the incoming direction in the plane of the outgoing one, as polar curves: black is the BRDF, blue
-/// the orders 1 to 10, one a cell; orange where they are below zero.
-fn brdf(technique: &RadianceCaching, [w, h]: [usize; 2]) -> Option<Vec<Rgb>> {
-    let params = &technique.params;
-    let (material, _) = technique.surfaces().tables().next()?;
-    let lobe = technique.setting.scene.glossy_lobe(material)?;
+/// Polar curves of f_r cos over incoming directions in the plane of the outgoing direction. Each cell shows the BRDF in black
+/// and its approximation of one order from 1 to 10 in blue, or orange where it is negative.
+fn brdf(subject: &Subject, [w, h]: [usize; 2]) -> Option<Vec<Rgb>> {
+    let params = subject.params;
+    let (material, _) = subject.surfaces.tables().next()?;
+    let lobe = subject.setting.scene.glossy_lobe(material)?;
     let mut canvas = Canvas::over([w, h], vec![Rgb::WHITE; w * h]);
     let (columns, rows) = (5, 2);
     let cell = Vec2::new(w as f32 / columns as f32, h as f32 / rows as f32);
@@ -143,7 +162,7 @@ fn brdf(technique: &RadianceCaching, [w, h]: [usize; 2]) -> Option<Vec<Rgb>> {
             Rgb::grey(0.7),
         );
         let at = |d: Vec3, v: f32| middle + Vec2::new(d.x, -d.z) * (v.abs() * reach);
-        let approximated = |d: Vec3| table.value(OUT.z, d).mean();
+        let approximated = |d: Vec3| (subject.dot)(&table.at(OUT.z), &table.light_from(d)).mean();
         for k in 0..STEPS {
             let (a, b) = (direction(k), direction(k + 1));
             canvas.line(at(a, exact(a)), at(b, exact(b)), 1.0, Rgb::BLACK);
@@ -155,16 +174,16 @@ fn brdf(technique: &RadianceCaching, [w, h]: [usize; 2]) -> Option<Vec<Rgb>> {
     Some(canvas.into_pixels())
 }
 
-/// Steps of a curve.
+/// Number of segments of a curve.
 const STEPS: usize = 360;
 
-/// Directions of a drawing.
+/// Number of sampled directions in a drawing.
 const DIRECTIONS: u32 = 300;
 
-/// The BRDF of [`brdf`] from the side, and directions drawn for it: by cosine to the left, by itself to the right.
-fn samples(technique: &RadianceCaching, [w, h]: [usize; 2]) -> Option<Vec<Rgb>> {
-    let scene = technique.setting.scene;
-    let (material, _) = technique.surfaces().tables().next()?;
+/// The BRDF of [`brdf`] from the side, with sampled directions: by the cosine on the left, by the BRDF on the right.
+fn samples(subject: &Subject, [w, h]: [usize; 2]) -> Option<Vec<Rgb>> {
+    let scene = subject.setting.scene;
+    let (material, _) = subject.surfaces.tables().next()?;
     let lobe = scene.glossy_lobe(material)?;
     let mut canvas = Canvas::over([w, h], vec![Rgb::WHITE; w * h]);
     let reach = (0.22 * w as f32).min(0.42 * h as f32);
@@ -180,7 +199,7 @@ fn samples(technique: &RadianceCaching, [w, h]: [usize; 2]) -> Option<Vec<Rgb>> 
         canvas.line(at(-Vec3::X), at(Vec3::X), 1.0, Rgb::grey(0.6));
         canvas.line(at(Vec3::ZERO), at(OUT), 1.5, Rgb::grey(0.3));
         for k in 0..DIRECTIONS {
-            let u = Sampler::new(technique.setting.seed, side as u32, k).next_2d();
+            let u = Sampler::new(subject.setting.seed, side as u32, k).next_2d();
             let drawn = match side {
                 0 => Some(warp::cosine_hemisphere(u)),
                 _ => lobe.sample(OUT, u).map(|(d, _)| d),

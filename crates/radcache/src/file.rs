@@ -1,9 +1,11 @@
-//! The caches as a file.
+//! The caches as a file: the records of both.
 
 use glam::Vec3A;
 use lightcache::file::{Body, Reader, Writer};
 use lightcache::record::Record;
 
+use crate::caches::Caches;
+use crate::params::Params;
 use crate::record::RadianceRecord;
 use crate::sh::MAX_FUNCTIONS;
 
@@ -40,7 +42,7 @@ impl Body for Records {
             || !count.is_multiple_of(3)
             || !(count / 3).isqrt().pow(2).eq(&(count / 3))
         {
-            return Err("it is damaged: it has records of no order".into());
+            return Err("it is damaged: the size of its records fits no order of the basis".into());
         }
         let glossy = r.table(Record::FLOATS + 3 * count, |floats| RadianceRecord {
             irradiance: Record::from_floats(floats),
@@ -48,6 +50,48 @@ impl Body for Records {
         })?;
         Ok(Records { diffuse, glossy })
     }
+}
+
+/// Insert the records of a saved cache, and return their number. `order` is that of this run's radiance records.
+///
+/// # Errors
+/// One line: the cache was made of another world or with other settings, or it is damaged.
+pub(crate) fn insert(
+    saved: SavedCache,
+    world: u64,
+    params: &Params,
+    order: usize,
+    caches: &mut Caches,
+) -> Result<usize, String> {
+    saved.check(world, &shaping_settings(params, order))?;
+    let Records { diffuse, glossy } = saved.body;
+    if glossy.iter().any(|r| r.light.len() != 3 * order.pow(2)) {
+        return Err("the cache is damaged: its records are not of the order that it states".into());
+    }
+    let count = diffuse.len() + glossy.len();
+    // The records have limited each other's radii already: inserting them changes none.
+    diffuse.into_iter().for_each(|r| caches.diffuse.insert(r));
+    glossy.into_iter().for_each(|r| caches.glossy.insert(r));
+    Ok(count)
+}
+
+/// Caches in the form that a file stores.
+pub(crate) fn saved(world: u64, params: &Params, order: usize, caches: &Caches) -> SavedCache {
+    let Caches { diffuse, glossy } = caches;
+    let body = Records { diffuse: diffuse.records().to_vec(), glossy: glossy.records().to_vec() };
+    SavedCache { world, settings: shaping_settings(params, order), body }
+}
+
+/// The settings that change what a record holds. A saved cache can be used only with the same ones.
+fn shaping_settings(params: &Params, order: usize) -> String {
+    let Params { accuracy, glossy_accuracy, basis, min_roughness, limits, .. } = params;
+    let Params { error, glossy_error, radius, .. } = params;
+    let depth = limits.max_depth.map_or(-1, |d| d as i32);
+    let caustics = if params.caustics.by_photons() { "photon" } else { "path" };
+    format!(
+        "--accuracy {accuracy} ({error:?}) --glossy-accuracy {glossy_accuracy} ({glossy_error:?}, {radius:?}) \
+         --order {order} --basis {basis:?} --min-roughness {min_roughness} --max-depth {depth} --caustics {caustics}"
+    )
 }
 
 #[cfg(test)]

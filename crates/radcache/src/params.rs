@@ -42,7 +42,7 @@ pub enum Window {
 
 /// A picture of the caches and of the basis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Show {
+pub enum Figure {
     /// Positions of the records of each kind, coloured by radius from small (dark) to large (bright) [slide 13]
     Records,
     /// Functions of the basis up to l = 4 as lobes: blue where positive, orange where negative [slide 18]
@@ -112,12 +112,23 @@ pub struct Params {
     pub files: CacheFiles,
     /// Pictures of the caches and of the basis to draw, separated by commas; each becomes OUT.NAME.png and layers of the EXR
     #[arg(long = "show", value_name = "SHOW", value_enum, value_delimiter = ',')]
-    pub figures: Vec<Show>,
+    pub figures: Vec<Figure>,
 }
 
 impl Default for Params {
     fn default() -> Self {
         defaults()
+    }
+}
+
+impl Params {
+    /// Whether records hold the light of a vertex after `segments` segments. With `max_depth`, a record is valid only at the
+    /// depth it was created for, and the last vertex of a path has no indirect light.
+    pub(crate) fn covers_depth(&self, segments: u32) -> bool {
+        match self.limits.max_depth {
+            None => true,
+            Some(_) => segments == 1 && self.limits.goes_on(2),
+        }
     }
 }
 

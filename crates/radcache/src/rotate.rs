@@ -1,8 +1,8 @@
-//! Rotation of coefficients. Bands do not mix: each has a matrix of its own.
+//! Rotation of coefficients. Rotation does not mix bands, so each band has a matrix of its own.
 //!
-//! [`band_matrices`] builds them for any rotation \[Ivanic96, with the corrections of Ivanic98\]. Where it must be fast,
-//! [`Turn`] takes a rotation apart: about z, whose matrices are almost empty, and by a quarter turn about x, whose
-//! matrices are the same always.
+//! [`band_matrices`] builds the matrices for any rotation \[Ivanic96, with the corrections of Ivanic98\]. The faster [`Turn`]
+//! splits a rotation into rotations about z, whose matrices are sparse, and quarter turns about x, whose matrices are
+//! constant.
 
 use std::sync::LazyLock;
 
@@ -11,7 +11,7 @@ use glam::{Mat3, Vec3, Vec3A};
 
 use crate::sh::{MAX_FUNCTIONS, MAX_ORDER, index};
 
-/// A band's matrix, row by row: Y(R d) = M Y(d), which also turns the coefficients of a function with the rotation R.
+/// The matrix M of a band, row by row: Y(R d) = M Y(d). It also rotates the coefficients of a function by R.
 #[derive(Clone, Debug)]
 pub struct BandMatrix {
     l: isize,
@@ -53,7 +53,7 @@ pub fn band_matrices(order: usize, rotation: Mat3) -> Vec<BandMatrix> {
     bands
 }
 
-/// From band l - 1 to band l.
+/// The recurrence from band l - 1 to band l.
 struct Step<'b> {
     l: isize,
     first: &'b dyn Fn(isize, isize) -> f64,

@@ -10,26 +10,26 @@ use glam::{Vec3, Vec3A};
 
 pub use crate::params::{Basis, MAX_ORDER, Window};
 
-/// Functions of the largest order.
+/// Number of functions of the largest order.
 pub const MAX_FUNCTIONS: usize = MAX_ORDER * MAX_ORDER;
 
-/// Coefficients of a colour, channel by channel in the lanes of a vector.
+/// Coefficients of a colour; the three channels are the lanes of a vector.
 pub type Coefficients = [Vec3A; MAX_FUNCTIONS];
 
-/// Where function (l, m) stands.
+/// Index of function (l, m).
 #[inline]
 pub const fn index(l: usize, m: isize) -> usize {
     ((l * (l + 1)) as isize + m) as usize
 }
 
 impl Basis {
-    /// All functions of order `n` at the unit direction `d`. Hemispherical ones are zero below.
+    /// All functions of order `n` at the unit direction `d`. Hemispherical functions are zero below the horizon.
     #[inline]
     pub fn evaluate(self, n: usize, d: Vec3, out: &mut [f32; MAX_FUNCTIONS]) {
         match self {
             Basis::Sh => evaluate(n, d, out),
             Basis::Hsh if d.z <= 0.0 => out[..n * n].fill(0.0),
-            // cos -> 2 cos - 1 doubles the density of the measure.
+            // Mapping cos to 2 cos - 1 doubles the density of the measure.
             Basis::Hsh => {
                 let across = 2.0 * (d.z / (1.0 + d.z)).sqrt();
                 evaluate(n, Vec3::new(d.x * across, d.y * across, 2.0 * d.z - 1.0), out);

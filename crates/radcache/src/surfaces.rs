@@ -1,4 +1,4 @@
-//! Which surfaces are answered by what.
+//! Which kind of record each surface uses, and the BRDF tables of the materials.
 
 use gi_core::bsdf::{DiffusePart, Kind};
 use gi_core::eye::EyeVertex;
@@ -8,28 +8,27 @@ use glam::Vec3;
 
 use crate::brdf::BrdfTable;
 use crate::params::Params;
-use crate::sh::Coefficients;
 
-/// What answers for the indirect light of a vertex.
+/// Where the indirect light of a vertex comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rule {
-    /// Irradiance records, for the diffuse part; what there is besides goes on as a path.
+    /// Irradiance records, for the diffuse part. The path continues over the other lobes.
     Diffuse(DiffusePart),
-    /// Radiance records, for all but delta lobes.
+    /// Radiance records, for all lobes but delta lobes.
     Glossy {
-        /// The diffuse part, if there is one: radiance records know irradiance too.
+        /// The diffuse part, if there is one: radiance records hold irradiance too.
         part: Option<DiffusePart>,
         /// Normal of all lobes.
         n: Vec3,
     },
-    /// Nothing: the path goes on.
+    /// The path, which continues over all lobes.
     Path,
 }
 
 /// BRDF tables of the materials that have them.
 pub struct Surfaces {
     tables: Vec<Option<BrdfTable>>,
-    /// What was decided for each material with a glossy lobe, in words.
+    /// For each material with a glossy lobe, a sentence that says how it is handled.
     pub decided: Vec<String>,
 }
 
@@ -66,13 +65,13 @@ impl Surfaces {
         self.tables.iter().enumerate().filter_map(|(k, t)| Some((k, t.as_ref()?)))
     }
 
-    /// The order that records must have: the largest of the tables'; 0 where there are none.
+    /// The order of the radiance records: the largest order of all tables; 0 without tables.
     pub fn order(&self) -> usize {
         self.tables().map(|(_, t)| t.order).max().unwrap_or(0)
     }
 
-    /// What answers for a vertex. A lobe that is too sharp, or that has no table, leaves all glossy ones beside it to the
-    /// path.
+    /// Where the indirect light of a vertex comes from. If one glossy lobe is too sharp for a table, the path continues over
+    /// all glossy lobes of the vertex.
     #[inline]
     pub fn rule(&self, v: &EyeVertex) -> Rule {
         let part = v.bsdf.diffuse_part(v.wo);
@@ -93,23 +92,15 @@ impl Surfaces {
         }
     }
 
-    /// The frame that tables are for: z is the normal, and the outgoing direction stands above x.
+    /// The frame of the tables: z is the normal, and the outgoing direction lies in the plane of x and z.
     pub fn frame(n: Vec3, wo: Vec3) -> Frame {
         Frame::from_normal_tangent(n, wo)
     }
 
-    /// Radiance of the glossy lobes of a vertex for light with coefficients in [`Surfaces::frame`].
+    /// The sum of `of` over the glossy lobes of a vertex, times their tints; `of` gets a lobe's table and the cosine of the
+    /// outgoing direction.
     #[inline]
-    pub fn glossy(&self, v: &EyeVertex, light: &Coefficients) -> Rgb {
-        self.sum(v, |table, cos_o| table.radiance(cos_o, light))
-    }
-
-    /// rho_hd of the glossy lobes of a vertex.
-    pub fn albedo(&self, v: &EyeVertex) -> Rgb {
-        self.sum(v, BrdfTable::albedo)
-    }
-
-    fn sum(&self, v: &EyeVertex, of: impl Fn(&BrdfTable, f32) -> Rgb) -> Rgb {
+    pub fn sum_lobes(&self, v: &EyeVertex, of: impl Fn(&BrdfTable, f32) -> Rgb) -> Rgb {
         let lobes = v.bsdf.lobes().filter(|lobe| lobe.kind == Kind::Glossy);
         lobes
             .filter_map(|lobe| {

@@ -1,4 +1,4 @@
-//! Worlds of the tests.
+//! Scenes for tests.
 
 use gi_core::geometry::{Geometry, Shape};
 use gi_core::material::{Distribution, Material, Roughness};

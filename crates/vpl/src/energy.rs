@@ -1,9 +1,8 @@
-//! What the bound cuts off, counted.
+//! Sums of the light that the clamped geometry term keeps and cuts off.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-/// Light that connections brought and that bounds cut off, as whole numbers: their sum does not depend on the order in which
-/// threads add to it.
+/// Sums of kept and cut-off light. They are whole numbers, so they do not depend on the order in which threads add.
 #[derive(Debug, Default)]
 pub struct Energy {
     kept: AtomicU64,
@@ -11,11 +10,11 @@ pub struct Energy {
     connections: AtomicU64,
 }
 
-/// Parts of a unit of radiance.
+/// Fixed-point steps per unit of radiance.
 const PARTS: f32 = 1_048_576.0;
 
 impl Energy {
-    /// Count the light of one point.
+    /// Add the light of one point.
     pub fn note(&self, kept: f32, cut: f32, connections: u64) {
         self.kept.fetch_add((kept.max(0.0) * PARTS) as u64, Relaxed);
         self.cut.fetch_add((cut.max(0.0) * PARTS) as u64, Relaxed);
@@ -27,18 +26,18 @@ impl Energy {
         [&self.kept, &self.cut].map(|n| n.load(Relaxed) as f64 / f64::from(PARTS))
     }
 
-    /// All counts, to go on from with [`Energy::from_parts`].
+    /// All sums, for a checkpoint; [`Energy::from_parts`] continues from them.
     pub fn parts(&self) -> [u64; 3] {
         [&self.kept, &self.cut, &self.connections].map(|n| n.load(Relaxed))
     }
 
-    /// Go on counting.
+    /// Continue from stored sums.
     pub fn from_parts(parts: [u64; 3]) -> Self {
         let [kept, cut, connections] = parts.map(AtomicU64::new);
         Energy { kept, cut, connections }
     }
 
-    /// How many lights were connected with points, turned toward each other.
+    /// Number of connections between points and lights that face each other.
     pub fn connections(&self) -> u64 {
         self.connections.load(Relaxed)
     }

@@ -7,9 +7,9 @@ use gi_core::ray::Ray;
 use gi_core::scene::Scene;
 use glam::Vec3;
 
-use crate::{Kind, Vpl, Vpls};
+use crate::light::{Kind, Vpl, Vpls};
 
-/// A point that is lit, as a path from the eye met it.
+/// A point that receives light, at a vertex of an eye path.
 #[derive(Clone, Copy)]
 pub struct Receiver<'r, 'a> {
     /// The point.
@@ -18,9 +18,9 @@ pub struct Receiver<'r, 'a> {
     pub wo: Vec3,
     /// How it scatters.
     pub bsdf: &'r Bsdf<'a>,
-    /// All of that where it is Lambertian and nothing else: asked once, not once a light.
+    /// The whole BSDF if it is purely Lambertian: evaluated once for all lights.
     diffuse: Option<DiffusePart>,
-    /// The normal that a light must lie above to count; `None` where light from below may count too.
+    /// Lights below this normal are skipped; `None` if light from below may be transmitted.
     pub(crate) normal: Option<Vec3>,
 }
 
@@ -42,26 +42,26 @@ impl<'r, 'a> Receiver<'r, 'a> {
     }
 }
 
-/// What a light would send the eye by way of a point, if nothing stood in between.
+/// The unshadowed light that reaches the eye from a virtual light by way of a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Connection {
-    /// Radiance toward the eye, the geometric term unbounded.
+    /// Radiance toward the eye, with the geometry term not clamped.
     pub radiance: Rgb,
-    /// Irradiance across `wi`, nothing in between: what `radiance` was scattered from.
+    /// Unshadowed irradiance on a plane across `wi`; `radiance` is what the point scatters of it.
     pub arriving: Rgb,
-    /// The geometric term cos cos' / d^2 with the geometric normals, per squared world unit; 0 for lights that are no
-    /// surfaces, which no other way of sampling finds.
+    /// The geometry term cos cos' / d^2 with the geometric normals, per squared world unit; 0 for lights without a surface,
+    /// which paths cannot hit.
     pub geometry: f32,
     /// Unit direction to the light.
     pub wi: Vec3,
-    /// Whatever this ray meets stands in between, but for what the light lies on.
+    /// The shadow ray. Hits on the primitive of the light do not count.
     pub shadow: Ray,
     /// [`Vpl::on`] of the light.
     on: Option<u32>,
 }
 
 impl Connection {
-    /// The share of the light that nothing stops.
+    /// The fraction of the light that passes the shadow ray.
     #[inline]
     pub fn transmittance(&self, scene: &Scene) -> Rgb {
         scene.transmittance_to(self.shadow, self.on)
@@ -69,21 +69,21 @@ impl Connection {
 }
 
 impl Vpls {
-    /// Connect a point with a light. `None` where the light turns away or the point scatters nothing of it.
+    /// Connect a point with a light. `None` if the light faces away or the point scatters nothing toward the eye.
     #[inline]
     pub fn connect(&self, scene: &Scene, vpl: &Vpl, at: &Receiver) -> Option<Connection> {
         connect(scene, vpl, at, |k, d| self.scattered(scene, k, d))
     }
 
-    /// Share per solid angle of the power at a glossy light that goes along `d`.
+    /// Fraction of the arriving power, per solid angle, that a glossy light scatters toward `d`.
     pub(crate) fn scattered(&self, scene: &Scene, k: u32, d: Vec3) -> Rgb {
         let lit = &self.surfaces[k as usize];
         lit.bsdf(scene).map_or(Rgb::BLACK, |bsdf| bsdf.f_cos(lit.wo, d))
     }
 }
 
-/// Connect a point with a light; `scattered` says which share per solid angle of its power a glossy light sends along a
-/// direction.
+/// Connect a point with a light. `scattered` gives the fraction of the arriving power, per solid angle, that a glossy light
+/// scatters toward a direction.
 #[inline]
 pub(crate) fn connect(
     scene: &Scene,
@@ -105,7 +105,7 @@ pub(crate) fn connect(
         });
     }
     let to = vpl.p - x.p;
-    // What turns away from the other is most of what there is: no division before that.
+    // Most pairs face away from each other: test that before the division.
     let facing = match vpl.kind {
         Kind::Oriented => to.dot(vpl.n) < 0.0 && to.dot(vpl.ns) < 0.0,
         _ => to != Vec3::ZERO,

@@ -47,7 +47,7 @@ impl BoundOptions {
         BoundOptions { clamp, compensation: Compensation::None }
     }
 
-    /// A bound whose light paths bring back.
+    /// A bound whose lost light paths bring back.
     pub fn compensated(clamp: f32) -> Self {
         BoundOptions { clamp, compensation: Compensation::Path }
     }
@@ -57,7 +57,7 @@ impl BoundOptions {
         self.compensation == Compensation::Path
     }
 
-    /// Whether light is lost.
+    /// Whether light is lost: a finite bound without compensation.
     pub fn loses_light(&self) -> bool {
         !self.is_compensated() && self.clamp.is_finite()
     }

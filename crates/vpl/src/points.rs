@@ -1,4 +1,4 @@
-//! Points of lights as virtual point lights: direct light by many point lights [slides 53, 61].
+//! Virtual point lights on light sources: direct light by many point lights [slides 53, 61].
 
 use std::fmt::{Display, Formatter};
 
@@ -6,14 +6,14 @@ use gi_core::light::{Discrete, Light};
 use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
 
-use crate::{Vpl, Vpls};
+use crate::light::{Vpl, Vpls};
 
-/// How many points lights of extent are sampled with. Lights without extent are one point each, whatever is asked for.
+/// Numbers of points on extended light sources. A light source without extent is always one point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LightNumbers {
-    /// Points of all kinds that have no number of their own, shared out by power.
+    /// Points on all kinds without a number of their own, distributed by power.
     pub total: u32,
-    /// Points of surfaces that shine.
+    /// Points on area lights.
     pub area: Option<u32>,
     /// Directions of environments.
     pub sky: Option<u32>,
@@ -32,14 +32,22 @@ impl Display for LightNumbers {
     }
 }
 
-/// What keeps the numbers of points apart from those of paths.
+/// Separates the random numbers of points from those of paths.
 const SALT: u32 = 0x706f_696e;
 
-/// Lights of one kind: which, and with which weights they are drawn.
+/// Light sources of one kind, and their sampling weights.
 struct Group {
     lights: Vec<usize>,
     by_power: Discrete,
     asked: Option<u32>,
+}
+
+/// A part of a sequence of samples.
+#[derive(Clone, Copy)]
+struct SampleRange {
+    seed: u32,
+    first: u32,
+    count: u32,
 }
 
 impl Group {
@@ -51,12 +59,13 @@ impl Group {
         Group { lights, by_power, asked }
     }
 
-    /// Draw points `first..first + count` of the sequence, each with the power of one in `count`.
-    fn draw(&self, scene: &Scene, (seed, first, count): (u32, u32, u32), out: &mut Vec<Vpl>) {
+    /// Sample points `first..first + count` of the sequence; each has 1 / count of the power.
+    fn draw(&self, scene: &Scene, range: SampleRange, out: &mut Vec<Vpl>) {
+        let SampleRange { seed, first, count } = range;
         for i in 0..count {
             let mut sampler = Sampler::new(seed ^ SALT, 0, first.wrapping_add(i));
             let (u, u_p, u_d) = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
-            // One in each part of the unit interval: as many points as equal lights leave none out.
+            // One sample per part of the unit interval: with as many points as equal lights, each light gets one.
             let u = ((i as f32 + u) / count as f32).min(1.0 - f32::EPSILON);
             let Some((k, probability, _)) = self.by_power.sample(u) else { return };
             let emission = scene.emit_from((self.lights[k], probability), u_p, u_d);
@@ -65,7 +74,7 @@ impl Group {
     }
 }
 
-/// Draw points of all lights, those of set `index`: sets go together as one sequence.
+/// Sample points on all light sources. Set `index` continues the sequence of the sets before it.
 pub fn points(scene: &Scene, numbers: &LightNumbers, seed: u32, index: u32) -> Vpls {
     let groups = [
         Group::new(scene, numbers.area, |l| matches!(l, Light::Area { .. })),
@@ -80,7 +89,8 @@ pub fn points(scene: &Scene, numbers: &LightNumbers, seed: u32, index: u32) -> V
     for group in groups.iter().filter(|g| g.by_power.total() > 0.0) {
         let share = || (f64::from(numbers.total) * power(group) / shared).round().max(1.0) as u32;
         let count = group.asked.unwrap_or_else(share);
-        group.draw(scene, (seed, index.wrapping_mul(count), count), &mut set.lights);
+        let range = SampleRange { seed, first: index.wrapping_mul(count), count };
+        group.draw(scene, range, &mut set.lights);
     }
     let without_extent = |l: &Light| {
         matches!(l, Light::Point { .. } | Light::Spot { .. } | Light::Directional { .. })

@@ -1,5 +1,5 @@
-//! A set of lights made ready for lighting many points: which of them face a point is found eight at a time, and how glossy
-//! ones scatter is asked once.
+//! A set of lights prepared for many points. Lights that face a point are found eight at a time, and the BSDFs of glossy lights
+//! are computed once.
 
 use std::ops::Range;
 
@@ -9,27 +9,27 @@ use gi_core::ray::Ray;
 use gi_core::scene::Scene;
 use glam::Vec3;
 
-use crate::illuminate::connect;
-use crate::{Connection, Kind, Receiver, Vpl, Vpls};
+use crate::illuminate::{Connection, Receiver, connect};
+use crate::light::{Kind, Vpl, Vpls};
 
-/// Lights ready for lighting many points.
+/// Lights prepared for many points.
 pub struct Prepared<'v, 'a> {
     set: &'v Vpls,
     scene: &'a Scene,
-    /// How the glossy ones scatter; none where they are too many to keep.
+    /// BSDFs of the glossy lights; empty if there are more than [`MOST_KEPT`].
     bsdfs: Vec<Option<Bsdf<'a>>>,
-    /// Positions and normals, a column a coordinate. Lights that may shine in all directions have no normal; those that shine in
-    /// parallel stand far away.
+    /// Positions and normals, one column per coordinate. Lights that emit in all directions have a zero normal; parallel lights
+    /// have a position far away.
     columns: [Vec<f32>; 6],
 }
 
-/// Glossy lights whose scattering is kept.
+/// Largest number of glossy lights whose BSDFs are kept.
 const MOST_KEPT: usize = 1 << 16;
-/// Lights that are looked at together.
+/// Number of lights per batch.
 const BATCH: usize = 64;
 
 impl<'v, 'a> Prepared<'v, 'a> {
-    /// Make a set ready.
+    /// Prepare a set.
     pub fn new(set: &'v Vpls, scene: &'a Scene) -> Self {
         let kept = if set.surfaces.len() <= MOST_KEPT { &set.surfaces[..] } else { &[] };
         let bsdfs: Vec<Option<Bsdf>> = kept.iter().map(|lit| lit.bsdf(scene)).collect();
@@ -46,8 +46,8 @@ impl<'v, 'a> Prepared<'v, 'a> {
         Prepared { set, scene, bsdfs, columns }
     }
 
-    /// Connect a point with a range of the lights, and call `take` with every connection that carries light and the share
-    /// of it that nothing stops. Returns how many shadow rays that took.
+    /// Connect a point with a range of the lights, and call `take` with each connection that carries light and the fraction of it
+    /// that passes the shadow ray. Returns the number of shadow rays.
     #[inline]
     pub fn for_each_visible(
         &self,
@@ -60,8 +60,7 @@ impl<'v, 'a> Prepared<'v, 'a> {
         for from in lights.clone().step_by(BATCH) {
             let count = BATCH.min(lights.end - from);
             let turned = self.facing(from..from + count, at, &mut facing);
-            // A batch is traced together, and before anything is scattered: the rays find their code and their tree where
-            // they left them, and what is hidden is asked nothing else.
+            // Trace the shadow rays of a batch first: caches stay warm, and occluded lights skip BSDF evaluation.
             let mut passed = 0;
             for &k in turned {
                 let vpl = &self.set.lights[k];
@@ -81,7 +80,7 @@ impl<'v, 'a> Prepared<'v, 'a> {
         rays
     }
 
-    /// The ray from a point to a light.
+    /// The shadow ray from a point to a light.
     #[inline]
     fn shadow(&self, vpl: &Vpl, at: &Receiver) -> Ray {
         match vpl.kind {
@@ -90,7 +89,7 @@ impl<'v, 'a> Prepared<'v, 'a> {
         }
     }
 
-    /// Connect a point with light `k`, as if its power were one in every channel.
+    /// Connect a point with light `k`, as if the power of the light were one in every channel.
     #[inline]
     pub fn connect_unit(&self, k: usize, at: &Receiver) -> Option<Connection> {
         let vpl = Vpl { power: Rgb::WHITE, ..self.set.lights[k] };
@@ -102,8 +101,8 @@ impl<'v, 'a> Prepared<'v, 'a> {
         self.set
     }
 
-    /// The lights of a batch that turn toward the point, and it toward them. Without branches: many are looked at together, and
-    /// nothing is guessed.
+    /// The lights of a batch that face the point and that the point faces. The loop has no branches, so that the compiler can
+    /// vectorise it.
     #[inline]
     fn facing<'f>(
         &self,
@@ -112,7 +111,7 @@ impl<'v, 'a> Prepared<'v, 'a> {
         found: &'f mut [usize; BATCH],
     ) -> &'f [usize] {
         let n = at.normal.unwrap_or(Vec3::ZERO);
-        // Without a normal every direction is above.
+        // Without a normal no light is below the surface.
         let least = if n == Vec3::ZERO { 0.0 } else { f32::MIN_POSITIVE };
         let p = at.surface.p;
         let column = |k: usize| &self.columns[k][lights.clone()];
@@ -133,7 +132,7 @@ impl<'v, 'a> Prepared<'v, 'a> {
         &found[..count]
     }
 
-    /// Share per solid angle of the power at a glossy light that goes along `d`.
+    /// Fraction of the arriving power, per solid angle, that a glossy light scatters toward `d`.
     #[inline]
     fn scattered(&self, k: u32, d: Vec3) -> Rgb {
         let Some(bsdf) = self.bsdfs.get(k as usize) else {

@@ -1,10 +1,11 @@
 use super::*;
+use crate::gain::gain;
 use crate::light::{At, Lights};
 use crate::test_scenes::{is_bent, lights, materials, point, rubble};
 use crate::tree::{Forest, Tree};
 use gi_core::bsdf::Transport;
 use gi_core::rng::Pcg;
-use vpl::{Prepared, Receiver};
+use vpl::{LitSurface, Prepared, Receiver};
 
 /// What a light brings with nothing in between.
 fn unshadowed(lights: &Lights, at: &At, k: u32, direct: bool) -> Rgb {

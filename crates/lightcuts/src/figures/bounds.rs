@@ -1,4 +1,4 @@
-//! Bounds of errors against true errors.
+//! Error bounds of clusters against their true errors.
 
 use std::fmt::Write;
 
@@ -8,48 +8,40 @@ use gi_core::math::Rgb;
 use gi_core::technique::Picture;
 use glam::Vec2;
 use rayon::prelude::*;
-use vpl::Prepared;
 
-use super::colour;
-use crate::Lightcuts;
-use crate::cut::{Cluster, Cut};
-use crate::light::{At, Lights};
+use super::common::{Subject, colour};
+use crate::cut::Cluster;
+use crate::light::At;
 
 /// A cluster of a pixel's cut.
 pub(super) struct Checked {
     pixel: [usize; 2],
     lights: usize,
-    /// Luminances: of the whole, of the estimate, of the truth; and the bound of their difference.
+    /// Luminances of the whole point, of the estimate and of the truth, and the bound of the error.
     total: f32,
     estimate: f32,
     truth: f32,
     bound: f32,
 }
 
-/// Pixels along the longer side of the grid that is looked at.
+/// Number of pixels along the longer side of the grid that is checked.
 const GRID: usize = 16;
 
 /// Check the clusters of the cuts of a grid of pixels against their lights, one by one.
-fn check<'a>(technique: &Lightcuts<'a>, lights: &Lights<'_, 'a>, size: [usize; 2]) -> Vec<Checked> {
+fn check<'a>(subject: &Subject<'_, 'a>, size: [usize; 2]) -> Vec<Checked> {
     let step = size[0].max(size[1]).div_ceil(GRID).max(1);
     let middles = |n: usize| (step / 2..n).step_by(step);
     let pixels: Vec<[usize; 2]> =
         middles(size[1]).flat_map(|y| middles(size[0]).map(move |x| [x, y])).collect();
     let of_pixel = |pixel: &[usize; 2]| {
-        let look = |at: &At<'_, '_, 'a>| of_cut(technique, lights, at, *pixel);
-        technique.looking_at(*pixel, look).unwrap_or_default()
+        let look = |at: &At<'_, '_, 'a>| of_cut(subject, at, *pixel);
+        subject.view.at_pixel(*pixel, look).unwrap_or_default()
     };
     pixels.par_iter().flat_map_iter(of_pixel).collect()
 }
 
-fn of_cut<'a>(
-    technique: &Lightcuts<'a>,
-    lights: &Lights<'_, 'a>,
-    at: &At<'_, '_, 'a>,
-    pixel: [usize; 2],
-) -> Vec<Checked> {
-    let mut cut = Cut::default();
-    lights.choose(at, &technique.params.cut, &mut cut, &mut None);
+fn of_cut<'a>(subject: &Subject<'_, 'a>, at: &At<'_, '_, 'a>, pixel: [usize; 2]) -> Vec<Checked> {
+    let (lights, cut) = (subject.lights, subject.cut(at));
     let check = |c: &Cluster| {
         let tree = &lights.forest.trees[c.tree as usize];
         let members = tree.members(c.node);
@@ -67,15 +59,14 @@ fn of_cut<'a>(
 }
 
 /// The clusters of the cuts of some pixels, as a table.
-pub fn bounds_csv(technique: &Lightcuts) -> String {
-    let prepared = Prepared::new(&technique.vpls, technique.setting.scene);
-    let checked = check(technique, &technique.lights(&prepared), technique.setting.camera.size());
+pub(super) fn bounds_csv(subject: &Subject) -> String {
+    let checked = check(subject, subject.view.setting.camera.size());
     let mut out = String::from("x,y,lights,total,estimate,truth,error,bound\n");
     for c in checked {
         let ([x, y], error) = (c.pixel, (c.estimate - c.truth).abs());
         let numbers = [c.total, c.estimate, c.truth, error, c.bound];
         let row: Vec<String> = numbers.iter().map(f32::to_string).collect();
-        _ = writeln!(out, "{x},{y},{},{}", c.lights, row.join(",")); // a string takes everything
+        _ = writeln!(out, "{x},{y},{},{}", c.lights, row.join(",")); // writing to a string cannot fail
     }
     out
 }
@@ -83,12 +74,8 @@ pub fn bounds_csv(technique: &Lightcuts) -> String {
 /// Decades of relative error that the plot shows, up to one.
 const DECADES: f32 = 7.0;
 
-/// Errors across, bounds up, both relative to the whole, in decades; above the line bounds hold.
-pub(super) fn picture<'a>(
-    technique: &Lightcuts<'a>,
-    lights: &Lights<'_, 'a>,
-    film: &Film,
-) -> Picture {
+/// Errors (horizontal) against bounds (vertical), relative to the whole, in decades. Above the diagonal, bounds hold.
+pub(super) fn picture(subject: &Subject, film: &Film) -> Picture {
     let [w, h] = film.size();
     let mut canvas = Canvas::over([w, h], vec![Rgb::BLACK; w * h]);
     let place = |error: f32, bound: f32| {
@@ -101,9 +88,9 @@ pub(super) fn picture<'a>(
         canvas.line(place(1e-9, at), place(1.0, at), 0.5, Rgb::grey(0.05));
     }
     canvas.line(place(1e-9, 1e-9), place(1.0, 1.0), 1.0, Rgb::WHITE);
-    let threshold = technique.params.cut.error;
+    let threshold = subject.view.params.cut.error;
     canvas.line(place(1e-9, threshold), place(1.0, threshold), 1.0, colour(3));
-    for c in check(technique, lights, [w, h]) {
+    for c in check(subject, [w, h]) {
         let relative = |v: f32| v / c.total.max(f32::MIN_POSITIVE);
         let at = place(relative((c.estimate - c.truth).abs()), relative(c.bound));
         canvas.disc(at, 0.7, Rgb::new(1.0, 0.6, 0.1));

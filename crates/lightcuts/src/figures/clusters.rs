@@ -7,21 +7,20 @@ use gi_core::technique::Picture;
 use glam::Vec2;
 use vpl::{Kind, Vpl};
 
-use super::{background, colour};
-use crate::Lightcuts;
-use crate::cut::Cut;
-use crate::light::{At, Lights};
+use super::common::{Subject, background, colour};
+use crate::light::At;
 use crate::tree::Tree;
 
-/// Clusters of the levels that are shown.
+/// Number of clusters per tree at each level that is shown.
 const LEVELS: [usize; 4] = [2, 8, 32, 128];
 
 /// The lights over the picture at four levels.
-pub(super) fn clusters(technique: &Lightcuts, lights: &Lights, film: &Film) -> Vec<Picture> {
-    LEVELS.map(|count| level(technique, lights, film, count)).into()
+pub(super) fn clusters(subject: &Subject, film: &Film) -> Vec<Picture> {
+    LEVELS.map(|count| level(subject, film, count)).into()
 }
 
-fn level(technique: &Lightcuts, lights: &Lights, film: &Film, count: usize) -> Picture {
+fn level(subject: &Subject, film: &Film, count: usize) -> Picture {
+    let lights = subject.lights;
     let mut canvas = background(film);
     let radius = (film.size()[0] as f32 / 250.0).max(1.0);
     let set = lights.prepared.set();
@@ -30,7 +29,7 @@ fn level(technique: &Lightcuts, lights: &Lights, film: &Film, count: usize) -> P
         let clusters = largest(tree, count);
         for (k, node) in clusters.iter().enumerate() {
             for member in tree.members(*node) {
-                if let Some(at) = seen(technique, &set.lights[member as usize]) {
+                if let Some(at) = seen(subject, &set.lights[member as usize]) {
                     canvas.disc(at, radius, colour(first + k));
                 }
             }
@@ -40,9 +39,9 @@ fn level(technique: &Lightcuts, lights: &Lights, film: &Film, count: usize) -> P
     Picture { name: format!("clusters-{count}"), channels: Vec::new(), view: canvas.into_pixels() }
 }
 
-/// Where the picture shows a light.
-fn seen(technique: &Lightcuts, light: &Vpl) -> Option<Vec2> {
-    let (scene, camera) = (technique.setting.scene, technique.setting.camera);
+/// The position of a light in the picture; `None` if it is not visible.
+fn seen(subject: &Subject, light: &Vpl) -> Option<Vec2> {
+    let (scene, camera) = (subject.view.setting.scene, subject.view.setting.camera);
     match light.kind {
         Kind::Directional => None,
         // Points have no side.
@@ -54,7 +53,7 @@ fn seen(technique: &Lightcuts, light: &Vpl) -> Option<Vec2> {
     }
 }
 
-/// A cut of so many nodes: the strongest is split again and again.
+/// A cut of at most `count` nodes: the node with the largest power is split repeatedly.
 fn largest(tree: &Tree, count: usize) -> Vec<u32> {
     let mut nodes = vec![0];
     while nodes.len() < count {
@@ -72,21 +71,20 @@ fn largest(tree: &Tree, count: usize) -> Vec<u32> {
     nodes
 }
 
-/// Most leaves that are drawn: of larger trees the branches below so many are cut off.
+/// Largest number of leaves that are drawn; larger trees are cut off below.
 const MOST_LEAVES: usize = 64;
 
-/// The first tree, leaves in a row at the bottom, and the cut of a pixel marked in it.
-pub(super) fn tree<'a>(technique: &Lightcuts<'a>, lights: &Lights<'_, 'a>, film: &Film) -> Picture {
+/// The first tree with its leaves in a row at the bottom. The cut of a pixel is marked.
+pub(super) fn tree<'a>(subject: &Subject<'_, 'a>, film: &Film) -> Picture {
     let [w, h] = film.size();
     let mut canvas = Canvas::over([w, h], vec![Rgb::BLACK; w * h]);
-    let pixel = technique.params.pixel.unwrap_or([w / 2, h / 2]);
+    let pixel = subject.view.params.pixel.unwrap_or([w / 2, h / 2]);
     let mut on_cut = Vec::new();
-    technique.looking_at(pixel, |at: &At<'_, '_, 'a>| {
-        let mut cut = Cut::default();
-        lights.choose(at, &technique.params.cut, &mut cut, &mut None);
+    subject.view.at_pixel(pixel, |at: &At<'_, '_, 'a>| {
+        let cut = subject.cut(at);
         on_cut = cut.clusters().iter().filter(|c| c.tree == 0).map(|c| c.node).collect();
     });
-    if let Some(tree) = lights.forest.trees.first() {
+    if let Some(tree) = subject.lights.forest.trees.first() {
         let ends = largest(tree, MOST_LEAVES);
         let mut drawing =
             Drawing { tree, ends: &ends, on_cut: &on_cut, placed: 0, canvas: &mut canvas };
@@ -105,7 +103,7 @@ struct Drawing<'d> {
 }
 
 impl Drawing<'_> {
-    /// Draw a node with what is below it; where it is, and its height over the leaves.
+    /// Draw a node and its branches. Returns its horizontal position and its height over the leaves.
     fn branch(&mut self, k: u32) -> (f32, u32) {
         let children = if self.ends.contains(&k) { None } else { self.tree.node(k).children() };
         let (x, height) = match children {
@@ -135,7 +133,7 @@ impl Drawing<'_> {
     fn place(&self, x: f32, height: u32) -> Vec2 {
         let [w, h] = self.canvas.size().map(|n| n as f32);
         let across = x / self.ends.len() as f32;
-        // Levels draw together with height: trees are deep and thin at places.
+        // The spacing of levels shrinks with height, because trees are deep and thin in places.
         let up = 1.0 - 1.0 / (1.0 + 0.18 * height as f32);
         Vec2::new(across * w, h * (0.95 - 0.9 * up))
     }

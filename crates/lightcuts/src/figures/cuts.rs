@@ -1,23 +1,22 @@
-//! Of a few lights all cuts: the exact picture, the picture by each cut, and its error [slides 59, 60].
+//! All cuts of a few lights: the exact picture, the picture with each cut, and its error [slides 59, 60].
 
 use std::fmt::Write;
 
-use gi_core::film::Film;
 use gi_core::math::Rgb;
 use gi_core::technique::Picture;
 use rayon::prelude::*;
-use vpl::Prepared;
 
-use crate::Lightcuts;
+use super::common::Subject;
 use crate::light::{At, Lights};
+use crate::tree::NodeId;
 
-/// Most cuts that are drawn.
+/// Largest number of cuts that are drawn.
 const MOST_CUTS: usize = 16;
 
 /// A cut of the whole forest: nodes by tree.
-type Nodes = Vec<(u32, u32)>;
+type Nodes = Vec<NodeId>;
 
-/// All cuts of the forest, the finest first; no more than [`MOST_CUTS`].
+/// All cuts of the forest, the finest first, but at most [`MOST_CUTS`].
 fn all_cuts(lights: &Lights) -> Vec<Nodes> {
     let mut cuts: Vec<Nodes> = vec![Vec::new()];
     for (t, tree) in lights.forest.trees.iter().enumerate() {
@@ -36,7 +35,9 @@ fn all_cuts(lights: &Lights) -> Vec<Nodes> {
             here.push(vec![k as u32]);
             below[k] = here;
         }
-        let of_tree = |nodes: &Vec<u32>| nodes.iter().map(|&k| (t as u32, k)).collect::<Nodes>();
+        let of_tree = |nodes: &Vec<u32>| {
+            nodes.iter().map(|&node| NodeId { tree: t as u32, node }).collect::<Nodes>()
+        };
         let choices: Vec<Nodes> = below[0].iter().map(of_tree).collect();
         cuts = cuts.iter().flat_map(|c| choices.iter().map(|n| [&c[..], n].concat())).collect();
         cuts.truncate(MOST_CUTS);
@@ -45,18 +46,19 @@ fn all_cuts(lights: &Lights) -> Vec<Nodes> {
     cuts
 }
 
-/// The picture by one cut, middles of pixels only.
-fn by_cut<'a>(technique: &Lightcuts<'a>, lights: &Lights<'_, 'a>, cut: &Nodes) -> Vec<Rgb> {
-    let [w, h] = technique.setting.camera.size();
+/// The picture with one cut, with one sample at the middle of each pixel.
+fn by_cut<'a>(subject: &Subject<'_, 'a>, cut: &Nodes) -> Vec<Rgb> {
+    let (view, lights) = (&subject.view, subject.lights);
+    let [w, h] = view.setting.camera.size();
     let pixel = |i: usize| {
         let look = |at: &At<'_, '_, 'a>| {
-            let node = |&(t, k): &(u32, u32)| {
-                let node = lights.forest.trees[t as usize].node(k);
+            let node = |id: &NodeId| {
+                let node = lights.forest.trees[id.tree as usize].node(id.node);
                 lights.one_unit(at, node.representative) * node.power
             };
             cut.iter().map(node).sum::<Rgb>()
         };
-        technique.looking_at([i % w, i / w], look).unwrap_or(Rgb::BLACK)
+        view.at_pixel([i % w, i / w], look).unwrap_or(Rgb::BLACK)
     };
     (0..w * h).into_par_iter().map(pixel).collect()
 }
@@ -72,16 +74,12 @@ fn errors(picture: &[Rgb], exact: &[Rgb]) -> [f32; 2] {
     [mean, high]
 }
 
-/// A picture a cut, the exact one first.
-pub(super) fn pictures<'a>(
-    technique: &Lightcuts<'a>,
-    lights: &Lights<'_, 'a>,
-    _film: &Film,
-) -> Vec<Picture> {
-    let cuts = all_cuts(lights);
-    let exact = by_cut(technique, lights, &cuts[0]);
+/// One picture per cut, the exact one first.
+pub(super) fn pictures(subject: &Subject) -> Vec<Picture> {
+    let cuts = all_cuts(subject.lights);
+    let exact = by_cut(subject, &cuts[0]);
     let draw = |(i, cut): (usize, &Nodes)| {
-        let view = by_cut(technique, lights, cut);
+        let view = by_cut(subject, cut);
         let error =
             |(p, e): (&Rgb, &Rgb)| (*p - *e).luminance() / e.luminance().max(f32::MIN_POSITIVE);
         let errors = view.iter().zip(&exact).map(error).collect();
@@ -96,21 +94,20 @@ pub(super) fn pictures<'a>(
 }
 
 /// The cuts with their clusters and errors, as a table.
-pub fn cuts_csv(technique: &Lightcuts) -> String {
-    let prepared = Prepared::new(&technique.vpls, technique.setting.scene);
-    let lights = technique.lights(&prepared);
-    let cuts = all_cuts(&lights);
-    let exact = by_cut(technique, &lights, &cuts[0]);
+pub(super) fn cuts_csv(subject: &Subject) -> String {
+    let lights = subject.lights;
+    let cuts = all_cuts(lights);
+    let exact = by_cut(subject, &cuts[0]);
     let mut out = String::from("cut,size,clusters,mean_error,error_99\n");
     for (i, cut) in cuts.iter().enumerate() {
-        let [mean, high] = errors(&by_cut(technique, &lights, cut), &exact);
-        let cluster = |&(t, k): &(u32, u32)| {
-            let tree = &lights.forest.trees[t as usize];
-            let members: Vec<String> = tree.members(k).iter().map(u32::to_string).collect();
-            format!("{}:{}", tree.node(k).representative, members.join("+"))
+        let [mean, high] = errors(&by_cut(subject, cut), &exact);
+        let cluster = |id: &NodeId| {
+            let tree = &lights.forest.trees[id.tree as usize];
+            let members: Vec<String> = tree.members(id.node).iter().map(u32::to_string).collect();
+            format!("{}:{}", tree.node(id.node).representative, members.join("+"))
         };
         let clusters: Vec<String> = cut.iter().map(cluster).collect();
-        // A string takes everything.
+        // Writing to a string cannot fail.
         _ = writeln!(out, "{i},{},{},{mean},{high}", cut.len(), clusters.join(" "));
     }
     out

@@ -1,6 +1,7 @@
 use super::*;
-use crate::cut::Rule;
+use crate::cut::{Limits, Rule};
 use crate::test_scenes::{lights, point, rubble};
+use crate::{choose, light_by_cut};
 use gi_core::bsdf::Transport;
 use gi_core::rng::Pcg;
 
@@ -41,8 +42,11 @@ fn without_error_it_is_brute_force() {
     let mut some = 0;
     at_points(300, 150, |lights, at| {
         let exact = lights.light_by_all(at);
-        let lit =
-            lights.light(at, &Limits { error: 0.0, rule: Rule::Whole, max_cut: Some(u32::MAX) });
+        let lit = light_by_cut(
+            lights,
+            at,
+            &Limits { error: 0.0, rule: Rule::Whole, max_cut: Some(u32::MAX) },
+        );
         assert!(close(lit.direct, exact.direct), "{lit:?} is not {exact:?}");
         assert!(close(lit.indirect, exact.indirect), "{lit:?} is not {exact:?}");
         assert!(!lit.at_most);
@@ -59,7 +63,7 @@ fn every_cut_partitions_the_lights_that_can_bring_something() {
         for max_cut in [1, 7, 40, u32::MAX] {
             let mut cut = Cut::default();
             let limits = Limits { error: 0.02, rule: Rule::Whole, max_cut: Some(max_cut) };
-            lights.choose(at, &limits, &mut cut, &mut None);
+            choose(lights, at, &limits, &mut cut, &mut None);
             let mut seen = vec![0; lights.prepared.set().lights.len()];
             for cluster in cut.clusters() {
                 let tree = &lights.forest.trees[cluster.tree as usize];
@@ -83,7 +87,7 @@ fn no_cluster_of_a_finished_cut_is_farther_off_than_allowed_and_cuts_shrink_with
         for (k, error) in [0.005, 0.02, 0.1].into_iter().enumerate() {
             let mut cut = Cut::default();
             let limits = Limits { error, rule: Rule::Whole, max_cut: Some(u32::MAX) };
-            lights.choose(at, &limits, &mut cut, &mut None);
+            choose(lights, at, &limits, &mut cut, &mut None);
             let lit = lights.add_up(&mut cut, &limits);
             sizes[k] += lit.size;
             let allowed = error * lit.all().luminance() * (1.0 + 1e-4) + 1e-9;
@@ -107,13 +111,20 @@ fn no_cluster_of_a_finished_cut_is_farther_off_than_allowed_and_cuts_shrink_with
 fn a_limit_of_clusters_is_kept_and_said() {
     let mut at_most = 0;
     at_points(300, 30, |lights, at| {
-        let lit = lights.light(at, &Limits { error: 0.001, rule: Rule::Whole, max_cut: Some(12) });
+        let lit = light_by_cut(
+            lights,
+            at,
+            &Limits { error: 0.001, rule: Rule::Whole, max_cut: Some(12) },
+        );
         assert!(lit.size <= 12);
         at_most += u32::from(lit.at_most);
         assert!(
-            !lights
-                .light(at, &Limits { error: 0.001, rule: Rule::Whole, max_cut: Some(u32::MAX) })
-                .at_most
+            !light_by_cut(
+                lights,
+                at,
+                &Limits { error: 0.001, rule: Rule::Whole, max_cut: Some(u32::MAX) }
+            )
+            .at_most
         );
     });
     assert!(at_most > 30, "{at_most}");

@@ -1,6 +1,7 @@
 use super::*;
-use crate::cut::Rule;
+use crate::cut::{Limits, Rule};
 use crate::light::tests::at_points;
+use crate::{light_by_cut, reconstruct, record_cut};
 use gi_core::bsdf::Transport;
 use gi_core::ray::Ray;
 
@@ -15,12 +16,12 @@ fn between_four_times_the_same_sample_is_that_sample() {
     let mut some = 0;
     at_points(300, 60, |lights, at| {
         let surface = at.receiver.surface;
-        let sample = Sample::take(lights, surface, at, &LIMITS);
-        let cut = lights.light(at, &LIMITS);
+        let sample = record_cut(lights, at, &LIMITS);
+        let cut = light_by_cut(lights, at, &LIMITS);
         assert!(sample.serves(lights.scene, surface));
         assert!(close(sample.total, cut.all().luminance()));
         let corners = [(&sample, 0.1), (&sample, 0.2), (&sample, 0.3), (&sample, 0.4)];
-        let lit = lights.reconstruct(at, &corners, &LIMITS, 0.01);
+        let lit = reconstruct(lights, at, &corners, &LIMITS, 0.01);
         assert!(close(lit.direct.luminance(), cut.direct.luminance()), "{lit:?} is not {cut:?}");
         assert!(
             close(lit.indirect.luminance(), cut.indirect.luminance()),
@@ -51,7 +52,7 @@ fn near_samples_bring_nearly_what_all_lights_bring_with_fewer_rays() {
                 site: crate::bound::Site::new(&surface, -ray.d, &bsdf, at.site.most),
                 ..*at
             };
-            let sample = Sample::take(lights, &surface, &other, &LIMITS);
+            let sample = record_cut(lights, &other, &LIMITS);
             if sample.serves(lights.scene, at.receiver.surface) {
                 samples.push(sample);
             }
@@ -60,12 +61,12 @@ fn near_samples_bring_nearly_what_all_lights_bring_with_fewer_rays() {
             return;
         }
         let corners = std::array::from_fn(|k| (&samples[k], 0.25));
-        let lit = lights.reconstruct(at, &corners, &LIMITS, 0.01);
+        let lit = reconstruct(lights, at, &corners, &LIMITS, 0.01);
         let exact = lights.light_by_all(at).all().luminance();
         if exact > 0.0 {
             errors.push((lit.all().luminance() - exact).abs() / exact);
             rays[0] += lit.rays;
-            rays[1] += lights.light(at, &LIMITS).rays;
+            rays[1] += light_by_cut(lights, at, &LIMITS).rays;
         }
     });
     errors.sort_unstable_by(f32::total_cmp);
@@ -85,7 +86,7 @@ fn near_samples_bring_nearly_what_all_lights_bring_with_fewer_rays() {
 fn samples_of_another_surface_or_round_a_corner_do_not_serve() {
     at_points(50, 10, |lights, at| {
         let surface = at.receiver.surface;
-        let sample = Sample::take(lights, surface, at, &LIMITS);
+        let sample = record_cut(lights, at, &LIMITS);
         let away = |d: Vec3| {
             let mut other = *surface;
             other.p += d;

@@ -1,0 +1,40 @@
+//! The numbers that are printed and stored with the picture.
+
+use gi_core::caustics::FocusedLight;
+use vpl::{Energy, Pilot, Vpls};
+
+/// Sums over all passes.
+#[derive(Default)]
+pub(crate) struct Totals {
+    /// Light that connections brought, and light that the clamp cut off.
+    pub(crate) energy: Energy,
+    lights: u64,
+    paths: u64,
+}
+
+impl Totals {
+    /// Count the lights of a pass.
+    pub(crate) fn add(&mut self, vpls: &Vpls) {
+        self.lights += vpls.lights.len() as u64;
+        self.paths += vpls.paths;
+    }
+
+    pub(crate) fn statistics(
+        &self,
+        pilot: &Pilot,
+        focused: &FocusedLight,
+        vpls: &Vpls,
+    ) -> Vec<(String, f64)> {
+        let [kept, cut] = self.energy.kept_and_cut();
+        vec![
+            ("vpls".into(), self.lights as f64),
+            ("light_paths".into(), self.paths as f64),
+            ("reflectance".into(), pilot.reflectance.into()),
+            ("connections".into(), self.energy.connections() as f64),
+            ("energy_cut".into(), cut / (kept + cut).max(f64::MIN_POSITIVE)),
+            ("caustic_photons".into(), focused.photons() as f64),
+            ("caustic_radius".into(), focused.mean_radius()),
+            ("vpl_bytes".into(), vpls.memory_bytes() as f64),
+        ]
+    }
+}
