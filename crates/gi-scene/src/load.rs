@@ -1,7 +1,7 @@
 //! The one entrance: a path and options to a scene.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use gi_core::camera::CameraSpec;
 use gi_core::filter::Filter;
@@ -58,6 +58,8 @@ pub struct Loaded {
     pub hash: u64,
     /// Hash of what the world is made of: the same for any camera, film, integrator and preset.
     pub world: u64,
+    /// All files that were read: the scene, what it includes, meshes and pictures.
+    pub files: Vec<PathBuf>,
     pub(crate) origins: Origins,
 }
 
@@ -84,9 +86,11 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     for warning in loaded.iter_mut().flat_map(|l| l.parts.enclose_media()) {
         report.warn_nowhere(warning);
     }
+    report.reads(path);
+    let files = report.files();
     let warnings = report.finish()?;
     let loaded = loaded.expect("a scene without problems was read");
-    Ok(Loaded { warnings, ..loaded })
+    Ok(Loaded { warnings, files, ..loaded })
 }
 
 /// Refuse a scene whose things are of another dialect: a black picture would mislead.
@@ -140,6 +144,7 @@ fn load_xml(path: &Path, options: &Options, report: &Report) -> Option<Loaded> {
         warnings,
         hash,
         world,
+        files: Vec::new(),
         origins,
     })
 }

@@ -3,6 +3,7 @@
 use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
 use gi_core::film::Show;
 use gi_core::math::{INV_PI, Rgb};
+use gi_core::progress;
 use gi_core::rng::hash_words;
 use gi_core::technique::Setting;
 use rayon::prelude::*;
@@ -44,7 +45,11 @@ impl<'a> IrradianceCaching<'a> {
     pub(crate) fn overture(&mut self) {
         let order = coarse_to_fine(self.setting.camera.size());
         let mut levels = std::mem::take(&mut self.levels);
-        self.fill(&mut levels, 0, order.len(), |cache, k| self.missing_in_pixel(cache, order[k]));
+        progress::begin(progress::SEARCHED, order.len() as u64);
+        self.fill(&mut levels, 0, order.len(), |cache, k| {
+            progress::advance(1);
+            self.missing_in_pixel(cache, order[k])
+        });
         self.levels = levels;
     }
 

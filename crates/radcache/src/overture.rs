@@ -3,6 +3,7 @@
 use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
 use gi_core::film::Show;
 use gi_core::math::Rgb;
+use gi_core::progress;
 use gi_core::rng::hash_words;
 use gi_core::technique::Setting;
 use lightcache::control::{Control, ErrorControl};
@@ -72,10 +73,14 @@ impl<'a> RadianceCaching<'a> {
             let irradiance = glossy.record_of(place, &frame, &h);
             Made::Glossy(RadianceRecord::new(irradiance, &frame, &h, basis, functions))
         };
+        progress::begin(progress::SEARCHED, order.len() as u64);
         in_rounds(
             &mut caches,
             order.len(),
-            |caches, k| self.missing_in_pixel(caches, order[k]),
+            |caches, k| {
+                progress::advance(1);
+                self.missing_in_pixel(caches, order[k])
+            },
             |caches, missing| {
                 let made: Vec<Made> = missing.par_iter().with_max_len(1).map(make).collect();
                 for record in made {
