@@ -61,6 +61,11 @@ only image 'gi-core/src/image_io/'
 # Options are stated in params.rs of the techniques, and in options.rs where several techniques share them.
 only clap 'gi-cli/src/|/src/main\.rs|/src/params\.rs|gi-core/src/options\.rs|lightcache/src/options\.rs|vpl/src/options\.rs'
 only indicatif 'gi-cli/src/progress'
+only signal_hook 'gi-cli/src/stop'
+only rustix 'gi-cli/src/stop'
+only humantime 'gi-cli/src/identity'
+only clap_complete 'gi-cli/src/help'
+only clap_mangen 'gi-cli/src/help'
 # Statistics are written by gi-cli and read by compare, whose page and --json are JSON as well.
 only serde_json 'gi-cli/src/|compare/src/'
 # Pictures are coloured in Rust by canvas, in a page by a table that it carries.

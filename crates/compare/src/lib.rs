@@ -12,7 +12,10 @@
 //! | what it leaves | a folder: `index.html`, which needs nothing else, and the pictures and statistics of the runs |
 //! | sources | \[Andersson20\], \[Andersson21\] |
 #![forbid(unsafe_code)]
+// They panic when nobody reads them.
+#![warn(clippy::print_stdout, clippy::print_stderr)]
 
+mod child;
 mod measure;
 mod page;
 mod picture;
@@ -28,6 +31,7 @@ mod text;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+pub use child::stop;
 pub use measure::{Entry, Errors, Rung};
 pub use picture::{Picture, is_picture};
 pub use plan::{Run, plan};

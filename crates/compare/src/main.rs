@@ -2,12 +2,17 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicU8, Ordering::SeqCst};
 use std::time::Duration;
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 use compare::{
     Budget, Failure, Programs, Request, Run, Series, Subjects, Truth, compare, is_picture, plan,
 };
+
+/// The end of the help.
+const EXAMPLE: &str = "Example: two techniques, ten seconds each
+  compare scenes/cornell-box.xml --techniques pathtrace,ppm --time 10s -o out";
 
 /// Techniques side by side on one scene at equal time or equal passes, or finished pictures: errors against a
 /// reference, and one page to look at them.
@@ -15,7 +20,7 @@ use compare::{
 /// The programs run one after the other, each as if called by hand. --time counts preparing and passes; reading the scene and
 /// building its tree are apart. What is left in the folder: index.html, which needs nothing else, and what the runs wrote.
 #[derive(Parser)]
-#[command(name = "compare", version)]
+#[command(name = "compare", version = gi_cli::VERSION, after_help = EXAMPLE)]
 struct Args {
     /// A scene, or finished pictures: .exr, .pfm or .hdr; FILE.exr#LAYER takes a layer
     #[arg(required = true)]
@@ -208,23 +213,49 @@ impl Args {
 /// Time of a run where none was asked for.
 const DEFAULT_TIME: Duration = Duration::from_secs(10);
 
+/// Exit status for the signal that stopped the comparison; 0 as long as there is none.
+static STOPPED: AtomicU8 = AtomicU8::new(0);
+
+/// Stop the current run together with the comparison: it saves its picture first.
+fn stop_with_runs() {
+    gi_cli::on_signal(|signal| {
+        let status = signal.exit_status();
+        STOPPED.store(status, SeqCst);
+        gi_cli::say(format!("stopped by {}", signal.name()));
+        if !compare::stop(|run| gi_cli::send(signal, run)) {
+            let _whole = gi_core::files::hold_writes();
+            std::process::exit(status.into());
+        }
+    });
+}
+
 fn main() -> ExitCode {
+    let mut words = std::env::args();
+    if let (Some("--generate"), Some(what)) = (words.nth(1).as_deref(), words.next()) {
+        return gi_cli::generate(Args::command(), &what);
+    }
     let args = Args::parse();
-    match args.request().and_then(|request| Ok((compare(&request)?, request))) {
+    stop_with_runs();
+    let done = args.request().and_then(|request| Ok((compare(&request)?, request)));
+    let status = match done {
         Ok((report, request)) => {
-            print!("{}", report.table());
+            gi_cli::print(report.table());
             if !args.quiet {
-                println!("page: {}", request.folder.join("index.html").display());
+                gi_cli::print(format!("page: {}\n", request.folder.join("index.html").display()));
             }
             ExitCode::SUCCESS
         }
         Err(Failure::Input(text)) => {
-            eprintln!("{text}");
+            gi_cli::say(text);
             ExitCode::from(2)
         }
         Err(Failure::Other(text)) => {
-            eprintln!("error: {text}");
+            gi_cli::say(format!("error: {text}"));
             ExitCode::from(1)
         }
+    };
+    match STOPPED.load(SeqCst) {
+        0 => status,
+        stopped => ExitCode::from(stopped),
     }
 }

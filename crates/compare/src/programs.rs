@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
-use crate::{Budget, Failure, Run, show, text};
+use crate::{Budget, Failure, Run, child, show, text};
 
 /// The programs that can be compared, in the lecture's order after the reference.
 pub(crate) const TECHNIQUES: [&str; 7] =
@@ -138,12 +138,9 @@ impl Programs {
             if input { Failure::Input(format!("error: {text}")) } else { Failure::Other(text) }
         };
         // Its messages go where ours go.
-        let status = Command::new(self.file(&order.run.program))
-            .args(&command[1..])
-            .arg("--quiet")
-            .stdin(Stdio::null())
-            .stdout(Stdio::null())
-            .status()
+        let mut program = Command::new(self.file(&order.run.program));
+        program.args(&command[1..]).arg("--quiet").stdin(Stdio::null()).stdout(Stdio::null());
+        let status = child::run(&mut program)?
             .map_err(|e| failed(format!("cannot run {}: {e}", order.run.program), false))?;
         if !status.success() {
             return Err(failed(

@@ -1,5 +1,6 @@
 //! Words, names and files.
 
+use std::io::Write;
 use std::path::Path;
 
 use gi_core::files;
@@ -43,7 +44,7 @@ pub fn command_line(words: &[String]) -> String {
 /// Say what is going on.
 pub(crate) fn say(quiet: bool, text: &str) {
     if !quiet {
-        eprintln!("{text}");
+        let _ = writeln!(std::io::stderr(), "{text}"); // nobody may be listening
     }
 }
 

@@ -52,6 +52,19 @@ impl Isa {
     }
 }
 
+/// The instruction set that this processor's rays are traced with: the fastest that there is a kernel for.
+pub fn instruction_set() -> &'static str {
+    match Isa::available().last() {
+        #[cfg(target_arch = "x86_64")]
+        Some(Isa::Avx512) => "AVX-512",
+        #[cfg(target_arch = "x86_64")]
+        Some(Isa::Avx2) => "AVX2",
+        #[cfg(target_arch = "x86_64")]
+        Some(Isa::Sse2) => "SSE2",
+        _ => "portable",
+    }
+}
+
 type Trace = unsafe fn(&Tree, &Ray) -> Option<Hit>;
 
 /// The pair of functions that walk one tree.

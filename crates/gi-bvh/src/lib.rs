@@ -36,6 +36,7 @@ use std::fmt;
 use glam::Vec3;
 
 pub use bounds::Bounds;
+pub use dispatch::instruction_set;
 pub use solid::Solid;
 
 use dispatch::Kernel;

@@ -14,8 +14,6 @@ use crate::save::save_bytes;
 
 /// First line of a checkpoint; the number is the format's.
 const MAGIC: &str = "gilab checkpoint 1";
-/// Time between two checkpoints of a run.
-const EVERY: Duration = Duration::from_secs(60);
 
 /// What must be the same for a checkpoint to be of use, by name: program, scene, camera and so on.
 pub(crate) type Identity = Vec<(&'static str, String)>;
@@ -24,26 +22,48 @@ pub(crate) type Identity = Vec<(&'static str, String)>;
 pub(crate) struct Keeper<'a> {
     path: &'a Path,
     identity: &'a Identity,
-    last: Instant,
+    every: Duration,
+    /// When the last attempt ended.
+    last: Option<Instant>,
+    /// Passes in the file, once this run has written it.
+    kept: Option<u32>,
 }
 
 impl<'a> Keeper<'a> {
-    pub(crate) fn new(path: &'a Path, identity: &'a Identity) -> Self {
-        Keeper { path, identity, last: Instant::now() }
+    /// A keeper that writes the first checkpoint as soon as it can, and the next ones `every` so often.
+    pub(crate) fn new(path: &'a Path, identity: &'a Identity, every: Duration) -> Self {
+        Keeper { path, identity, every, last: None, kept: None }
     }
 
-    /// Write a checkpoint if the last is old, or if `now`.
+    /// Whether the last attempt is long enough ago.
+    pub(crate) fn is_due(&self) -> bool {
+        self.last.is_none_or(|last| last.elapsed() >= self.every)
+    }
+
+    /// The number of passes in the file, if this run has written it.
+    pub(crate) fn kept(&self) -> Option<u32> {
+        self.kept
+    }
+
+    /// Write a checkpoint.
     pub(crate) fn keep<'t>(
         &mut self,
         technique: &impl Technique<'t>,
         film: &Film,
         passes: &Range<u32>,
-        now: bool,
     ) -> Result<(), Failure> {
-        if !now && self.last.elapsed() < EVERY {
-            return Ok(());
-        }
-        self.last = Instant::now();
+        let written = self.write(technique, film, passes);
+        self.last = Some(Instant::now());
+        self.kept = if written.is_ok() { Some(passes.len() as u32) } else { self.kept };
+        written
+    }
+
+    fn write<'t>(
+        &self,
+        technique: &impl Technique<'t>,
+        film: &Film,
+        passes: &Range<u32>,
+    ) -> Result<(), Failure> {
         let state = technique.save_state().ok_or_else(no_state)?;
         let mut w = Writer::default();
         w.text(MAGIC);

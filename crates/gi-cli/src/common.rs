@@ -1,73 +1,89 @@
 //! The flags that all programs have.
 
+use std::io::IsTerminal;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use gi_core::options::Show;
 use glam::Vec3;
 
 use crate::budget::{Budget, parse_time};
 
+/// Headings of the help.
+const SCENE: &str = "Scene";
+const PICTURE: &str = "Picture";
+const BUDGET: &str = "Budget";
+const RUN: &str = "Run";
+
 /// The flags that all programs have.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Common {
     /// Scene: Mitsuba XML (0.5, 0.6, 3.x), or a plain OBJ file with its MTL
+    #[arg(help_heading = SCENE)]
     pub scene: PathBuf,
     /// Picture to write: .exr (all layers), .pfm or .hdr; a .png view is written beside it [default: SCENE.PROGRAM.exr]
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(help_heading = PICTURE, short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// Number of passes; most techniques take one sample per pixel in each pass
-    #[arg(long, visible_alias = "passes", value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(help_heading = BUDGET, long, visible_alias = "passes", value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
     pub spp: u32,
     /// Time limit for preparation and passes, instead of a number of passes: 30s, 5m, 1.5h
-    #[arg(long, value_name = "TIME", conflicts_with = "spp", value_parser = parse_time)]
-    pub time: Option<std::time::Duration>,
+    #[arg(help_heading = BUDGET, long, value_name = "TIME", conflicts_with = "spp", value_parser = parse_time)]
+    pub time: Option<Duration>,
     /// Width and height of the picture in pixels [default: as in the scene]
-    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    #[arg(help_heading = PICTURE, long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<[usize; 2]>,
     /// Seed of all random numbers; the same seed gives the same bits with any number of threads
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(help_heading = RUN, long, value_name = "N", default_value_t = 0)]
     pub seed: u32,
     /// Number of threads [default: one per processor]
-    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(help_heading = RUN, short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// Part of the light that the picture shows; direct, indirect and caustic add up to all
-    #[arg(long, value_enum, default_value_t = Show::All)]
+    #[arg(help_heading = PICTURE, long, value_enum, default_value_t = Show::All)]
     pub component: Show,
     /// Set a parameter of the scene ($NAME), or a program's preset (gi.PROGRAM.FLAG)
-    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
+    #[arg(help_heading = SCENE, short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
     pub define: Vec<(String, String)>,
     /// Position of the camera [default: as in the scene; for a plain OBJ file, one that shows the whole scene]
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_vec3, allow_hyphen_values = true)]
+    #[arg(help_heading = SCENE, long, value_name = "X,Y,Z", value_parser = parse_vec3, allow_hyphen_values = true)]
     pub origin: Option<Vec3>,
     /// Point that the camera looks at
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_vec3, allow_hyphen_values = true)]
+    #[arg(help_heading = SCENE, long, value_name = "X,Y,Z", value_parser = parse_vec3, allow_hyphen_values = true)]
     pub target: Option<Vec3>,
     /// Up direction of the camera
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_vec3, allow_hyphen_values = true)]
+    #[arg(help_heading = SCENE, long, value_name = "X,Y,Z", value_parser = parse_vec3, allow_hyphen_values = true)]
     pub up: Option<Vec3>,
     /// Horizontal field of view in degrees
-    #[arg(long, value_name = "DEGREES")]
+    #[arg(help_heading = SCENE, long, value_name = "DEGREES")]
     pub fov: Option<f32>,
     /// Only write the scene, as the program understood it, as Mitsuba 3 XML
-    #[arg(long, value_name = "FILE.xml")]
+    #[arg(help_heading = SCENE, long, value_name = "FILE.xml")]
     pub export_mitsuba: Option<PathBuf>,
     /// Write statistics of the run to this file
-    #[arg(long, value_name = "FILE.json")]
+    #[arg(help_heading = RUN, long, value_name = "FILE.json")]
     pub stats: Option<PathBuf>,
-    /// Save the state of the run to this file, every minute and at the end
-    #[arg(long, value_name = "FILE")]
+    /// Save the state of the run to this file, after the first pass, at intervals and at the end
+    #[arg(help_heading = RUN, long, value_name = "FILE")]
     pub checkpoint: Option<PathBuf>,
+    /// Time between two checkpoints
+    #[arg(help_heading = RUN, long, value_name = "TIME", default_value = "60s", value_parser = parse_time)]
+    pub checkpoint_interval: Duration,
     /// Continue from the file of --checkpoint; the picture has the same bits as that of an uninterrupted run
-    #[arg(long, requires = "checkpoint")]
+    #[arg(help_heading = RUN, long, requires = "checkpoint")]
     pub resume: bool,
     /// Index of the first pass; separate runs can make ranges of passes and save them with --checkpoint for --merge
-    #[arg(long, value_name = "K", default_value_t = 0)]
+    #[arg(help_heading = BUDGET, long, value_name = "K", default_value_t = 0)]
     pub first_pass: u32,
     /// Make no passes, but add up the passes of checkpoints; give the option once per file
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["checkpoint", "first_pass", "spp", "time"])]
+    #[arg(help_heading = RUN, long, value_name = "FILE", conflicts_with_all = ["checkpoint", "first_pass", "spp", "time"])]
     pub merge: Vec<PathBuf>,
+    /// Rewrite the picture and its view during the run, at this interval or at a longer one so that it takes less than 1 % of
+    /// the time; 0 turns it off [default: 10s if standard error is a terminal, else 0]
+    #[arg(help_heading = PICTURE, long, value_name = "TIME", value_parser = parse_interval)]
+    pub preview: Option<Duration>,
     /// Print errors only
-    #[arg(short, long)]
+    #[arg(help_heading = RUN, short, long)]
     pub quiet: bool,
 }
 
@@ -75,6 +91,13 @@ impl Common {
     /// When the run is to end.
     pub(crate) fn budget(&self) -> Budget {
         self.time.map_or(Budget::Passes(self.spp), Budget::Time)
+    }
+
+    /// Time between two previews; `None` makes no previews.
+    pub(crate) fn preview(&self) -> Option<Duration> {
+        let default =
+            || if std::io::stderr().is_terminal() { DEFAULT_PREVIEW } else { Duration::ZERO };
+        Some(self.preview.unwrap_or_else(default)).filter(|time| !time.is_zero())
     }
 
     /// Where the picture goes.
@@ -95,6 +118,14 @@ impl Common {
         };
         gi_scene::Options { defines: self.define.clone(), size: self.size, camera }
     }
+}
+
+/// Time between two previews on a terminal.
+const DEFAULT_PREVIEW: Duration = Duration::from_secs(10);
+
+/// A time span; 0 is none.
+fn parse_interval(text: &str) -> Result<Duration, String> {
+    if text.trim() == "0" { Ok(Duration::ZERO) } else { parse_time(text) }
 }
 
 /// Largest picture accepted, in pixels a side.

@@ -1,17 +1,27 @@
-//! What every program shares: flags, budget, progress, saving, statistics. A program states its name, its description and
+//! What every program shares: flags, budget, progress, signals, previews, saving, statistics. A program states its name, its description and
 //! its technique as a [`Program`]; its `main` is [`main`].
 //!
-//! Exit status: 0, 1 (something failed on the way), 2 (bad usage or input).
+//! Exit status: 0, 1 (something failed on the way), 2 (bad usage or input), 128 + the number of the signal that stopped the run.
 #![forbid(unsafe_code)]
+// They panic when nobody reads them.
+#![warn(clippy::print_stdout, clippy::print_stderr)]
 
 mod budget;
 mod checkpoint;
 mod common;
+mod help;
+mod identity;
 mod passes;
+mod paths;
 mod presets;
+mod preview;
 mod progress;
+mod record;
 mod run;
 mod save;
+mod say;
+mod stop;
+mod warnings;
 
 use std::process::ExitCode;
 
@@ -21,6 +31,10 @@ use gi_core::technique::Technique;
 
 pub use budget::{Budget, parse_time};
 pub use common::Common;
+pub use help::generate;
+pub use identity::VERSION;
+pub use say::{print, say};
+pub use stop::{Signal, on_signal, send};
 
 /// A command line: the flags that all programs have, and the parameters of a technique.
 #[derive(clap::Args, Clone, Debug)]
@@ -41,6 +55,9 @@ pub trait Program: Parser {
     /// The technique.
     type Technique<'a>: Technique<'a, Params = Self::Params>;
 
+    /// Whether it can continue a run from a checkpoint; its help does not list those flags otherwise.
+    const RESUMES: bool = true;
+
     /// What was parsed.
     fn args(&self) -> &Args<Self::Params>;
 }
@@ -54,32 +71,51 @@ enum Failure {
     Other(String),
 }
 
+impl Failure {
+    /// What went wrong.
+    fn text(&self) -> &str {
+        match self {
+            Failure::Input(text) | Failure::Other(text) => text,
+        }
+    }
+}
+
 /// Run a program.
 pub fn main<P: Program>() -> ExitCode {
     let arguments: Vec<String> = match std::env::args_os().map(|a| a.into_string()).collect() {
         Ok(arguments) => arguments,
         Err(bad) => {
-            eprintln!("error: the argument {bad:?} is not valid UTF-8");
+            say(format!("error: the argument {bad:?} is not valid UTF-8"));
             return ExitCode::from(2);
         }
     };
+    if let [_, flag, what] = &arguments[..]
+        && flag == help::GENERATE
+    {
+        return generate(command::<P>(), what);
+    }
     match run::run::<P>(&arguments) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(None) => ExitCode::SUCCESS,
+        Ok(Some(signal)) => ExitCode::from(signal.exit_status()),
         Err(Failure::Input(text)) => {
-            eprintln!("{}", text.trim_end());
+            say(text.trim_end());
             ExitCode::from(2)
         }
         Err(Failure::Other(text)) => {
-            eprintln!("error: {text}");
+            say(format!("error: {text}"));
             ExitCode::from(1)
         }
     }
 }
 
+/// The command line of a program.
+fn command<P: Program>() -> clap::Command {
+    help::arranged(P::command(), P::RESUMES).args_override_self(true).version(VERSION)
+}
+
 /// Parse a command line in which a later flag wins over an earlier one; `--help` and usage errors end the process
 /// as clap would.
-fn parse<P: Program>(arguments: &[String]) -> P {
-    let command = P::command().args_override_self(true);
-    let matches = command.get_matches_from(arguments);
-    P::from_arg_matches(&matches).unwrap_or_else(|e| e.exit())
+fn parse<P: Program>(arguments: &[String]) -> (P, clap::ArgMatches) {
+    let matches = command::<P>().get_matches_from(arguments);
+    (P::from_arg_matches(&matches).unwrap_or_else(|e| e.exit()), matches)
 }

@@ -1,7 +1,10 @@
-//! The passes of a run: made until the budget is spent, gone on with from a checkpoint, or added up from several.
+//! The passes of a run: made until the budget is spent or a signal comes, continued from a checkpoint, or added up from
+//! several.
 
 use std::ops::Range;
-use std::time::Instant;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use std::time::{Duration, Instant};
 
 use gi_core::camera::Camera;
 use gi_core::film::Film;
@@ -9,7 +12,10 @@ use gi_core::filter::Filter;
 use gi_core::technique::Technique;
 
 use crate::checkpoint::{Checkpoint, Identity, Keeper, no_state};
-use crate::progress::Progress;
+use crate::preview::Preview;
+use crate::progress::{Part, Passes, Progress};
+use crate::say::say;
+use crate::stop::{self, Phase};
 use crate::{Common, Failure, Program};
 
 /// What a checkpoint must have in common with a run.
@@ -29,50 +35,117 @@ pub(crate) fn identity<P: Program>(
     ]
 }
 
-/// Passes until the budget is spent, or the technique says that it is enough.
-pub(crate) fn passes<'a>(
-    technique: &mut impl Technique<'a>,
-    common: &Common,
-    film: &mut Film,
-    identity: &Identity,
+/// The passes of a run, and what is done between them.
+pub(crate) struct Making<'a> {
+    common: &'a Common,
+    /// Numbers of the passes that are in the film.
+    made: Range<u32>,
+    /// When preparation began.
     start: Instant,
-) -> Result<(), Failure> {
-    let budget = common.budget();
-    let first = common.first_pass;
-    if first > 0 && !technique.passes_are_independent() {
-        return Err(Failure::Input(
-            "error: --first-pass: the passes of this method build on each other".into(),
+    keeper: Option<Keeper<'a>>,
+    /// Whether the last pass was left half-way: the technique then is in no state to be saved.
+    abandoned: bool,
+}
+
+impl<'a> Making<'a> {
+    /// Check that the technique can do what is asked for, and continue from a checkpoint if that is.
+    pub(crate) fn begin<'t>(
+        technique: &mut impl Technique<'t>,
+        common: &'a Common,
+        film: &mut Film,
+        identity: &'a Identity,
+        start: Instant,
+    ) -> Result<Self, Failure> {
+        let first = common.first_pass;
+        if first > 0 && !technique.passes_are_independent() {
+            return Err(Failure::Input(
+                "error: --first-pass: the passes of this method build on each other".into(),
+            ));
+        }
+        // Before the work, not after it.
+        if common.checkpoint.is_some() {
+            technique.save_state().ok_or_else(no_state)?;
+        }
+        let mut made = first..first;
+        if let (true, Some(path)) = (common.resume, &common.checkpoint) {
+            made = Checkpoint::read(path)?.resume(identity, technique, film)?;
+            if made.start != first {
+                let text = format!("error: {} begins with pass {}", path.display(), made.start);
+                return Err(Failure::Input(text));
+            }
+        }
+        let every = common.checkpoint_interval;
+        let keeper = common.checkpoint.as_deref().map(|path| Keeper::new(path, identity, every));
+        Ok(Making { common, made, start, keeper, abandoned: false })
+    }
+
+    /// Make passes until the budget is spent, the technique says that it is enough, or a signal comes.
+    pub(crate) fn run<'t, T: Technique<'t>>(
+        &mut self,
+        technique: &mut T,
+        film: &mut Film,
+        mut preview: Preview<impl FnMut(&T, &Film, Duration) -> Result<(), Failure>>,
+    ) {
+        let budget = self.common.budget();
+        let before = self.made.len() as u32;
+        let counter = Arc::new(AtomicU32::new(before));
+        let shown = Passes {
+            budget,
+            before,
+            made: counter.clone(),
+            samples: film.size().iter().product::<usize>() as f64,
+            spent: self.start.elapsed(),
+        };
+        stop::enter(Phase::Passes);
+        let _progress = Progress::show(Part::Passes(shown), self.common.quiet);
+        while budget.goes_on(self.made.len() as u32, self.start.elapsed())
+            && self.made.end < u32::MAX - 1
+            && !technique.is_done()
+            && stop::requested().is_none()
+        {
+            let in_film = film.passes();
+            technique.pass(self.made.end, film);
+            // An abandoned pass is not added to the film.
+            self.abandoned = film.passes() == in_film;
+            if self.abandoned {
+                break;
+            }
+            self.made.end += 1;
+            counter.store(self.made.len() as u32, Relaxed);
+            if stop::requested().is_none() {
+                self.between(technique, film);
+                preview.show(technique, film, self.start.elapsed());
+            }
+        }
+    }
+
+    /// Write a checkpoint if it is due. If that fails, say so: the next is written after the same time.
+    fn between<'t>(&mut self, technique: &impl Technique<'t>, film: &Film) {
+        if let Some(keeper) = self.keeper.as_mut().filter(|keeper| keeper.is_due())
+            && let Err(failure) = keeper.keep(technique, film, &self.made)
+        {
+            let every = crate::progress::span(self.common.checkpoint_interval);
+            let text = failure.text();
+            say(format!("warning: {text}; the run goes on, and tries again in {every}"));
+        }
+    }
+
+    /// Write the last checkpoint.
+    pub(crate) fn end<'t>(
+        &mut self,
+        technique: &impl Technique<'t>,
+        film: &Film,
+    ) -> Result<(), Failure> {
+        let Some(keeper) = &mut self.keeper else { return Ok(()) };
+        if !self.abandoned {
+            return keeper.keep(technique, film, &self.made);
+        }
+        let kept = keeper.kept().map_or("is as it was before".into(), |n| format!("holds {n}"));
+        let made = self.made.len();
+        say(format!(
+            "warning: a checkpoint cannot be made in the middle of a pass: the picture holds {made} passes, the checkpoint {kept}"
         ));
-    }
-    // Before the work, not after it.
-    if common.checkpoint.is_some() {
-        technique.save_state().ok_or_else(no_state)?;
-    }
-    let mut made = first..first;
-    let mut keeper = common.checkpoint.as_deref().map(|path| Keeper::new(path, identity));
-    if let (true, Some(path)) = (common.resume, &common.checkpoint) {
-        made = Checkpoint::read(path)?.resume(identity, technique, film)?;
-        if made.start != first {
-            let text = format!("error: {} begins with pass {}", path.display(), made.start);
-            return Err(Failure::Input(text));
-        }
-    }
-    let progress = Progress::new(budget, film.size(), common.quiet);
-    while budget.goes_on(made.len() as u32, start.elapsed())
-        && made.end < u32::MAX - 1
-        && !technique.is_done()
-    {
-        technique.pass(made.end, film);
-        made.end += 1;
-        progress.update(made.len() as u32, start.elapsed());
-        if let Some(keeper) = &mut keeper {
-            keeper.keep(technique, film, &made, false)?;
-        }
-    }
-    progress.finish();
-    match &mut keeper {
-        Some(keeper) => keeper.keep(technique, film, &made, true),
-        None => Ok(()),
+        Ok(())
     }
 }
 

@@ -5,7 +5,7 @@ use gi_scene::Loaded;
 use crate::{Failure, Program};
 
 /// Flags that a scene cannot set: they are needed before it is read, or say where files go.
-const NOT_PRESETS: [&str; 17] = [
+const NOT_PRESETS: [&str; 19] = [
     "size",
     "threads",
     "define",
@@ -23,6 +23,8 @@ const NOT_PRESETS: [&str; 17] = [
     "resume",
     "first-pass",
     "merge",
+    "checkpoint-interval",
+    "preview",
 ];
 
 /// Whether a flag is one that a scene cannot set: files of techniques are named `--x-out` and `--x-in`.

@@ -1,46 +1,220 @@
-//! A progress bar with rate and time to go, on a terminal; silence elsewhere.
+//! How far a run is: a bar for preparation and one for passes on a terminal, a line every [`LINE_EVERY`] elsewhere.
 
-use std::time::Duration;
+use std::io::IsTerminal;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 
+use gi_core::progress::{self, PIXELS, State};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::budget::Budget;
+use crate::say::{say, set_around};
 
-/// What the terminal shows of a run.
+/// Time between two lines where standard error is no terminal.
+const LINE_EVERY: Duration = Duration::from_secs(30);
+/// Time between two pictures of the bar.
+const BAR_EVERY: Duration = Duration::from_millis(100);
+/// Steps of the bar: more than it has characters.
+const STEPS: f64 = 1000.0;
+
+/// A part of a run whose progress is shown.
+#[derive(Clone, Debug)]
+pub(crate) enum Part {
+    /// Preparation.
+    Preparation,
+    /// Passes.
+    Passes(Passes),
+}
+
+/// Passes whose progress is shown.
+#[derive(Clone, Debug)]
+pub(crate) struct Passes {
+    /// When they end.
+    pub(crate) budget: Budget,
+    /// How many an earlier run has made.
+    pub(crate) before: u32,
+    /// How many there are by now.
+    pub(crate) made: Arc<AtomicU32>,
+    /// Samples of a pass.
+    pub(crate) samples: f64,
+    /// Time that the budget had spent when the passes began.
+    pub(crate) spent: Duration,
+}
+
+/// Shows progress until it is dropped.
 pub(crate) struct Progress {
-    bar: ProgressBar,
-    budget: Budget,
-    samples_per_pass: f64,
+    end: Option<Sender<()>>,
+    thread: Option<JoinHandle<()>>,
 }
 
 impl Progress {
-    pub(crate) fn new(budget: Budget, size: [usize; 2], quiet: bool) -> Self {
-        let length = match budget {
-            Budget::Passes(n) => u64::from(n),
-            Budget::Time(time) => time.as_millis() as u64,
-        };
-        // indicatif hides the bar where standard error is no terminal.
-        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(length) };
-        let style = ProgressStyle::with_template(
-            "{bar:32} {percent:>3} %  {msg}  {elapsed} elapsed, {eta} to go",
-        );
-        if let Ok(style) = style {
-            bar.set_style(style);
+    /// Show the progress of a part that begins now.
+    pub(crate) fn show(part: Part, quiet: bool) -> Self {
+        if quiet {
+            return Progress { end: None, thread: None };
         }
-        Progress { bar, budget, samples_per_pass: (size[0] * size[1]) as f64 }
-    }
-
-    /// Show how far the run is.
-    pub(crate) fn update(&self, passes: u32, elapsed: Duration) {
-        let rate = f64::from(passes) * self.samples_per_pass / elapsed.as_secs_f64().max(1e-9);
-        self.bar.set_message(format!("pass {passes}, {:.2} M samples/s", rate * 1e-6));
-        self.bar.set_position(match self.budget {
-            Budget::Passes(_) => u64::from(passes),
-            Budget::Time(_) => elapsed.as_millis() as u64,
+        let (end, ended) = channel();
+        let thread = std::thread::spawn(move || {
+            if std::io::stderr().is_terminal() { bar(&part, &ended) } else { lines(&part, &ended) }
         });
+        Progress { end: Some(end), thread: Some(thread) }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        drop(self.end.take());
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Draw a bar until the part has ended.
+fn bar(part: &Part, ended: &Receiver<()>) {
+    let (start, bar) = (Instant::now(), ProgressBar::new(STEPS as u64));
+    if let Ok(style) = ProgressStyle::with_template("{bar:32} {percent:>3} %  {msg}") {
+        bar.set_style(style);
+    }
+    let message_bar = bar.clone();
+    set_around(Some(Box::new(move |write| message_bar.suspend(write))));
+    let mut most = 0f64;
+    while ended.recv_timeout(BAR_EVERY) == Err(RecvTimeoutError::Timeout) {
+        let (fraction, text) = describe(part, progress::state(), start.elapsed());
+        // Within a pass or a step it only grows; a new step of the preparation begins anew.
+        most = if matches!(part, Part::Passes(_)) { most.max(fraction) } else { fraction };
+        bar.set_position((most.clamp(0.0, 1.0) * STEPS) as u64);
+        bar.set_message(text);
+    }
+    set_around(None);
+    bar.finish_and_clear();
+}
+
+/// Write lines until the part has ended.
+fn lines(part: &Part, ended: &Receiver<()>) {
+    let start = Instant::now();
+    while ended.recv_timeout(LINE_EVERY) == Err(RecvTimeoutError::Timeout) {
+        let (fraction, text) = describe(part, progress::state(), start.elapsed());
+        say(format!("{:.0} %: {text}", 100.0 * fraction));
+    }
+}
+
+/// Which fraction of a part is done, and a line about it.
+fn describe(part: &Part, state: State, elapsed: Duration) -> (f64, String) {
+    let within = if state.total > 0 { state.done as f64 / state.total as f64 } else { 0.0 };
+    let within = within.min(1.0);
+    match part {
+        Part::Preparation => {
+            let text = match state {
+                State { step: "", .. } => "preparing".to_string(),
+                State { step, done: 0, total: 0 } => format!("preparing: {step}"),
+                State { step, done, total: 0 } => format!("preparing: {done} {step}"),
+                State { step, done, total } => {
+                    format!("preparing: {} of {total} {step}", done.min(total))
+                }
+            };
+            (within, format!("{text}, {} elapsed", span(elapsed)))
+        }
+        Part::Passes(passes) => {
+            let made = passes.made.load(Relaxed);
+            let new =
+                f64::from(made - passes.before) + if state.step == PIXELS { within } else { 0.0 };
+            passes.describe(made, new, elapsed)
+        }
+    }
+}
+
+impl Passes {
+    /// The same for passes: `made` in all, of which `new` are this run's, with the part of the current one.
+    fn describe(&self, made: u32, new: f64, elapsed: Duration) -> (f64, String) {
+        let seconds = elapsed.as_secs_f64().max(1e-9);
+        let (fraction, of, remaining) = match self.budget {
+            Budget::Passes(all) => {
+                let left = f64::from(all) - f64::from(self.before) - new;
+                let fraction = 1.0 - left / f64::from(all);
+                (fraction, format!(" of {all}"), (new > 0.0).then(|| left.max(0.0) * seconds / new))
+            }
+            Budget::Time(time) => {
+                let spent = (self.spent + elapsed).as_secs_f64();
+                let left = (time.as_secs_f64() - spent).max(0.0);
+                ((spent / time.as_secs_f64()).min(1.0), String::new(), Some(left))
+            }
+        };
+        let rate = new * self.samples / seconds * 1e-6;
+        let remaining =
+            remaining.map_or("unknown time".into(), |s| span(Duration::from_secs_f64(s)));
+        let text = format!(
+            "pass {}{of}, {rate:.3} M samples/s, {} elapsed, {remaining} remaining",
+            made + 1,
+            span(elapsed)
+        );
+        (fraction, text)
+    }
+}
+
+/// A time span in the two units that matter.
+pub(crate) fn span(time: Duration) -> String {
+    match time.as_secs() {
+        0..10 => format!("{:.1} s", time.as_secs_f64()),
+        s @ 10..60 => format!("{s} s"),
+        s @ 60..3600 => format!("{} min {} s", s / 60, s % 60),
+        s => format!("{} h {} min", s / 3600, s % 3600 / 60),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn passes(budget: Budget, before: u32, made: u32) -> Part {
+        let made = Arc::new(AtomicU32::new(made));
+        Part::Passes(Passes { budget, before, made, samples: 1e6, spent: Duration::from_secs(2) })
     }
 
-    pub(crate) fn finish(&self) {
-        self.bar.finish_and_clear();
+    #[test]
+    fn a_bar_moves_within_a_pass_and_tells_rate_and_remaining_time() {
+        let half = State { step: PIXELS, done: 5, total: 10 };
+        let part = passes(Budget::Passes(8), 0, 1);
+        let (fraction, text) = describe(&part, half, Duration::from_secs(3));
+        assert_eq!(fraction, 1.5 / 8.0);
+        assert_eq!(text, "pass 2 of 8, 0.500 M samples/s, 3.0 s elapsed, 13 s remaining");
+        // Other steps of a pass take no part in it.
+        let photons = State { step: "light paths", ..half };
+        assert_eq!(describe(&part, photons, Duration::from_secs(3)).0, 1.0 / 8.0);
+    }
+
+    #[test]
+    fn passes_of_an_earlier_run_count_for_the_bar_but_not_for_the_rate() {
+        let none = State { step: PIXELS, done: 0, total: 10 };
+        let (fraction, text) =
+            describe(&passes(Budget::Passes(8), 4, 6), none, Duration::from_secs(100));
+        assert_eq!(fraction, 6.0 / 8.0);
+        assert_eq!(
+            text,
+            "pass 7 of 8, 0.020 M samples/s, 1 min 40 s elapsed, 1 min 40 s remaining"
+        );
+    }
+
+    #[test]
+    fn a_time_budget_counts_preparation() {
+        let none = State { step: PIXELS, done: 0, total: 10 };
+        let part = passes(Budget::Time(Duration::from_secs(10)), 0, 3);
+        let (fraction, text) = describe(&part, none, Duration::from_secs(3));
+        assert_eq!(fraction, 0.5);
+        assert_eq!(text, "pass 4, 1.000 M samples/s, 3.0 s elapsed, 5.0 s remaining");
+    }
+
+    #[test]
+    fn preparation_names_its_step() {
+        let at = |step, done, total| {
+            describe(&Part::Preparation, State { step, done, total }, Duration::from_secs(4000)).1
+        };
+        assert_eq!(at("", 0, 0), "preparing, 1 h 6 min elapsed");
+        assert_eq!(at("trees", 0, 0), "preparing: trees, 1 h 6 min elapsed");
+        assert_eq!(at("records", 3, 0), "preparing: 3 records, 1 h 6 min elapsed");
+        assert_eq!(at("photons", 9, 8), "preparing: 8 of 8 photons, 1 h 6 min elapsed");
     }
 }

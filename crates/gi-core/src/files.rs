@@ -4,6 +4,15 @@ use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{BufWriter, Error, ErrorKind, Result, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{PoisonError, RwLock, RwLockWriteGuard};
+
+/// Held while a file is being written; taken whole by who ends the process.
+static WRITING: RwLock<()> = RwLock::new(());
+
+/// Wait until no file is half-written, and let none begin while the result lives. For ending the process.
+pub fn hold_writes() -> RwLockWriteGuard<'static, ()> {
+    WRITING.write().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// Read a file that the user named.
 ///
@@ -34,7 +43,7 @@ pub fn is_table(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"))
 }
 
-/// Write a file: to a temporary name beside it, then rename.
+/// Write a file: to a temporary name beside it, then rename. A symbolic link stays, and its target is written.
 ///
 /// # Errors
 /// The system's message, without the file's name. The file is unchanged.
@@ -50,6 +59,9 @@ pub fn write_with(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<File>) -> Result<()>,
 ) -> Result<()> {
+    let _whole = WRITING.read().unwrap_or_else(PoisonError::into_inner);
+    let path = &target(path)?;
+    refuse_special(path)?;
     let part = beside(path, "part")?;
     let written = File::create(&part).and_then(|file| {
         let mut out = BufWriter::new(file);
@@ -68,23 +80,54 @@ pub fn write_with(
 /// # Errors
 /// Why it cannot, without the file's name.
 pub fn check_writable(path: &Path) -> Result<()> {
-    if path.is_dir() {
-        return Err(Error::new(ErrorKind::IsADirectory, "it is a folder"));
-    }
+    let _whole = WRITING.read().unwrap_or_else(PoisonError::into_inner);
+    let path = &target(path)?;
+    refuse_special(path)?;
     let trial = beside(path, "try")?;
     File::create(&trial)?;
     let _ = std::fs::remove_file(&trial); // an empty file left behind does no harm
     Ok(())
 }
 
-/// Whether two names refer to the same file, which need not exist.
+/// Whether two names refer to the same file, also through links. The file need not exist.
 pub fn is_same(a: &Path, b: &Path) -> bool {
     let place = |path: &Path| {
+        let path = target(path).ok()?;
         let folder = path.parent().filter(|f| !f.as_os_str().is_empty());
         let folder = folder.unwrap_or(Path::new(".")).canonicalize().ok()?;
         path.canonicalize().ok().or_else(|| Some(folder.join(path.file_name()?)))
     };
     a == b || place(a).is_some_and(|a| Some(a) == place(b))
+}
+
+/// Refuse what no regular file can replace: a folder, a device, a pipe.
+///
+/// # Errors
+/// What it is.
+pub fn refuse_special(path: &Path) -> Result<()> {
+    match std::fs::metadata(path) {
+        Ok(there) if there.is_dir() => Err(Error::new(ErrorKind::IsADirectory, "it is a folder")),
+        Ok(there) if !there.is_file() => {
+            Err(Error::new(ErrorKind::InvalidInput, "it is a device or a pipe, not a regular file"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Most symbolic links that are followed; a longer chain is taken for a circle, as systems do.
+const MAX_LINKS: usize = 40;
+
+/// Where a name leads if it is a symbolic link, perhaps to a file that is not there yet; else the name itself.
+fn target(path: &Path) -> Result<PathBuf> {
+    let mut path = path.to_path_buf();
+    for _ in 0..MAX_LINKS {
+        if !std::fs::symlink_metadata(&path).is_ok_and(|there| there.is_symlink()) {
+            return Ok(path);
+        }
+        let to = std::fs::read_link(&path)?;
+        path = path.parent().unwrap_or(Path::new("")).join(to);
+    }
+    Err(Error::other("its symbolic links form a circle"))
 }
 
 /// A temporary name in the same folder that no other process uses.
@@ -140,6 +183,40 @@ mod tests {
         let mut left = names(folder.path());
         left.sort();
         assert_eq!(left, ["a.txt", "b.txt"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_symbolic_link_is_written_through_even_to_a_file_that_is_not_there() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        let link = |to: &str, name: &str| std::os::unix::fs::symlink(to, at(name)).expect("a link");
+        link("b.txt", "a.txt");
+        link("a.txt", "chain.txt");
+        for text in [b"one", b"two"] {
+            write(&at("chain.txt"), text).expect("written");
+            assert_eq!(std::fs::read(at("b.txt")).expect("the target"), text);
+        }
+        assert!(
+            at("a.txt").is_symlink() && at("chain.txt").is_symlink() && !at("b.txt").is_symlink()
+        );
+        assert!(is_same(&at("chain.txt"), &at("b.txt")));
+        link("to.txt", "fro.txt");
+        link("fro.txt", "to.txt");
+        assert!(check_writable(&at("to.txt")).is_err() && write(&at("to.txt"), b"").is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn devices_are_refused_by_any_name() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let link = folder.path().join("null.txt");
+        std::os::unix::fs::symlink("/dev/null", &link).expect("a link");
+        for path in [Path::new("/dev/null"), &link] {
+            let error = check_writable(path).expect_err("a device");
+            assert!(error.to_string().contains("device"), "{error}");
+            assert!(write(path, b"new").is_err());
+        }
     }
 
     #[test]

@@ -31,6 +31,7 @@ pub mod math;
 pub mod medium;
 pub mod nee;
 pub mod options;
+pub mod progress;
 pub mod rng;
 pub mod sampler;
 pub mod scene;
@@ -39,4 +40,4 @@ pub mod texture;
 pub mod walk;
 pub mod warp;
 
-pub use gi_bvh::ray;
+pub use gi_bvh::{instruction_set, ray};

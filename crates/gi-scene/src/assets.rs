@@ -70,6 +70,7 @@ impl Assets {
 
     fn read_bitmaps(&mut self, wanted: Vec<Wanted<BitmapFile>>, report: &Report) {
         let (keys, index) = unique(&wanted);
+        keys.iter().for_each(|key| report.reads(&key.path));
         let read: Vec<_> = keys
             .par_iter()
             .map(|key| (files::read_bytes(&key.path).map(|b| hash_of(&b)), key.read()))
@@ -85,6 +86,7 @@ impl Assets {
 
     fn read_meshes(&mut self, wanted: Vec<Wanted<MeshFile>>, doc: &Document, report: &Report) {
         let (keys, index) = unique(&wanted);
+        keys.iter().for_each(|key| report.reads(&key.path));
         let read: Vec<Result<(ReadMesh, u64), String>> = keys
             .par_iter()
             .map(|key| {

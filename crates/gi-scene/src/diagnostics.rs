@@ -3,9 +3,9 @@
 mod alike;
 
 use std::cell::RefCell;
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
@@ -120,6 +120,7 @@ pub(crate) struct Report {
     inner: RefCell<Diagnostics>,
     warnings: RefCell<Vec<Warning>>,
     said: RefCell<HashSet<String>>,
+    read: RefCell<BTreeSet<PathBuf>>,
 }
 
 /// Something approximated or ignored.
@@ -131,8 +132,19 @@ struct Warning {
 }
 
 impl Report {
+    /// Note that the scene reads a file.
+    pub(crate) fn reads(&self, path: &Path) {
+        self.read.borrow_mut().insert(path.to_owned());
+    }
+
+    /// The files that the scene reads.
+    pub(crate) fn files(&self) -> Vec<PathBuf> {
+        self.read.borrow().iter().cloned().collect()
+    }
+
     /// Take in a file's text; its index is what spans refer to.
     pub(crate) fn add_file(&self, path: &Path, text: &str) -> usize {
+        self.reads(path);
         let line_starts =
             std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i + 1)).collect();
         let file =

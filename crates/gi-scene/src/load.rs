@@ -35,9 +35,11 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     for warning in loaded.iter_mut().flat_map(|l| l.parts.enclose_media()) {
         report.warn_nowhere(warning);
     }
+    report.reads(path);
+    let files = report.files();
     let warnings = report.finish()?;
     let loaded = loaded.expect("a scene without problems was read");
-    Ok(Loaded { warnings, ..loaded })
+    Ok(Loaded { warnings, files, ..loaded })
 }
 
 /// Refuse a scene whose things are of another dialect: a black picture would mislead.
@@ -91,6 +93,7 @@ fn load_xml(path: &Path, options: &Options, report: &Report) -> Option<Loaded> {
         warnings,
         hash,
         world,
+        files: Vec::new(),
         origins,
     })
 }

@@ -1,6 +1,7 @@
 //! What a scene is loaded with, and what loading gives.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 use gi_core::camera::CameraSpec;
 use gi_core::filter::Filter;
@@ -53,5 +54,7 @@ pub struct Loaded {
     pub hash: u64,
     /// Hash of what the world is made of: the same for any camera, film, integrator and preset.
     pub world: u64,
+    /// All files that were read: the scene, included files, meshes and pictures.
+    pub files: Vec<PathBuf>,
     pub(crate) origins: Origins,
 }

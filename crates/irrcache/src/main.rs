@@ -19,6 +19,7 @@ struct Program {
 impl gi_cli::Program for Program {
     type Params = Params;
     type Technique<'a> = IrradianceCaching<'a>;
+    const RESUMES: bool = false;
 
     fn args(&self) -> &gi_cli::Args<Params> {
         &self.args

@@ -9,6 +9,7 @@ use gi_core::caustics::FocusedLight;
 use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
 use gi_core::film::Show;
 use gi_core::math::Rgb;
+use gi_core::progress;
 use gi_core::rng::hash_words;
 use gi_core::technique::Setting;
 use lightcache::control::Control;
@@ -79,7 +80,11 @@ where
     /// Fill all levels: look at every pixel from coarse to fine, and make records where none is valid.
     pub(crate) fn fill(&self, mut levels: Vec<Cache<Record>>) -> Vec<Cache<Record>> {
         let order = coarse_to_fine(self.setting.camera.size());
-        let find = |cache: &Cache<Record>, k: usize| self.uncovered_in_pixel(cache, order[k]);
+        progress::begin(progress::SEARCHED, order.len() as u64);
+        let find = |cache: &Cache<Record>, k: usize| {
+            progress::advance(1);
+            self.uncovered_in_pixel(cache, order[k])
+        };
         self.fill_level(&mut levels, 0, order.len(), find);
         levels
     }

@@ -2,6 +2,7 @@
 
 use gi_core::eye::EyeVertex;
 use gi_core::film::{Film, Sample as PixelSample};
+use gi_core::progress;
 use gi_core::rng::{bits_to_unit, hash_words};
 use gi_core::technique::Setting;
 use rayon::prelude::*;
@@ -57,9 +58,14 @@ pub(crate) fn add_pass(
         let corners = (0..columns).into_par_iter().with_max_len(1);
         corners.map(|i| take(blocks.corner(i, j))).collect()
     };
+    let rows = blocks.count(h, 1);
+    progress::begin("rows of blocks", rows as u64);
     let mut above = row(0);
     let mut pixels = Vec::with_capacity(w * h);
-    for j in 0..blocks.count(h, 1) {
+    for j in 0..rows {
+        if progress::is_abandoned() {
+            return;
+        }
         let below = row(j + 1);
         let band = (pixels.len() / w..h).take_while(|&y| blocks.place(y as f32 + 0.5, 1).0 == j);
         let band: Vec<usize> = band.flat_map(|y| (0..w).map(move |x| y * w + x)).collect();
@@ -69,6 +75,7 @@ pub(crate) fn add_pass(
         };
         pixels.par_extend(band.par_iter().with_max_len(16).map(render));
         above = below;
+        progress::advance(1);
     }
     let pixels: Vec<PixelSample> = pixels;
     film.add_pass(|[x, y]| pixels[y * w + x]);

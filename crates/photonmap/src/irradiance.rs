@@ -2,6 +2,7 @@
 
 use gi_core::disc::Disc;
 use gi_core::math::Rgb;
+use gi_core::progress;
 use gi_core::rng::{bits_to_unit, hash_words};
 use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
@@ -45,8 +46,11 @@ impl IrradianceMap {
     /// lookup near an edge between bright and dark would find the bright side, and where photons are few, an estimate would
     /// include the photon at its own place. Both make the picture too bright.
     pub(crate) fn new(setting: &Setting, from: &Estimator, depth: u8, places: &[Place]) -> Self {
-        let point =
-            |(index, place): (usize, &Place)| at(setting, from, *place, depth, index as u32);
+        let point = |(index, place): (usize, &Place)| {
+            progress::advance(1);
+            at(setting, from, *place, depth, index as u32)
+        };
+        progress::begin("irradiance estimates", places.len() as u64);
         let points = places.par_iter().enumerate().map(point).collect();
         let map = PhotonMap::build(points, from.map.emitted, Layout::Fast, Order::Any, false);
         IrradianceMap { map, radius_sq: REACH * REACH * from.max_radius_sq }

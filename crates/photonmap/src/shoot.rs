@@ -2,6 +2,7 @@
 
 use gi_core::bsdf::Bsdf;
 use gi_core::light::Targets;
+use gi_core::progress;
 use gi_core::rng::{bits_to_unit, hash_words};
 use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
@@ -118,6 +119,7 @@ fn worth(count: usize, hits: usize, emitted: u64) -> u64 {
 /// Trace chunks of paths until there are `count` hits or the budget is spent. The path that reaches the number is the last.
 pub(crate) fn collect<T: Send>(count: usize, walk: impl Fn(u64) -> Chunk<T> + Sync) -> Hits<T> {
     let (mut chunks, mut hits, mut emitted, mut gave_up) = (Vec::new(), 0, 0u64, false);
+    progress::begin("photons stored", count as u64);
     while hits < count {
         if emitted >= worth(count, hits, emitted) {
             gave_up = true;
@@ -138,6 +140,7 @@ pub(crate) fn collect<T: Send>(count: usize, walk: impl Fn(u64) -> Chunk<T> + Sy
             let paths = enough.map_or(chunk.ends.len(), |k| k + 1);
             chunk.hits.truncate(chunk.ends[paths - 1] as usize);
             hits += chunk.hits.len();
+            progress::advance(chunk.hits.len() as u64);
             emitted += paths as u64;
             chunks.push(chunk.hits);
         }

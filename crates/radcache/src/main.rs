@@ -20,6 +20,7 @@ struct Program {
 impl gi_cli::Program for Program {
     type Params = Params;
     type Technique<'a> = RadianceCaching<'a>;
+    const RESUMES: bool = false;
 
     fn args(&self) -> &gi_cli::Args<Params> {
         &self.args

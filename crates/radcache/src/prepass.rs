@@ -6,6 +6,7 @@ use gi_core::caustics::FocusedLight;
 use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
 use gi_core::film::Show;
 use gi_core::math::Rgb;
+use gi_core::progress;
 use gi_core::rng::hash_words;
 use gi_core::technique::Setting;
 use lightcache::control::{Control, ErrorControl};
@@ -76,12 +77,16 @@ impl Filler<'_, '_> {
     /// Fill both caches: look at every pixel from coarse to fine, and make records where none is valid.
     pub(crate) fn fill(&self, mut caches: Caches) -> Caches {
         let order = coarse_to_fine(self.setting.camera.size());
+        progress::begin(progress::SEARCHED, order.len() as u64);
         let gatherers = Gatherers::new(self.setting, self.params);
         let make = |uncovered: &Uncovered| self.make_record(&gatherers, uncovered);
         in_rounds(
             &mut caches,
             order.len(),
-            |caches, k| self.uncovered_in_pixel(caches, order[k]),
+            |caches, k| {
+                progress::advance(1);
+                self.uncovered_in_pixel(caches, order[k])
+            },
             |caches, uncovered| {
                 let made: Vec<_> = uncovered.par_iter().with_max_len(1).map(make).collect();
                 for record in made {

@@ -1,6 +1,7 @@
 //! Light paths leave a virtual point light at each of their vertices [slide 49].
 
 use gi_core::math::{INV_PI, Rgb};
+use gi_core::progress;
 use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
 use gi_core::walk::{LightVertex, LightWalk, Roulette};
@@ -87,13 +88,18 @@ struct Chunk {
 /// Walk light paths, and leave a light at every vertex whose surface scatters non-specularly. The lights do not depend on the
 /// number of threads.
 pub fn shoot(scene: &Scene, how: &Shooting) -> Vpls {
+    progress::begin("light paths", u64::from(how.paths));
     let chunks: Vec<Chunk> = (0..how.paths.div_ceil(CHUNK))
         .into_par_iter()
         .with_max_len(1)
         .map(|c| {
             let mut chunk = Chunk::default();
+            if progress::is_abandoned() {
+                return chunk;
+            }
             let end = ((c + 1) * CHUNK).min(how.paths);
             (c * CHUNK..end).for_each(|path| how.walk(scene, path, &mut chunk));
+            progress::advance(u64::from(end - c * CHUNK));
             chunk
         })
         .collect();

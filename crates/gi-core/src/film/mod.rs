@@ -16,6 +16,7 @@ use crate::filter::{Filter, FilterTable};
 use crate::image_io::Layers;
 use crate::math::Rgb;
 pub use crate::options::Show;
+use crate::progress;
 use kept::{Kept, RADIANCE, keep};
 use pixel::Pixel;
 pub use sample::{Components, Sample};
@@ -83,35 +84,47 @@ impl Film {
         values: &mut [T],
         sample: impl Fn([usize; 2], &mut T) -> Sample + Sync,
     ) {
+        // What the technique has prepared for this pass may be incomplete.
+        if progress::is_abandoned() {
+            return;
+        }
+        progress::begin(progress::PIXELS, self.tiles.corners.len() as u64);
         if self.filter.reach() == 0 {
-            self.for_each_pixel(values.par_chunks_mut(AREA), |film, at, pixel, i, values| {
+            let values = values.par_chunks_mut(AREA);
+            self.for_each_pixel(values, Tile::Sampled, |film, at, pixel, i, values| {
                 let sample = sample(at, &mut values[i]);
                 pixel.add_surface(&sample);
                 pixel.add(1.0, &sample.radiance, film.show);
             });
-            self.passes += 1;
+            self.passes += u32::from(!progress::is_abandoned());
             return;
         }
         let floats = std::mem::take(&mut self.kept.floats);
         let mut kept = Kept { width: self.kept.width, floats };
         let stride = kept.stride();
         let pieces = kept.floats.par_chunks_mut(AREA * stride).zip(values.par_chunks_mut(AREA));
-        self.for_each_pixel(pieces, |film, at, pixel, i, (runs, values)| {
+        self.for_each_pixel(pieces, Tile::Sampled, |film, at, pixel, i, (runs, values)| {
             let sample = sample(at, &mut values[i]);
             pixel.add_surface(&sample);
             keep(&mut runs[i * stride..(i + 1) * stride], &sample, film.filter);
         });
-        self.for_each_pixel(self.nothing(), |film, at, pixel, _, ()| {
-            let (weight, radiance) = film.gather(&kept, at);
-            pixel.add(weight, &radiance, film.show);
-        });
+        // Samples are missing from an abandoned pass; those that were taken are dropped.
+        if !progress::is_abandoned() {
+            self.for_each_pixel(self.nothing(), Tile::Filtered, |film, at, pixel, _, ()| {
+                let (weight, radiance) = film.gather(&kept, at);
+                pixel.add(weight, &radiance, film.show);
+            });
+            self.passes += 1;
+        }
         self.kept = kept;
-        self.passes += 1;
     }
 
     /// Add the result of `sample` to every pixel without filtering, for pictures that are filtered already.
     pub fn add_unfiltered(&mut self, sample: impl Fn([usize; 2]) -> Sample + Sync) {
-        self.for_each_pixel(self.nothing(), |film, at, pixel, _, ()| {
+        if progress::is_abandoned() {
+            return;
+        }
+        self.for_each_pixel(self.nothing(), Tile::Filtered, |film, at, pixel, _, ()| {
             let sample = sample(at);
             pixel.add_surface(&sample);
             pixel.add(1.0, &sample.radiance, film.show);
@@ -124,14 +137,20 @@ impl Film {
     fn for_each_pixel<E: Send>(
         &mut self,
         extra: impl IndexedParallelIterator<Item = E>,
+        tile: Tile,
         work: impl Fn(&PassContext, [usize; 2], &mut Pixel, usize, &mut E) + Sync,
     ) {
         let frame = PassContext { filter: &self.filter, show: self.show, tiles: &self.tiles };
         let tiles = self.pixels.par_chunks_mut(AREA).zip(extra).zip(&self.tiles.corners);
         tiles.with_max_len(1).for_each(|((pixels, mut extra), &corner)| {
+            let sampled = tile == Tile::Sampled;
+            if sampled && progress::is_abandoned() {
+                return;
+            }
             for (i, at) in frame.tiles.inside(corner) {
                 work(&frame, at, &mut pixels[i], i, &mut extra);
             }
+            progress::advance(u64::from(sampled));
         });
     }
 
@@ -183,6 +202,15 @@ impl Film {
         let w = self.size()[0];
         &self.pixels[self.tiles.place([i % w, i / w])]
     }
+}
+
+/// What a tile does in a pass.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Tile {
+    /// It takes samples. This counts as progress, and stops once the pass is abandoned.
+    Sampled,
+    /// It adds up samples. This is quick, and always completes.
+    Filtered,
 }
 
 /// Values that are constant during a pass.

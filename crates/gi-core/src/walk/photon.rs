@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::LightVertex;
 use crate::math::Rgb;
+use crate::progress;
 
 /// What a photon's path has met on its way from the light, in the notation of light paths (L light, S delta lobe, D any other
 /// lobe). The kinds are those of [`crate::film::Components`], as seen from the photon's surface.
@@ -83,13 +84,19 @@ pub fn walk_in_order<T: Send>(
     chunk: u32,
     walk: impl Fn(u32, &mut Vec<T>) + Sync,
 ) -> Vec<Vec<T>> {
+    progress::begin("light paths", u64::from(paths));
     (0..paths.div_ceil(chunk))
         .into_par_iter()
         .with_max_len(1)
         .map(|k| {
             let mut left = Vec::new();
+            if progress::is_abandoned() {
+                return left;
+            }
             let first = k * chunk;
-            (first..first + chunk.min(paths - first)).for_each(|path| walk(path, &mut left));
+            let count = chunk.min(paths - first);
+            (first..first + count).for_each(|path| walk(path, &mut left));
+            progress::advance(u64::from(count));
             left
         })
         .collect()

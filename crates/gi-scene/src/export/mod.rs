@@ -29,13 +29,15 @@ pub enum ExportError {
     Scene(Diagnostics),
     /// A file could not be written.
     Write(String),
+    /// It would overwrite a file that the scene reads.
+    Overwrite(String),
 }
 
 impl fmt::Display for ExportError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             ExportError::Scene(problems) => problems.fmt(f),
-            ExportError::Write(why) => f.write_str(why),
+            ExportError::Write(why) | ExportError::Overwrite(why) => f.write_str(why),
         }
     }
 }
@@ -53,7 +55,31 @@ pub fn export_mitsuba(
     out: &Path,
 ) -> Result<Vec<String>, ExportError> {
     let loaded = load(path, options).map_err(ExportError::Scene)?;
+    spare_inputs(&loaded.files, out).map_err(ExportError::Overwrite)?;
     write(&loaded, out).map_err(ExportError::Write)
+}
+
+/// The folder for what is converted, beside the scene that is written.
+fn side_folder(out: &Path) -> PathBuf {
+    let stem = out.file_stem().unwrap_or_default().to_string_lossy();
+    out.with_file_name(format!("{stem}-files"))
+}
+
+/// Check that an export to `out` overwrites none of the files that the scene was read from.
+fn spare_inputs(inputs: &[PathBuf], out: &Path) -> Result<(), String> {
+    let side = side_folder(out).canonicalize().ok();
+    let in_side = |file: &Path| match (file.canonicalize(), &side) {
+        (Ok(file), Some(side)) => file.starts_with(side),
+        _ => false,
+    };
+    match inputs.iter().find(|file| files::is_same(file, out) || in_side(file)) {
+        None => Ok(()),
+        Some(file) => Err(format!(
+            "`{}` would overwrite `{}`, which the scene is read from: choose another name",
+            out.display(),
+            file.display()
+        )),
+    }
 }
 
 fn write(loaded: &Loaded, out: &Path) -> Result<Vec<String>, String> {
@@ -87,8 +113,7 @@ struct Exporter<'a> {
 
 impl<'a> Exporter<'a> {
     fn new(loaded: &'a Loaded, out: &'a Path) -> Self {
-        let stem = out.file_stem().unwrap_or_default().to_string_lossy();
-        let side = out.with_file_name(format!("{stem}-files"));
+        let side = side_folder(out);
         let mut taken = HashSet::new();
         let names = materials::names(loaded, &mut taken);
         let media = loaded.origins.media.iter().enumerate();

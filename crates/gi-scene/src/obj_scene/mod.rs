@@ -69,6 +69,7 @@ pub(crate) fn load(path: &Path, options: &Options, report: &Report) -> Option<Lo
         warnings: Vec::new(),
         hash: reader.hash.value(),
         world,
+        files: Vec::new(),
         origins: reader.origins,
     })
 }

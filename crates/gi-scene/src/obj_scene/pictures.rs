@@ -162,6 +162,7 @@ impl Reader<'_> {
         if let Some(known) = self.pictures.read.get(&file) {
             return known.clone();
         }
+        self.report.reads(&file.path);
         if let Ok(bytes) = files::read_bytes(&file.path) {
             self.hash.bytes(&bytes);
         }

@@ -121,6 +121,7 @@ impl Parser<'_> {
             else {
                 return Err(format!("cannot find `{name}`"));
             };
+            self.report.reads(&path);
             let text = files::read_text(&path)?;
             self.doc.hash.bytes(text.as_bytes());
             let lines = text.lines().map(|l| l.split('#').next().unwrap_or_default().trim());

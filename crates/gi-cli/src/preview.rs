@@ -1,0 +1,102 @@
+//! Previews: the picture so far, written over and over during a run.
+
+use std::time::{Duration, Instant};
+
+use gi_core::film::Film;
+
+use crate::Failure;
+use crate::say::say;
+
+/// Largest part of the run's time that previews may take.
+const SHARE: f64 = 0.01;
+/// Guess of the time to write a pixel, before a preview has been written.
+const SECONDS_PER_PIXEL: f64 = 2e-6;
+
+/// Writes previews.
+pub(crate) struct Preview<W> {
+    schedule: Option<Schedule>,
+    write: W,
+    /// Whether a failure was reported already.
+    failed: bool,
+}
+
+impl<W> Preview<W> {
+    /// Call `write` about `every` so often for a picture of `size` pixels; never without an interval.
+    pub(crate) fn new(every: Option<Duration>, [w, h]: [usize; 2], write: W) -> Self {
+        let cost = Duration::from_secs_f64((w * h) as f64 * SECONDS_PER_PIXEL);
+        let schedule = every.map(|every| Schedule { every, cost, last: Duration::ZERO });
+        Preview { schedule, write, failed: false }
+    }
+
+    /// Write the picture if it is time. `elapsed` is the time since the run began.
+    pub(crate) fn show<T>(&mut self, technique: &T, film: &Film, elapsed: Duration)
+    where
+        W: FnMut(&T, &Film, Duration) -> Result<(), Failure>,
+    {
+        let Some(schedule) = self.schedule.as_mut().filter(|s| s.is_due(elapsed)) else { return };
+        let clock = Instant::now();
+        let written = (self.write)(technique, film, elapsed);
+        schedule.done(elapsed, clock.elapsed());
+        if let (Err(failure), false) = (&written, self.failed) {
+            say(format!("warning: no preview: {}; the run goes on", failure.text()));
+        }
+        self.failed = written.is_err();
+    }
+}
+
+/// When the next preview is written.
+#[derive(Clone, Copy, Debug)]
+struct Schedule {
+    every: Duration,
+    /// Time that a preview takes.
+    cost: Duration,
+    /// When the last one was done; zero is the beginning of the run.
+    last: Duration,
+}
+
+impl Schedule {
+    fn is_due(&self, elapsed: Duration) -> bool {
+        elapsed.saturating_sub(self.last) >= self.every.max(self.cost.div_f64(SHARE))
+    }
+
+    fn done(&mut self, elapsed: Duration, cost: Duration) {
+        (self.cost, self.last) = (cost, elapsed + cost);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The share of a run of an hour that previews take which cost `cost` seconds each.
+    fn share(every: f64, cost: f64) -> f64 {
+        let seconds = Duration::from_secs_f64;
+        let mut schedule =
+            Schedule { every: seconds(every), cost: seconds(cost), last: seconds(0.0) };
+        let (mut now, mut spent) = (0.0, 0.0);
+        while now < 3600.0 {
+            now += 0.25;
+            if schedule.is_due(seconds(now)) {
+                schedule.done(seconds(now), seconds(cost));
+                (now, spent) = (now + cost, spent + cost);
+            }
+        }
+        spent / now
+    }
+
+    #[test]
+    fn previews_take_less_than_a_hundredth_of_the_run_or_wait() {
+        for (every, cost) in [(1.0, 0.001), (10.0, 0.5), (0.1, 3.0), (10.0, 30.0)] {
+            let share = share(every, cost);
+            assert!(share > 0.0 && share <= SHARE, "{every} {cost}: {share}");
+        }
+        // One that would take longer than a hundredth of the whole run is never written.
+        assert_eq!(share(10.0, 60.0), 0.0);
+    }
+
+    #[test]
+    fn cheap_previews_come_at_their_interval() {
+        let cost = 0.01;
+        assert!((share(10.0, cost) - cost / 10.0).abs() < 0.1 * cost / 10.0);
+    }
+}

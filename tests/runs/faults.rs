@@ -1,0 +1,128 @@
+//! Faults around a run: what can still be delivered is delivered.
+
+use std::fs::File;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use gi_tests::program::{Folder, said, scene};
+
+use crate::running::{PROGRAMS, Running, path_of, picture, says, shell, wait_until};
+
+#[test]
+fn a_checkpoint_that_cannot_be_written_is_reported_and_tried_again() {
+    let folder = Folder::make();
+    let (scene, out) = (scene("cornell-box"), folder.at("out.exr"));
+    let (home, away) = (folder.at("home"), folder.at("away"));
+    std::fs::create_dir(&home).expect("a folder");
+    let kept = folder.at("home/kept");
+    let flags = ["--size", "32x32", "--spp", "100000000", "--checkpoint-interval", "200ms"];
+    let line = [&[scene.as_str(), "-o", &out, "--checkpoint", &kept], &flags[..]].concat();
+    let mut run = Running::start("pathtrace", &line);
+    wait_until("there is a checkpoint", || Path::new(&kept).exists());
+    std::fs::rename(&home, &away).expect("moved");
+    run.wait_for("the run goes on, and tries again");
+    std::fs::remove_file(folder.at("away/kept")).expect("removed");
+    std::fs::rename(&away, &home).expect("moved back");
+    wait_until("there is a checkpoint again", || Path::new(&kept).exists());
+    run.signal("TERM");
+    let (code, said) = run.end();
+    assert_eq!(code, Some(143), "{said}");
+    assert!(said.contains("cannot write") && said.contains("home/kept"), "{said}");
+}
+
+#[test]
+fn the_picture_is_saved_where_the_last_checkpoint_cannot_be_written() {
+    let folder = Folder::make();
+    let (scene, out, home) = (scene("cornell-box"), folder.at("out.exr"), folder.at("home"));
+    std::fs::create_dir(&home).expect("a folder");
+    let kept = folder.at("home/kept");
+    let flags = ["--size", "16x16", "--time", "2s", "--checkpoint-interval", "1h"];
+    let line = [&[scene.as_str(), "-o", &out, "--checkpoint", &kept], &flags[..]].concat();
+    let run = Running::start("pathtrace", &line);
+    wait_until("there is a checkpoint", || Path::new(&kept).exists());
+    std::fs::remove_dir_all(&home).expect("removed");
+    let (code, said) = run.end();
+    assert_eq!(code, Some(1), "{said}");
+    assert!(said.contains("error: cannot write") && said.contains("home/kept"), "{said}");
+    assert_eq!(folder.files(), ["out.exr", "out.png"]);
+}
+
+/// The limit of a file's size stands for a full disk: a write fails half-way.
+#[test]
+fn a_picture_too_large_for_the_disk_leaves_its_view_its_statistics_and_no_half_of_it() {
+    for program in &PROGRAMS {
+        let folder = Folder::make();
+        let (scene, out, stats) = (scene("cornell-box"), folder.at("out.exr"), folder.at("s.json"));
+        let flags = ["-o", &out, "--stats", &stats, "--size", "64x64", "--spp", "1"];
+        let line = [&[scene.as_str()], &flags[..], program.flags].concat();
+        let output = shell("ulimit -f 40", program.name, &line).output().expect("it runs");
+        let text = said(&output);
+        assert_eq!(output.status.code(), Some(1), "{}: {text}", program.name);
+        assert!(text.contains("cannot write") && text.contains("out.exr"), "{text}");
+        assert_eq!(folder.files(), ["out.png", "s.json"], "{}", program.name);
+    }
+}
+
+#[test]
+fn nobody_need_read_the_messages() {
+    for program in &PROGRAMS {
+        let folder = Folder::make();
+        let (scene, stats) = (scene("cornell-box"), folder.at("run.json"));
+        for (name, stderr) in [("full", full()), ("closed", closed())] {
+            let out = folder.at(&format!("{name}.exr"));
+            let flags = ["-o", &out, "--stats", &stats, "--size", "16x16", "--spp", "2"];
+            let mut command = Command::new(path_of(program.name));
+            command
+                .arg(&scene)
+                .args(flags)
+                .args(program.flags)
+                .stdout(Stdio::null())
+                .stderr(stderr);
+            let status = command.status().expect("it runs");
+            assert_eq!(status.code(), Some(0), "{} {name}", program.name);
+            assert_eq!(says(&picture(&folder, &format!("{name}.exr")), "gi.passes"), Some("2"));
+        }
+        assert!(Path::new(&stats).exists());
+    }
+}
+
+#[test]
+fn errors_keep_their_status_where_nobody_reads_them() {
+    for program in PROGRAMS.iter().map(|p| p.name).chain(["compare"]) {
+        for flags in [&["no-such.xml"][..], &["--no-such-flag"], &["scene.txt", "-o", "a.exr"]] {
+            for stderr in [full(), closed()] {
+                let mut command = Command::new(path_of(program));
+                let status = command.args(flags).stdout(Stdio::null()).stderr(stderr).status();
+                assert_eq!(status.expect("it runs").code(), Some(2), "{program} {flags:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn compare_writes_its_page_where_nobody_reads_its_table() {
+    for (stdout, stderr) in [(full(), full()), (closed(), closed())] {
+        let folder = Folder::make();
+        let (scene, out) = (scene("cornell-box"), folder.at("out"));
+        path_of("pathtrace");
+        let flags = ["--techniques", "pathtrace", "--spp", "1", "--size", "16x16", "-o", &out];
+        let mut command = Command::new(path_of("compare"));
+        let status = command.arg(&scene).args(flags).stdout(stdout).stderr(stderr).status();
+        assert_eq!(status.expect("it runs").code(), Some(0));
+        assert!(Path::new(&folder.at("out/index.html")).exists());
+    }
+}
+
+/// A full disk behind an output.
+fn full() -> Stdio {
+    File::options().write(true).open("/dev/full").expect("a device").into()
+}
+
+/// A pipe whose reader has gone away.
+fn closed() -> Stdio {
+    let mut gone = Command::new("true");
+    let mut child = gone.stdin(Stdio::piped()).spawn().expect("it starts");
+    let pipe = child.stdin.take().expect("a pipe");
+    child.wait().expect("it ends");
+    pipe.into()
+}

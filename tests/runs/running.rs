@@ -1,0 +1,175 @@
+//! The programs, and runs that are under way.
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+use gi_core::image_io::{Layers, read_exr};
+use gi_tests::program::Folder;
+
+/// A program with flags that make its preparation and its passes short.
+pub(crate) struct Program {
+    pub(crate) name: &'static str,
+    pub(crate) flags: &'static [&'static str],
+    /// Flags that make the preparation last for minutes; none where nothing does.
+    pub(crate) long_preparation: &'static [&'static str],
+    /// Whether it writes checkpoints.
+    pub(crate) keeps: bool,
+}
+
+/// All techniques' programs.
+pub(crate) const PROGRAMS: [Program; 7] = [
+    Program { name: "pathtrace", flags: &[], long_preparation: &[], keeps: true },
+    Program {
+        name: "irrcache",
+        flags: &["--rays", "16"],
+        long_preparation: &["--rays", "1000000"],
+        keeps: false,
+    },
+    Program {
+        name: "radcache",
+        flags: &["--rays", "16", "--glossy-rays", "16"],
+        long_preparation: &["--rays", "1000000"],
+        keeps: false,
+    },
+    Program {
+        name: "photonmap",
+        flags: &["--photons", "500", "--caustic-photons", "500"],
+        long_preparation: &["--photons", "50000000"],
+        keeps: false,
+    },
+    Program {
+        name: "ppm",
+        flags: &["--photons", "500"],
+        long_preparation: &["--photons", "50000000"],
+        keeps: true,
+    },
+    Program { name: "instant-radiosity", flags: &[], long_preparation: &[], keeps: false },
+    Program {
+        name: "lightcuts",
+        flags: &["--lights", "16", "--vpls", "64", "--rule", "cluster"],
+        long_preparation: &["--vpls", "50000000"],
+        keeps: true,
+    },
+];
+
+/// Where a program is: in the target folder, which is that of this test. It is built if it is not there; in a test of the whole
+/// workspace it is.
+pub(crate) fn path_of(program: &str) -> PathBuf {
+    let test = std::env::current_exe().expect("this test has a file");
+    let folder = test.parent().and_then(Path::parent).expect("target/PROFILE/deps");
+    let path = folder.join(program);
+    if !path.exists() {
+        let mut cargo = Command::new(env!("CARGO"));
+        cargo.args(["build", "--quiet", "-p", program]);
+        if folder.ends_with("release") {
+            cargo.arg("--release");
+        }
+        cargo.arg("--target-dir").arg(folder.parent().expect("a target folder"));
+        assert!(cargo.status().expect("cargo runs").success(), "{program} does not build");
+    }
+    path
+}
+
+/// Run a command in a shell, which can ignore signals or set limits for it.
+pub(crate) fn shell(script: &str, program: &str, arguments: &[&str]) -> Command {
+    let mut command = Command::new("sh");
+    command.args(["-c", &format!("{script}; exec \"$0\" \"$@\"")]);
+    command.arg(path_of(program)).args(arguments);
+    command
+}
+
+/// A run that is under way.
+pub(crate) struct Running {
+    child: Child,
+    lines: Receiver<String>,
+    said: String,
+}
+
+/// Longer than anything here takes on a busy machine.
+const TOO_LONG: Duration = Duration::from_secs(120);
+
+impl Running {
+    /// Start a program.
+    pub(crate) fn start(program: &str, arguments: &[&str]) -> Self {
+        let mut command = Command::new(path_of(program));
+        command.args(arguments);
+        Self::start_command(command)
+    }
+
+    /// Start a command.
+    pub(crate) fn start_command(mut command: Command) -> Self {
+        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
+        let mut child = command.spawn().expect("it starts");
+        let stderr = BufReader::new(child.stderr.take().expect("a pipe"));
+        let (send, lines) = channel();
+        std::thread::spawn(move || {
+            stderr.lines().map_while(Result::ok).try_for_each(|line| send.send(line))
+        });
+        Running { child, lines, said: String::new() }
+    }
+
+    /// Wait until the program says a line with these words.
+    #[track_caller]
+    pub(crate) fn wait_for(&mut self, words: &str) {
+        loop {
+            match self.lines.recv_timeout(TOO_LONG) {
+                Ok(line) => {
+                    self.said += &format!("{line}\n");
+                    if line.contains(words) {
+                        return;
+                    }
+                }
+                Err(e) => panic!("it never said {words:?} ({e}):\n{}", self.said),
+            }
+        }
+    }
+
+    /// Send a signal: INT, say.
+    pub(crate) fn signal(&self, name: &str) {
+        let kill = format!("kill -{name} {}", self.child.id());
+        let sent = Command::new("sh").args(["-c", &kill]).status().expect("a shell");
+        assert!(sent.success(), "{kill}");
+    }
+
+    /// Wait for its end. Returns the exit status, none if a signal killed it, and all that it said.
+    #[track_caller]
+    pub(crate) fn end(mut self) -> (Option<i32>, String) {
+        let start = Instant::now();
+        let status = loop {
+            match self.child.try_wait().expect("it can be waited for") {
+                Some(status) => break status,
+                None if start.elapsed() > TOO_LONG => {
+                    let _ = self.child.kill();
+                    panic!("it did not end:\n{}", self.said);
+                }
+                None => std::thread::sleep(Duration::from_millis(5)),
+            }
+        };
+        self.lines.iter().for_each(|line| self.said += &format!("{line}\n"));
+        assert!(!self.said.contains("panicked"), "{}", self.said);
+        (status.code(), self.said)
+    }
+}
+
+/// Wait until something is so.
+#[track_caller]
+pub(crate) fn wait_until(what: &str, is_so: impl Fn() -> bool) {
+    let start = Instant::now();
+    while !is_so() {
+        assert!(start.elapsed() < TOO_LONG, "waited in vain until {what}");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// The picture that a run has left.
+pub(crate) fn picture(folder: &Folder, name: &str) -> Layers {
+    read_exr(Path::new(&folder.at(name))).expect("a whole EXR")
+}
+
+/// What a picture says about itself.
+pub(crate) fn says<'a>(layers: &'a Layers, name: &str) -> Option<&'a str> {
+    layers.metadata.iter().find(|(n, _)| n == name).map(|(_, value)| value.as_str())
+}
