@@ -29,7 +29,8 @@ fn path(world: &World, mode: Mode, passes: u32, show: Show) -> Film {
 }
 
 fn virtual_lights(world: &World) -> [Film; 2] {
-    let params = instant_radiosity::Params { direct: vpl::Direct::Vpl, ..Default::default() };
+    let params =
+        instant_radiosity::Params { direct: vpl::Direct::Vpl, vpls: 128, ..Default::default() };
     let cuts = lightcuts::Params::default();
     [
         world.render::<instant_radiosity::InstantRadiosity>(&params, 8, 3, Show::All),

@@ -65,7 +65,7 @@ const CACHE_ERROR: f32 = 0.2;
 
 const PROGRAMS: [(&str, f32, Render); 4] = [
     ("instant radiosity", ERROR, |world, seed| {
-        let params = instant_radiosity::Params::default();
+        let params = instant_radiosity::Params { vpls: 128, ..Default::default() };
         world.render::<instant_radiosity::InstantRadiosity>(&params, 6, seed, Show::All)
     }),
     ("lightcuts", ERROR, |world, seed| {

@@ -25,6 +25,7 @@ mod plot;
 mod programs;
 mod reference;
 mod report;
+mod subject;
 mod subjects;
 mod text;
 

@@ -6,7 +6,7 @@ use gi_stats::{Split, log_log_line, split};
 use rayon::prelude::*;
 
 use crate::reference::Reference;
-use crate::subjects::Subject;
+use crate::subject::Subject;
 use crate::{Budget, Failure, Finished, Picture, Report, Request, Series, Stats, text};
 
 /// A picture and what is wrong with it.

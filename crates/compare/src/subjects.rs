@@ -5,20 +5,10 @@ use std::path::Path;
 use crate::measure::finish;
 use crate::programs::Order;
 use crate::reference::{self, Reference};
+use crate::subject::Subject;
 use crate::{
-    Budget, Failure, Finished, Picture, Report, Request, Run, Series, Stats, Truth, show, text,
+    Budget, Failure, Finished, Picture, Report, Request, Run, Series, Truth, show, text,
 };
-
-/// Pictures of a run, not yet measured.
-pub(crate) struct Subject {
-    pub(crate) label: String,
-    pub(crate) finished: Option<Finished>,
-    pub(crate) picture: Picture,
-    /// Of all seeds, the first among them, if there are several.
-    pub(crate) seeds: Vec<Picture>,
-    /// Of smaller budgets.
-    pub(crate) rungs: Vec<(Stats, Picture)>,
-}
 
 /// Compare finished pictures.
 pub(crate) fn files(request: &Request, files: &[String]) -> Result<Report, Failure> {

@@ -23,7 +23,7 @@ pub struct Params {
     #[command(flatten)]
     pub limits: PathLimits,
     /// Approximate number of virtual point lights per pass [slides 49-52]
-    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
     pub vpls: u32,
     /// When light paths end
     #[arg(long, value_enum, default_value_t = Termination::Roulette)]
