@@ -1,4 +1,4 @@
-//! Pictures that photon mapping draws of itself.
+//! Technique pictures of photon mapping.
 
 use gi_core::canvas::{Canvas, seen_at, seen_within};
 use gi_core::film::Film;
@@ -18,13 +18,13 @@ use crate::rays::Rays;
 use crate::shoot::{Step, Wanted};
 use crate::volume::VolumeMaps;
 
-/// Paths that are drawn.
+/// Number of paths that are drawn.
 const PATHS: u64 = 200;
-/// Levels of cells that are drawn.
+/// Number of tree levels that are drawn.
 const LEVELS: u32 = 8;
-/// Pixels of the picture for each photon in media that is drawn, at least.
+/// Minimum number of pixels per drawn photon in media.
 const PIXELS_PER_DOT: usize = 16;
-/// What lies under the drawing is darkened to this share.
+/// The picture under the drawing is darkened by this factor.
 const GROUND: f32 = 0.35;
 
 /// Colours of the kinds: yellow, orange-red, blue.
@@ -84,8 +84,8 @@ impl Gatherer<'_, '_> {
         canvas
     }
 
-    /// Photons in media that no opaque surface hides, as dots. They lie one behind another: of many every n-th is drawn, in the
-    /// order of the trees, so that those drawn are as dense as all.
+    /// Photons in media that no opaque surface hides, as dots. If there are many, only every n-th is drawn, in the order of the trees,
+    /// so that their relative density stays the same.
     fn dots_within(&self, mut canvas: Canvas, from: &VolumeMaps) -> Canvas {
         let Setting { scene, camera, .. } = *self.setting;
         let [w, h] = canvas.size();
@@ -98,7 +98,7 @@ impl Gatherer<'_, '_> {
         canvas
     }
 
-    /// Photon paths, their segments in the colour of the photon at their end; what stands before them hides nothing.
+    /// Photon paths. Each segment has the colour of the photon at its end. Nothing hides them.
     fn paths(&self, mut canvas: Canvas) -> Canvas {
         let source = source(self.setting, self.params);
         for path in 0..PATHS {
@@ -112,7 +112,7 @@ impl Gatherer<'_, '_> {
         canvas
     }
 
-    /// What the middle of a pixel shows, and the normal on the eye's side.
+    /// The surface in the middle of a pixel, and its normal on the side of the eye.
     fn seen(&self, [x, y]: [usize; 2]) -> Option<(Surface, Vec3)> {
         let ray = self.setting.camera.ray([x as f32 + 0.5, y as f32 + 0.5], [0.5; 2]);
         let (surface, _) = self.setting.scene.intersect(&ray)?;
@@ -120,7 +120,7 @@ impl Gatherer<'_, '_> {
         Some((surface, n))
     }
 
-    /// The photons of the caustic map that answer, and the ways that they came last.
+    /// The caustic photons of an estimate, and the last segments of their paths.
     fn caustic_gather(&self, mut canvas: Canvas, (surface, n): &(Surface, Vec3)) -> Canvas {
         let Some(map) = &self.maps.caustic else { return canvas };
         let scene = self.setting.scene;
@@ -136,7 +136,7 @@ impl Gatherer<'_, '_> {
         canvas
     }
 
-    /// The gather rays of one pass, each to where it meets a surface.
+    /// The gather rays of one pass, up to the first surface.
     fn gather_rays(&self, mut canvas: Canvas, (surface, n): &(Surface, Vec3)) -> Canvas {
         let (scene, count) = (self.setting.scene, self.params.gather_rays);
         let (frame, rays) =
@@ -152,7 +152,7 @@ impl Gatherer<'_, '_> {
         canvas
     }
 
-    /// A point of the world as a white dot, seen through whatever stands before it.
+    /// A point of the world as a white dot. Nothing hides it.
     fn dot(&self, canvas: &mut Canvas, p: Vec3) {
         if let Some(c) = self.setting.camera.connect(p, [0.5; 2], f32::MAX) {
             canvas.disc(Vec2::from_array(c.film), 1.8, Rgb::WHITE);

@@ -1,5 +1,5 @@
-//! Where the maps will be read, found by paths from the eye: photons are aimed there, radii are bounded by what is there,
-//! and irradiance is computed ahead there.
+//! Find the points where the maps will be read, by paths from the eye. Photons are aimed at them, they limit the radii, and
+//! irradiance is precomputed at them.
 
 use gi_core::bsdf::Bsdf;
 use gi_core::eye::EyeWalk;
@@ -11,30 +11,30 @@ use rayon::prelude::*;
 use crate::estimate::{Place, facing};
 use crate::params::{Gather, Params};
 
-/// Paths that photons from infinity are aimed by. They say about where, not how bright.
+/// Number of paths that aim photons from infinity. They tell roughly where, not how bright.
 const PATHS: u32 = 4096;
-/// Surfaces that a path meets at most.
+/// Maximum number of surfaces per path.
 const MOST_MET: u32 = 8;
-/// Makes the numbers of these paths differ from those of all others.
+/// Separates the random numbers of these paths from all others.
 const STREAM: u32 = 0x7365_656e;
-/// Rounds of paths that places are looked for in: many paths may leave the scene.
+/// Number of rounds in which places are looked for. Many paths may leave the scene.
 const ROUNDS: u32 = 4;
 
-/// Points and what photons there would be worth: where they would be scattered, and where they would be read.
+/// Weighted points: where photons should be scattered, and where they are read.
 type Walk = (Vec<(Vec3, f32)>, Vec<(Vec3, f32)>);
 
 impl Gather {
-    /// Surfaces that answer before that at which the global map is read.
+    /// Number of diffuse surfaces on the path before the one where the global map is read.
     fn skipped(self) -> u32 {
         u32::from(self == Gather::Final)
     }
 
-    /// Surfaces that answer before the first at which light straight from lights comes from photons.
+    /// Number of diffuse surfaces on the path before the first where photons give the direct light.
     fn sampled(self) -> u32 {
         u32::from(self != Gather::None)
     }
 
-    /// Whether a map answers at a surface.
+    /// Whether a surface has a part that a map covers.
     fn answers(self, bsdf: &Bsdf, wo: Vec3) -> bool {
         match self {
             Gather::None | Gather::Direct => !bsdf.is_delta(),
@@ -43,7 +43,7 @@ impl Gather {
     }
 }
 
-/// What light from infinity is aimed at; `None` where nothing shines from there.
+/// Targets of light from infinity; `None` if there is no such light.
 pub(crate) fn targets(setting: &Setting, params: &Params) -> Option<Targets> {
     if !setting.scene.lights().all().iter().any(Light::is_infinite) {
         return None;

@@ -82,7 +82,7 @@ fn density(luminance: &[f32], w: usize, h: usize) -> Grid {
     const CONTRAST: f32 = 1.15;
     let at = |x: usize, y: usize| luminance[y * w + x];
     // Interpolation, and rows that lie up to half a row off, reach into the eight neighbours: where one of them
-    // shines, so may the cell.
+    // emits light, the cell may too.
     let around = |x: usize, y: usize| {
         let columns = [(x + w - 1) % w, x, (x + 1) % w];
         let rows = [y.saturating_sub(1), y, (y + 1).min(h - 1)];

@@ -3,7 +3,7 @@ use glam::{Affine3A, Vec3};
 use crate::math::Rgb;
 use crate::texture::{Bitmap, Texture};
 
-/// A light that is no surface, as a scene gives it. (Surfaces shine by [`crate::geometry::Shape::emission`].)
+/// A light of the scene that is not a surface. ([`crate::geometry::Shape::emission`] makes surfaces emit.)
 #[derive(Clone, Debug)]
 pub enum LightSource {
     /// The same intensity in all directions.

@@ -82,7 +82,7 @@ pub struct LightSample {
     pub pdf_w: f32,
     /// Whether no other way of sampling can find this light.
     pub delta: bool,
-    /// Which primitive of which shape shines, if one does.
+    /// The emitting primitive and its shape, if the light is a surface.
     pub primitive: Option<[u32; 2]>,
 }
 

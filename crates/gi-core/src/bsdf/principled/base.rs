@@ -39,8 +39,8 @@ impl Base {
         self.diffuse_f(wo, wi) + self.color * (INV_PI * retro) + self.sheen_f(wo, wi)
     }
 
-    /// f of what irradiance answers for: all but the sheen and the retro-reflection, which are lobes that no mean over
-    /// directions stands for. What of the retro-reflection all directions have in common is in it.
+    /// f of the diffuse part: all but the sheen and the directional part of the retro-reflection, which depend on direction too
+    /// strongly. The constant part of the retro-reflection is included.
     #[inline]
     pub(super) fn diffuse_f(&self, wo: Vec3, wi: Vec3) -> Rgb {
         self.color * (INV_PI * self.smooth(wo.z, wi.z, cos_d_sq(wo, wi)))

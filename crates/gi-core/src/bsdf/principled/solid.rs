@@ -122,7 +122,7 @@ impl Solid {
         (wi.z * wo.z < 0.0).then_some(Drawn { wi, eta: interface.eta })
     }
 
-    /// Of the light that meets facet `m`, which share of the samples is reflected.
+    /// Probability of sampling reflection at facet `m`.
     fn reflected_share(&self, wo: Vec3, m: Vec3) -> f32 {
         if self.glass == 0.0 {
             return 1.0;
@@ -138,7 +138,7 @@ impl Solid {
         if sum > 0.0 { reflected / sum } else { 1.0 }
     }
 
-    /// How samples are shared out; `None` where nothing is scattered.
+    /// Sampling probabilities of the lobes; `None` if nothing is scattered.
     fn shares(&self, wo: Vec3) -> Option<Shares> {
         if wo.z <= 0.0 {
             let only_facets = Shares { base: 0.0, coat: 0.0, facets: 1.0 };
@@ -164,12 +164,12 @@ impl Solid {
         self.base.mean_albedo(wo)
     }
 
-    /// f of the part that irradiance answers for, both directions above.
+    /// f of the diffuse part, whose radiance depends on irradiance only. Both directions are above.
     pub(crate) fn diffuse_f(&self, wo: Vec3, wi: Vec3) -> Rgb {
         self.base.diffuse_f(wo, wi)
     }
 
-    /// Roughly which share of the light from `wo` comes back or goes through.
+    /// Rough estimate of the albedo for light from `wo`, transmission included.
     pub(crate) fn albedo_hint(&self, wo: Vec3) -> Rgb {
         let cos = wo.z.abs().min(1.0);
         let reflected = if wo.z > 0.0 { self.front.reflectance(cos) } else { Rgb::BLACK };

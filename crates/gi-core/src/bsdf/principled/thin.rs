@@ -142,7 +142,7 @@ impl Thin {
         (up.z > 0.0).then(|| Drawn::unrefracted(if passes { mirrored(up) } else { up }))
     }
 
-    /// How samples are shared out; `None` where nothing is scattered.
+    /// Sampling probabilities of the lobes; `None` if nothing is scattered.
     fn shares(&self, wo: Vec3) -> Option<Shares> {
         if wo.z <= 0.0 {
             return None;
@@ -172,12 +172,12 @@ impl Thin {
         self.base.mean_albedo(wo)
     }
 
-    /// f of the part that irradiance answers for, both directions above.
+    /// f of the diffuse part, whose radiance depends on irradiance only. Both directions are above.
     pub(crate) fn diffuse_f(&self, wo: Vec3, wi: Vec3) -> Rgb {
         self.base.diffuse_f(wo, wi)
     }
 
-    /// Roughly which share of the light from `wo` comes back or goes through.
+    /// Rough estimate of the albedo for light from `wo`, transmission included.
     pub(crate) fn albedo_hint(&self, wo: Vec3) -> Rgb {
         let reflected = self.front.reflectance(wo.z.abs().min(1.0)) * self.specular;
         let all = self.base.color + self.behind + self.transmit + reflected;
