@@ -12,7 +12,7 @@ use crate::running::path_of;
 /// A folder with a scene that includes a file and reads a mesh and two pictures.
 fn scene_folder() -> Folder {
     let folder = Folder::make();
-    let picture = Layers::of_rgb([2, 2], [[0.5; 3]; 4].into_iter());
+    let picture = Layers::of_rgb([2, 2], [[0.5; 3]; 4]);
     for (name, format) in [("wood.png", ImageFile::Png), ("sky.exr", ImageFile::Exr)] {
         write_file(Path::new(&folder.at(name)), format, &picture).expect("written");
     }

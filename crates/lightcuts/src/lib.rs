@@ -5,7 +5,7 @@
 //! |---|---|
 //! | estimated | L(x) = sum over clusters C of a cut of f(x) G(x, y) V(x, y) power(C), with y the cluster's representative; passes, each with lights of its own, are averaged |
 //! | `--error` | error that may be, relative to the whole: Weber's law |
-//! | `--rule` | error of what: `cluster`, each alone, as the lecture has it; `whole`, of 99 of 100 points too (default) |
+//! | `--rule` | error of what: `cluster` (default), of each cluster alone, as in the lecture; `whole`, for 99 of 100 points of all clusters together too |
 //! | `--max-cut` | most clusters of a cut (with `--error 0` no limit) |
 //! | `--lights` | points of lights: areas, sky, sun (shared out by power) |
 //! | `--vpls` | about how many virtual point lights indirect light has |
@@ -181,6 +181,7 @@ impl<'a> Lightcuts<'a> {
             set.lights.splice(0..0, direct);
         }
         let clock = std::time::Instant::now();
+        gi_core::progress::begin("light trees", 0);
         self.forest = Forest::build(scene, &set, max_depth.is_some(), seed ^ index);
         self.tally.built(&set, clock.elapsed());
         (self.vpls, self.made_for) = (set, index);
