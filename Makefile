@@ -1,13 +1,33 @@
 # Everything that can be done to the project, by name.
 CARGO ?= cargo
 
-.PHONY: all build test test-slow lint ci scenes bench figures compare
+.PHONY: all build test test-slow lint ci scenes bench figures compare install man
 
 all: build
 
 # The programs, in target/release.
 build:
 	$(CARGO) build --release --workspace
+
+# The programs' man pages, in target/man.
+PROGRAMS = pathtrace irrcache radcache photonmap ppm instant-radiosity lightcuts compare
+man: build
+	mkdir -p target/man
+	for p in $(PROGRAMS); do target/release/$$p --generate man > target/man/$$p.1 || exit 1; done
+
+# The programs with man pages and completions for bash, zsh and fish, below PREFIX.
+PREFIX ?= /usr/local
+install: man
+	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/share/man/man1
+	install -d $(DESTDIR)$(PREFIX)/share/bash-completion/completions
+	install -d $(DESTDIR)$(PREFIX)/share/zsh/site-functions $(DESTDIR)$(PREFIX)/share/fish/vendor_completions.d
+	for p in $(PROGRAMS); do \
+	  install target/release/$$p $(DESTDIR)$(PREFIX)/bin/ && \
+	  install -m 644 target/man/$$p.1 $(DESTDIR)$(PREFIX)/share/man/man1/ && \
+	  target/release/$$p --generate bash > $(DESTDIR)$(PREFIX)/share/bash-completion/completions/$$p && \
+	  target/release/$$p --generate zsh > $(DESTDIR)$(PREFIX)/share/zsh/site-functions/_$$p && \
+	  target/release/$$p --generate fish > $(DESTDIR)$(PREFIX)/share/fish/vendor_completions.d/$$p.fish || exit 1; \
+	done
 
 # Quick tests: a few minutes on two cores.
 test:
@@ -43,8 +63,7 @@ bench:
 # The techniques side by side, COMPARE_TIME each: out/compare/index.html.
 COMPARE_TIME ?= 10s
 COMPARE_SCENE ?= scenes/cornell-spheres.xml
-# By its default rule a pass of lightcuts takes minutes at this size.
-COMPARE_ARGS ?= --with "lightcuts: --rule cluster"
+COMPARE_ARGS ?=
 compare: build
 	target/release/compare $(COMPARE_SCENE) --time $(COMPARE_TIME) -o out/compare $(COMPARE_ARGS)
 

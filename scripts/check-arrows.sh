@@ -63,6 +63,7 @@ only clap 'gi-cli/src/|/src/main\.rs|/src/params\.rs|gi-core/src/options\.rs|lig
 only indicatif 'gi-cli/src/progress'
 only signal_hook 'gi-cli/src/stop'
 only rustix 'gi-cli/src/stop'
+only tev_client 'gi-cli/src/display'
 only humantime 'gi-cli/src/identity'
 only clap_complete 'gi-cli/src/help'
 only clap_mangen 'gi-cli/src/help'

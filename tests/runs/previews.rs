@@ -1,5 +1,7 @@
 //! Previews: the picture so far, during the run.
 
+use std::io::Read;
+use std::net::TcpListener;
 use std::path::Path;
 
 use gi_core::image_io::read_exr;
@@ -42,4 +44,118 @@ fn nothing_is_written_during_the_run_where_nobody_watches() {
     assert_eq!(folder.files(), ["kept"]);
     run.signal("TERM");
     assert_eq!(run.end().0, Some(143));
+}
+
+/// What a viewer with tev's protocol has of a picture.
+#[derive(Default)]
+struct Viewer {
+    size: [usize; 2],
+    names: Vec<String>,
+    channels: Vec<Vec<f32>>,
+    updates: usize,
+}
+
+/// Reads a packet piece by piece.
+struct Packet<'a>(&'a [u8]);
+
+impl Packet<'_> {
+    fn bytes<const N: usize>(&mut self) -> [u8; N] {
+        let (bytes, rest) = self.0.split_first_chunk().expect("a longer packet");
+        self.0 = rest;
+        *bytes
+    }
+
+    fn number(&mut self) -> usize {
+        u32::from_le_bytes(self.bytes()) as usize
+    }
+
+    fn text(&mut self) -> String {
+        let end = self.0.iter().position(|b| *b == 0).expect("an end");
+        let text = String::from_utf8(self.0[..end].to_vec()).expect("UTF-8");
+        self.0 = &self.0[end + 1..];
+        text
+    }
+}
+
+impl Viewer {
+    /// Take in a packet: create an image (4) or update it (6).
+    fn take(&mut self, packet: &[u8]) {
+        let mut p = Packet(packet);
+        let ([kind], [_focus], name) = (p.bytes(), p.bytes(), p.text());
+        assert!(name.ends_with("out.exr"), "{name}");
+        if kind == 4 {
+            self.size = [p.number(), p.number()];
+            self.names = (0..p.number()).map(|_| p.text()).collect();
+            self.channels = vec![vec![f32::NAN; self.size[0] * self.size[1]]; self.names.len()];
+            return;
+        }
+        assert_eq!(kind, 6);
+        let count = p.number();
+        let names: Vec<String> = (0..count).map(|_| p.text()).collect();
+        assert_eq!(names, self.names);
+        let [x, y, w, h] = [p.number(), p.number(), p.number(), p.number()];
+        let mut wide = || u64::from_le_bytes(p.bytes()) as usize;
+        let offsets: Vec<usize> = (0..count).map(|_| wide()).collect();
+        let strides: Vec<usize> = (0..count).map(|_| wide()).collect();
+        let floats = p.0.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+        let data: Vec<f32> = floats.collect();
+        for (k, channel) in self.channels.iter_mut().enumerate() {
+            for i in 0..w * h {
+                let at = (y + i / w) * self.size[0] + x + i % w;
+                channel[at] = data[offsets[k] + i * strides[k]];
+            }
+        }
+        self.updates += 1;
+    }
+}
+
+#[test]
+fn a_viewer_gets_all_layers_while_they_converge_and_the_finished_ones_at_the_end() {
+    for program in &PROGRAMS {
+        let server = TcpListener::bind("127.0.0.1:0").expect("a port");
+        let address = server.local_addr().expect("an address").to_string();
+        let viewer = std::thread::spawn(move || {
+            let (mut socket, _) = server.accept().expect("a program");
+            let mut viewer = Viewer::default();
+            let mut length = [0; 4];
+            while socket.read_exact(&mut length).is_ok() {
+                let mut packet = vec![0; u32::from_le_bytes(length) as usize - 4];
+                socket.read_exact(&mut packet).expect("the whole packet");
+                viewer.take(&packet);
+            }
+            viewer
+        });
+        let folder = Folder::make();
+        let (scene, out) = (scene("cornell-box"), folder.at("out.exr"));
+        let flags = ["-o", &out, "--size", "140x33", "--time", "2s", "--display-server", &address];
+        let line = [&[scene.as_str()], &flags[..], program.flags].concat();
+        let (code, said) = Running::start(program.name, &line).end();
+        assert_eq!(code, Some(0), "{said}");
+        let viewer = viewer.join().expect("a viewer");
+        // Two tiles, and more than the finished picture.
+        assert!(viewer.updates > 2, "{}: {} updates", program.name, viewer.updates);
+        let picture = read_exr(Path::new(&out)).expect("an EXR");
+        for (name, values) in &viewer.names.iter().zip(&viewer.channels).collect::<Vec<_>>() {
+            assert_eq!(picture.channel(name), Some(values.as_slice()), "{name}");
+        }
+        assert!(viewer.names.iter().any(|name| name == "Variance.G"));
+    }
+}
+
+#[test]
+fn a_viewer_that_goes_away_ends_no_run_and_one_that_is_not_there_begins_none() {
+    let server = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = server.local_addr().expect("an address").to_string();
+    let gone = std::thread::spawn(move || drop(server.accept()));
+    let folder = Folder::make();
+    let (scene, out) = (scene("cornell-box"), folder.at("out.exr"));
+    let flags = ["--size", "140x33", "--time", "2s", "--display-server", &address];
+    let line = [&[scene.as_str(), "-o", &out], &flags[..]].concat();
+    let (code, said) = Running::start("pathtrace", &line).end();
+    gone.join().expect("it came and went");
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("no live view"), "{said}");
+    let (code, said) = Running::start("pathtrace", &line).end();
+    assert_eq!(code, Some(2), "{said}");
+    assert!(said.contains("--display-server") && said.contains(&address), "{said}");
 }

@@ -199,6 +199,37 @@ fn a_resumed_run_has_the_bits_of_one_that_no_signal_stopped() {
     assert!(picture(&folder, "out.exr").channels == picture(&folder, "whole.exr").channels);
 }
 
+/// Nothing can be done about such a signal when it comes: what was written before must do.
+#[test]
+#[ignore = "60 runs, each killed and resumed"]
+fn a_run_that_was_killed_resumes_to_the_same_bits() {
+    const PASSES: &str = "600";
+    let mut killed = 0;
+    for program in PROGRAMS.iter().filter(|program| program.keeps) {
+        let folder = Folder::make();
+        let line = Line::new(&folder);
+        let flags = ["--size", "32x32", "--spp", PASSES, "--checkpoint-interval", "1ms"];
+        let whole = Running::start(program.name, &line.arguments(program, &flags));
+        assert_eq!(whole.end().0, Some(0));
+        let whole = picture(&folder, "out.exr").channels;
+        for k in 0..20 {
+            let folder = Folder::make();
+            let line = Line::new(&folder);
+            let arguments = line.arguments(program, &flags);
+            let run = Running::start(program.name, &arguments);
+            wait_until("there is a checkpoint", || Path::new(&line.checkpoint).exists());
+            std::thread::sleep(std::time::Duration::from_millis(7 * k));
+            run.signal("KILL");
+            killed += u32::from(run.end().0.is_none());
+            let resume = [&arguments[..], &["--resume"]].concat();
+            assert_eq!(Running::start(program.name, &resume).end().0, Some(0));
+            assert!(picture(&folder, "out.exr").channels == whole, "{} {k}", program.name);
+        }
+    }
+    println!("{killed} of 60 runs were killed before their end");
+    assert!(killed >= 50);
+}
+
 #[test]
 fn a_signal_that_is_ignored_from_the_start_stays_ignored() {
     let folder = Folder::make();

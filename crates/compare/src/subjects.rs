@@ -6,9 +6,7 @@ use crate::measure::finish;
 use crate::programs::Order;
 use crate::reference::{self, Reference};
 use crate::subject::Subject;
-use crate::{
-    Budget, Failure, Finished, Picture, Report, Request, Run, Series, Truth, show, text,
-};
+use crate::{Budget, Failure, Finished, Picture, Report, Request, Run, Series, Truth, show, text};
 
 /// Compare finished pictures.
 pub(crate) fn files(request: &Request, files: &[String]) -> Result<Report, Failure> {

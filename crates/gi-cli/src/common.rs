@@ -82,6 +82,9 @@ pub struct Common {
     /// the time; 0 turns it off [default: 10s if standard error is a terminal, else 0]
     #[arg(help_heading = PICTURE, long, value_name = "TIME", value_parser = parse_interval)]
     pub preview: Option<Duration>,
+    /// Send the picture with all layers to the viewer tev, or to another program with its protocol, while it is made
+    #[arg(help_heading = RUN, long, value_name = "HOST[:PORT]")]
+    pub display_server: Option<String>,
     /// Print errors only
     #[arg(help_heading = RUN, short, long)]
     pub quiet: bool,

@@ -9,6 +9,7 @@
 mod budget;
 mod checkpoint;
 mod common;
+mod display;
 mod help;
 mod identity;
 mod passes;

@@ -4,7 +4,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use gi_core::camera::Camera;
 use gi_core::film::Film;
@@ -84,7 +84,7 @@ impl<'a> Making<'a> {
         &mut self,
         technique: &mut T,
         film: &mut Film,
-        mut preview: Preview<impl FnMut(&T, &Film, Duration) -> Result<(), Failure>>,
+        mut previews: Vec<Preview<T>>,
     ) {
         let budget = self.common.budget();
         let before = self.made.len() as u32;
@@ -114,7 +114,9 @@ impl<'a> Making<'a> {
             counter.store(self.made.len() as u32, Relaxed);
             if stop::requested().is_none() {
                 self.between(technique, film);
-                preview.show(technique, film, self.start.elapsed());
+                for preview in &mut previews {
+                    preview.show(technique, film, self.start.elapsed());
+                }
             }
         }
     }

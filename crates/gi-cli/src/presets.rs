@@ -5,7 +5,7 @@ use gi_scene::Loaded;
 use crate::{Failure, Program};
 
 /// Flags that a scene cannot set: they are needed before it is read, or say where files go.
-const NOT_PRESETS: [&str; 19] = [
+const NOT_PRESETS: [&str; 20] = [
     "size",
     "threads",
     "define",
@@ -25,6 +25,7 @@ const NOT_PRESETS: [&str; 19] = [
     "merge",
     "checkpoint-interval",
     "preview",
+    "display-server",
 ];
 
 /// Whether a flag is one that a scene cannot set: files of techniques are named `--x-out` and `--x-in`.

@@ -1,4 +1,4 @@
-//! Previews: the picture so far, written over and over during a run.
+//! Previews: the picture so far, written over and over during a run, or sent to a viewer.
 
 use std::time::{Duration, Instant};
 
@@ -12,33 +12,42 @@ const SHARE: f64 = 0.01;
 /// Guess of the time to write a pixel, before a preview has been written.
 const SECONDS_PER_PIXEL: f64 = 2e-6;
 
-/// Writes previews.
-pub(crate) struct Preview<W> {
-    schedule: Option<Schedule>,
-    write: W,
+/// What is done with a technique and its film some time after the run began.
+type Write<'a, T> = Box<dyn FnMut(&T, &Film, Duration) -> Result<(), Failure> + 'a>;
+
+/// Writes previews, or sends them to a viewer.
+pub(crate) struct Preview<'a, T> {
+    /// What a preview is called in messages.
+    what: &'static str,
+    schedule: Schedule,
+    write: Write<'a, T>,
     /// Whether a failure was reported already.
     failed: bool,
 }
 
-impl<W> Preview<W> {
-    /// Call `write` about `every` so often for a picture of `size` pixels; never without an interval.
-    pub(crate) fn new(every: Option<Duration>, [w, h]: [usize; 2], write: W) -> Self {
+impl<'a, T> Preview<'a, T> {
+    /// Call `write` about `every` so often for a picture of `size` pixels.
+    pub(crate) fn new(
+        what: &'static str,
+        every: Duration,
+        [w, h]: [usize; 2],
+        write: impl FnMut(&T, &Film, Duration) -> Result<(), Failure> + 'a,
+    ) -> Self {
         let cost = Duration::from_secs_f64((w * h) as f64 * SECONDS_PER_PIXEL);
-        let schedule = every.map(|every| Schedule { every, cost, last: Duration::ZERO });
-        Preview { schedule, write, failed: false }
+        let schedule = Schedule { every, cost, last: Duration::ZERO };
+        Preview { what, schedule, write: Box::new(write), failed: false }
     }
 
     /// Write the picture if it is time. `elapsed` is the time since the run began.
-    pub(crate) fn show<T>(&mut self, technique: &T, film: &Film, elapsed: Duration)
-    where
-        W: FnMut(&T, &Film, Duration) -> Result<(), Failure>,
-    {
-        let Some(schedule) = self.schedule.as_mut().filter(|s| s.is_due(elapsed)) else { return };
+    pub(crate) fn show(&mut self, technique: &T, film: &Film, elapsed: Duration) {
+        if !self.schedule.is_due(elapsed) {
+            return;
+        }
         let clock = Instant::now();
         let written = (self.write)(technique, film, elapsed);
-        schedule.done(elapsed, clock.elapsed());
+        self.schedule.done(elapsed, clock.elapsed());
         if let (Err(failure), false) = (&written, self.failed) {
-            say(format!("warning: no preview: {}; the run goes on", failure.text()));
+            say(format!("warning: no {}: {}; the run goes on", self.what, failure.text()));
         }
         self.failed = written.is_err();
     }

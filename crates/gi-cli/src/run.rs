@@ -12,6 +12,7 @@ use gi_core::technique::{Setting, Technique};
 use gi_scene::{ExportError, Loaded};
 use glam::Vec3A;
 
+use crate::display::Display;
 use crate::passes::{Making, identity, merge};
 use crate::paths::{Files, check_export};
 use crate::presets::with_presets;
@@ -41,6 +42,9 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<Option<Signal>, Fa
     let output = Output::new(common.output(program))?;
     let mut files = Files::of(common, &output, (&command, &matches), &params.outputs());
     files.check()?;
+    let name = output.path().display().to_string();
+    let display =
+        common.display_server.as_ref().map(|at| Display::connect(at, name)).transpose()?;
     let date = crate::identity::date();
     let clock = Instant::now();
     let loaded = load(common)?;
@@ -64,8 +68,11 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<Option<Signal>, Fa
         build: Duration::ZERO,
         prepare: Duration::ZERO,
     };
-    render::<P>(about, params, loaded, &output)
+    render::<P>(about, params, loaded, &output, display)
 }
+
+/// Time between two pictures of the live view, unless they cost too much.
+const DISPLAY_EVERY: Duration = Duration::from_millis(500);
 
 /// Render a scene that was read.
 fn render<P: Program>(
@@ -73,6 +80,7 @@ fn render<P: Program>(
     params: &P::Params,
     loaded: Loaded,
     output: &Output,
+    mut display: Option<Display>,
 ) -> Result<Option<Signal>, Failure> {
     let common = about.common;
     let Loaded { mut parts, mut camera, filter, world, .. } = loaded;
@@ -114,11 +122,19 @@ fn render<P: Program>(
     let mut making = None;
     if common.merge.is_empty() {
         let mut passes = Making::begin(&mut technique, common, &mut film, &identity, clock)?;
-        let write = |technique: &P::Technique<'_>, film: &Film, elapsed: Duration| {
-            output.save(&layers(&about, film, &about.so_far(technique, film, elapsed, None)))
-        };
-        let preview = Preview::new(common.preview(), film.size(), write);
-        passes.run(&mut technique, &mut film, preview);
+        let mut previews = Vec::new();
+        if let Some(every) = common.preview() {
+            let size = film.size();
+            previews.push(Preview::new("preview", every, size, |technique, film, elapsed| {
+                let so_far = about.so_far::<P::Technique<'_>>(technique, film, elapsed, None);
+                output.save(&layers(&about, film, &so_far))
+            }));
+        }
+        if let Some(display) = &mut display {
+            let send = |_: &_, film: &Film, _| display.send(film.layers());
+            previews.push(Preview::new("live view", DISPLAY_EVERY, film.size(), send));
+        }
+        passes.run(&mut technique, &mut film, previews);
         making = Some(passes);
     } else {
         let spare = Film::new(camera.size(), filter, common.component);
@@ -130,6 +146,11 @@ fn render<P: Program>(
     if let (Some(signal), 0) = (stopped, film.passes()) {
         say(format!("stopped by {} in the first pass: no picture is written", signal.name()));
         return Ok(stopped);
+    }
+    if let Some(display) = &mut display
+        && let Err(failure) = display.send(film.layers())
+    {
+        say(format!("warning: no live view: {}", failure.text()));
     }
     let so_far = about.so_far(&technique, &film, elapsed, stopped);
     let finished = Finished { about: &about, so_far: &so_far, film: &film, output };
@@ -197,9 +218,9 @@ fn say_scene(common: &Common, scene: &Scene, [w, h]: [usize; 2]) {
 
 impl About<'_> {
     /// What is known now. `elapsed` is the time since preparation began.
-    fn so_far<'t>(
+    fn so_far<'t, T: Technique<'t>>(
         &self,
-        technique: &impl Technique<'t>,
+        technique: &T,
         film: &Film,
         elapsed: Duration,
         stopped: Option<Signal>,

@@ -60,8 +60,8 @@ pub fn write_with(
     fill: impl FnOnce(&mut BufWriter<File>) -> Result<()>,
 ) -> Result<()> {
     let _whole = WRITING.read().unwrap_or_else(PoisonError::into_inner);
-    let path = &target(path)?;
     refuse_special(path)?;
+    let path = &target(path)?;
     let part = beside(path, "part")?;
     let written = File::create(&part).and_then(|file| {
         let mut out = BufWriter::new(file);
@@ -81,8 +81,8 @@ pub fn write_with(
 /// Why it cannot, without the file's name.
 pub fn check_writable(path: &Path) -> Result<()> {
     let _whole = WRITING.read().unwrap_or_else(PoisonError::into_inner);
-    let path = &target(path)?;
     refuse_special(path)?;
+    let path = &target(path)?;
     let trial = beside(path, "try")?;
     File::create(&trial)?;
     let _ = std::fs::remove_file(&trial); // an empty file left behind does no harm

@@ -31,7 +31,7 @@ use std::path::Path;
 
 use gi_core::caustics::FocusedLight;
 use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
-use gi_core::film::Film;
+use gi_core::film::{Film, Show};
 use gi_core::math::Rgb;
 use gi_core::sampler::Sampler;
 use gi_core::technique::{Picture, Setting, Technique};
@@ -129,6 +129,12 @@ impl<'a> Technique<'a> for InstantRadiosity<'a> {
 impl InstantRadiosity<'_> {
     /// The lights of a pass. Its light paths continue the sequence of the passes before it.
     fn shoot(&self, index: u32) -> Vpls {
+        // If none of their light is shown, make none.
+        match self.setting.show {
+            Show::Caustic => return Vpls::default(),
+            Show::Direct if self.params.direct == Direct::Sample => return Vpls::default(),
+            _ => {}
+        }
         let paths = self.pilot.paths_for(self.params.vpls);
         let how = Shooting {
             seed: self.setting.seed,

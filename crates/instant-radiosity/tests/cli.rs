@@ -34,6 +34,31 @@ fn a_run_leaves_its_pictures_and_its_lights() {
 }
 
 #[test]
+fn a_picture_without_the_light_of_virtual_lights_creates_none() {
+    let folder = Folder::make();
+    let at = |name: &str| folder.at(name);
+    let stats = at("run.json");
+    let run_with = |out: &str, flags: &[&str]| {
+        assert_success(&run(&[&["-o", out, "--stats", &stats][..], flags].concat()));
+        std::fs::read_to_string(&stats).expect("statistics").contains("\"vpls\": 0.0")
+    };
+    let (all, alone) = (at("all.exr"), at("alone.exr"));
+    assert!(
+        !run_with(&all, &[])
+            && !run_with(&at("vpl.exr"), &["--direct", "vpl", "--component", "direct"])
+    );
+    for (component, layer) in [("direct", "Direct.R"), ("caustic", "Caustic.R")] {
+        assert!(run_with(&alone, &["--component", component]), "{component}");
+        let channel = |path: &str| {
+            let layers = read_exr(Path::new(path)).expect("an EXR");
+            layers.channel(layer).expect("a layer").to_vec()
+        };
+        assert_eq!(channel(&all), channel(&alone), "{component}");
+        assert!(run_with(&alone, &["--component", component, "--vsl"]), "{component}");
+    }
+}
+
+#[test]
 fn wrong_flags_are_one_clear_error_and_status_2() {
     let folder = Folder::make();
     let (out, csv) = (&folder.at("a.exr"), &folder.at("a.csv"));

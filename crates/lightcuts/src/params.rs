@@ -54,7 +54,7 @@ pub struct Limits {
     #[arg(long, value_name = "E", default_value_t = 0.02, value_parser = fraction())]
     pub error: f32,
     /// What --error bounds
-    #[arg(long, value_enum, default_value_t = Rule::Whole)]
+    #[arg(long, value_enum, default_value_t = Rule::Cluster)]
     pub rule: Rule,
     /// Maximum number of clusters in a cut [default: 1000, or no maximum with --error 0]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]

@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use gi_core::film::Show;
+use gi_core::progress;
 use gi_core::technique::Setting;
 use vpl::{Direct, Pilot, Shooting, Termination, Vpls, points, shoot};
 
@@ -26,6 +27,7 @@ impl PassLights {
         let vpls = make_lights(setting, params, pilot, pass);
         let clock = Instant::now();
         let by_depth = params.limits.max_depth.is_some();
+        progress::begin("light trees", 0);
         let forest = Forest::build(setting.scene, &vpls, by_depth, setting.seed ^ pass);
         PassLights { vpls, forest, pass, building: clock.elapsed() }
     }
