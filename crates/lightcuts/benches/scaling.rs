@@ -84,7 +84,7 @@ fn seen<'a>(scene: &'a Scene, camera: &Camera) -> Vec<Point<'a>> {
         let (surface, _) = scene.intersect(&ray)?;
         let bsdf = scene.bsdf(&surface, -ray.d, Transport::Radiance);
         // Lamps that scatter nothing are in no need of light.
-        let lit = !bsdf.is_delta() && !bsdf.albedo_hint(-ray.d).is_black();
+        let lit = !bsdf.is_delta() && !bsdf.albedo().is_black();
         lit.then_some((surface, -ray.d, bsdf))
     };
     order.filter_map(point).collect()

@@ -190,8 +190,7 @@ impl PathTracer<'_> {
             };
             let bsdf = scene.bsdf(&surface, -ray.d, Transport::Radiance);
             if sample.normal == Vec3::ZERO {
-                (sample.albedo, sample.normal, sample.depth) =
-                    (bsdf.albedo_hint(-ray.d), surface.ns(), t);
+                (sample.albedo, sample.normal, sample.depth) = (bsdf.albedo(), surface.ns(), t);
             }
             left *= bsdf.straight_through(-ray.d);
             medium = scene.medium_toward(&surface, ray.d, medium);

@@ -245,20 +245,20 @@ impl Lobe<'_> {
         }
     }
 
-    /// Roughly which share of the light from `wo` comes back, for pictures of the albedo.
-    pub(crate) fn albedo_hint(&self, wo: Vec3) -> Rgb {
+    /// The albedo at normal incidence, for the albedo layer.
+    pub(crate) fn albedo(&self) -> Rgb {
         match *self {
             Lobe::Diffuse { albedo } | Lobe::OrenNayar { albedo, .. } => albedo,
             Lobe::Conductor { eta, k, tint } | Lobe::RoughConductor { eta, k, tint, .. } => {
-                fresnel::conductor(wo.z.clamp(0.0, 1.0), eta, k) * tint
+                fresnel::conductor(1.0, eta, k) * tint
             }
             Lobe::Dielectric { reflect, transmit, .. }
             | Lobe::RoughDielectric { reflect, transmit, .. }
             | Lobe::ThinDielectric { reflect, transmit, .. } => reflect.zip(transmit, f32::max),
-            Lobe::Plastic { diffuse, specular, .. } => diffuse + specular * 0.04,
+            Lobe::Plastic { coat, diffuse, specular } => diffuse + specular * coat.fresnel(1.0),
             Lobe::Phong { diffuse, specular, .. } => diffuse + specular,
-            Lobe::Principled(ref solid) => solid.albedo_hint(wo),
-            Lobe::PrincipledThin(ref thin) => thin.albedo_hint(wo),
+            Lobe::Principled(ref solid) => solid.albedo(),
+            Lobe::PrincipledThin(ref thin) => thin.albedo(),
             Lobe::Null => Rgb::BLACK,
         }
     }

@@ -303,9 +303,10 @@ impl<'a> Bsdf<'a> {
         self.diffuse_only(wo).map(|part| part.albedo)
     }
 
-    /// A fast estimate of the albedo for light from `wo`, for the albedo layer. It is exact for Lambertian surfaces; for others it
-    /// is the colour of the reflection.
-    pub fn albedo_hint(&self, wo: Vec3) -> Rgb {
-        self.components().iter().map(|c| c.lobe.albedo_hint(c.frame.to_local(wo)) * c.weight).sum()
+    /// A fast estimate of the albedo, for the albedo layer: exact for Lambertian surfaces, the reflectance at normal incidence for
+    /// others. It lies in [0, 1] and does not depend on the direction of view, as denoisers expect.
+    pub fn albedo(&self) -> Rgb {
+        let all: Rgb = self.components().iter().map(|c| c.lobe.albedo() * c.weight).sum();
+        all.map(|v| v.clamp(0.0, 1.0))
     }
 }

@@ -236,6 +236,6 @@ impl<'a> EyeWalk<'a> {
         let (surface, wo) = (self.scene.surface(&self.ray, hit), -self.ray.d);
         let bsdf = self.scene.bsdf(&surface, wo, Transport::Radiance);
         let first = &mut self.sample;
-        (first.albedo, first.normal, first.depth) = (bsdf.albedo_hint(wo), surface.ns(), hit.t);
+        (first.albedo, first.normal, first.depth) = (bsdf.albedo(), surface.ns(), hit.t);
     }
 }

@@ -199,7 +199,7 @@ impl<'a> EyeWalk<'a> {
         let mut bsdf = self.scene.bsdf(&surface, wo, Transport::Radiance);
         if !self.is_described {
             let first = &mut self.sample;
-            (first.albedo, first.normal, first.depth) = (bsdf.albedo_hint(wo), surface.ns(), hit.t);
+            (first.albedo, first.normal, first.depth) = (bsdf.albedo(), surface.ns(), hit.t);
             self.is_described = true;
         }
         self.estimate = None;

@@ -305,6 +305,24 @@ fn light_paths_over_a_mirror_with_bent_normals_carry_what_eye_paths_carry() {
 }
 
 #[test]
+fn the_albedo_layer_lies_in_0_to_1_and_does_not_depend_on_the_view() {
+    let mut seen: Vec<(String, Rgb)> = Vec::new();
+    each(|view, bsdf, _, _| {
+        let (name, albedo) = (view.split(" from ").next().expect("a name"), bsdf.albedo());
+        assert!(albedo.to_array().iter().all(|v| (0.0..=1.0).contains(v)), "{name}: {albedo:?}");
+        match seen.iter().find(|(known, _)| known == name) {
+            Some((_, first)) => assert_eq!(*first, albedo, "{view}"),
+            None => seen.push((name.to_string(), albedo)),
+        }
+    });
+    let of = |name: &str| seen.iter().find(|(n, _)| n == name).expect("a material").1;
+    assert_eq!(of("diffuse"), Rgb::grey(0.8));
+    // Reflectance at normal incidence of index 0.2 + 3.9 i: ((n - 1)^2 + k^2) / ((n + 1)^2 + k^2).
+    let exact = (0.64 + 15.21) / (1.44 + 15.21);
+    assert!((of("conductor").r - exact).abs() < 1e-5, "{:?}", of("conductor"));
+}
+
+#[test]
 fn refraction_is_reciprocal_up_to_the_squared_index() {
     for distribution in [Distribution::Ggx, Distribution::Beckmann] {
         refraction_is_reciprocal(glass(rough(distribution, 0.3, 0.3)), 1.5);

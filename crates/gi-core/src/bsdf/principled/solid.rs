@@ -169,11 +169,9 @@ impl Solid {
         self.base.diffuse_f(wo, wi)
     }
 
-    /// Rough estimate of the albedo for light from `wo`, transmission included.
-    pub(crate) fn albedo_hint(&self, wo: Vec3) -> Rgb {
-        let cos = wo.z.abs().min(1.0);
-        let reflected = if wo.z > 0.0 { self.front.reflectance(cos) } else { Rgb::BLACK };
-        (self.base.color + reflected + self.transmit).map(|v| v.min(1.0))
+    /// Estimate of the albedo at normal incidence, transmission included.
+    pub(crate) fn albedo(&self) -> Rgb {
+        self.base.color + self.front.reflectance(1.0) + self.transmit
     }
 
     /// Whether nothing passes to the other side.

@@ -177,11 +177,10 @@ impl Thin {
         self.base.diffuse_f(wo, wi)
     }
 
-    /// Rough estimate of the albedo for light from `wo`, transmission included.
-    pub(crate) fn albedo_hint(&self, wo: Vec3) -> Rgb {
-        let reflected = self.front.reflectance(wo.z.abs().min(1.0)) * self.specular;
-        let all = self.base.color + self.behind + self.transmit + reflected;
-        all.map(|v| v.min(1.0))
+    /// Estimate of the albedo at normal incidence, transmission included.
+    pub(crate) fn albedo(&self) -> Rgb {
+        let reflected = self.front.reflectance(1.0) * self.specular;
+        self.base.color + self.behind + self.transmit + reflected
     }
 
     /// Whether nothing passes to the other side.
