@@ -128,8 +128,11 @@ mod tests {
 
     #[test]
     fn views_beside_the_picture_are_known_by_their_names() {
-        let is = |file: &str| is_view(Path::new("a/out.exr"), Path::new(file));
-        assert!(is("a/out.records.png") && is("./a/out.cut-2.png"));
+        let folder = gi_tests::program::Folder::make();
+        std::fs::create_dir(folder.at("a")).expect("a folder");
+        let at = |name: &str| PathBuf::from(folder.at(name));
+        let is = |file: &str| is_view(&at("a/out.exr"), &at(file));
+        assert!(is("a/out.records.png") && is("a/./out.cut-2.png") && is("a/../a/out.tree.png"));
         let others = ["a/out.png", "out.records.png", "a/out.Records.png", "a/other.records.png"];
         assert!(others.iter().all(|file| !is(file)));
     }
