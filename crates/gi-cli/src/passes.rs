@@ -43,12 +43,12 @@ pub(crate) struct Making<'a> {
     /// When preparation began.
     start: Instant,
     keeper: Option<Keeper<'a>>,
-    /// Whether the last pass was left half-way: the technique then is in no state to be saved.
+    /// Whether the last pass was abandoned. The technique's state must then not be saved.
     abandoned: bool,
 }
 
 impl<'a> Making<'a> {
-    /// Check that the technique can do what is asked for, and continue from a checkpoint if that is.
+    /// Check that the technique supports the requested options, and resume if asked to.
     pub(crate) fn begin<'t>(
         technique: &mut impl Technique<'t>,
         common: &'a Common,
@@ -62,7 +62,7 @@ impl<'a> Making<'a> {
                 "error: --first-pass: the passes of this method build on each other".into(),
             ));
         }
-        // Before the work, not after it.
+        // Check this before rendering.
         if common.checkpoint.is_some() {
             technique.save_state().ok_or_else(no_state)?;
         }
@@ -105,7 +105,7 @@ impl<'a> Making<'a> {
         {
             let in_film = film.passes();
             technique.pass(self.made.end, film);
-            // An abandoned pass is not added to the film.
+            // An abandoned pass does not count.
             self.abandoned = film.passes() == in_film;
             if self.abandoned {
                 break;
@@ -121,7 +121,7 @@ impl<'a> Making<'a> {
         }
     }
 
-    /// Write a checkpoint if it is due. If that fails, say so: the next is written after the same time.
+    /// Write a checkpoint if one is due. On failure, warn and retry after the same interval.
     fn between<'t>(&mut self, technique: &impl Technique<'t>, film: &Film) {
         if let Some(keeper) = self.keeper.as_mut().filter(|keeper| keeper.is_due())
             && let Err(failure) = keeper.keep(technique, film, &self.made)

@@ -1,6 +1,7 @@
 //! How far a run is, and whether somebody wants it to end early. One run per process: the numbers are global, so that a loop
 //! deep in a technique can count without being handed a counter. They never influence what is computed, with one exception:
-//! after [`abandon`], passes leave the film as it is.
+//! after [`abandon`], the current pass stops early and does not count. With the box filter, pixels keep the samples that they
+//! already took; each pixel has its own weight, so the picture stays valid.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::sync::{Mutex, PoisonError};

@@ -3,7 +3,7 @@
 //!
 //! | | |
 //! |---|---|
-//! | estimated | L(x) = sum_i f(x) f(y_i) min(G(x, y_i), b) V(x, y_i) power_i over the virtual point lights y_i of a pass, with the geometry term G = cos cos' / d^2. Passes are averaged: the accumulation buffer |
+//! | estimate | L(x) = sum_i f(x) f(y_i) min(G(x, y_i), b) V(x, y_i) power_i over the virtual point lights y_i of a pass, with the geometry term G = cos cos' / d^2. Passes are averaged: the accumulation buffer |
 //! | `--vpls` | approximate number of lights per pass |
 //! | `--termination` | when light paths end: fractional absorption (the original) or Russian roulette |
 //! | `--clamp` | b, the upper bound of the geometry term, in units of 1 / (scene radius)^2; `inf` for no bound |

@@ -3,11 +3,12 @@
 //!
 //! | | |
 //! |---|---|
-//! | estimated | direct light as in path tracing; caustics from photons or as in path tracing; indirect light of the Lambertian part of every surface from irradiance records |
+//! | estimate | direct light as in path tracing; caustics from photons or as in path tracing; indirect light of the Lambertian part of every surface from irradiance records |
 //! | record | E = pi / N sum_j L_i(x, w_j) over N stratified rays, its gradients, and the radius within which it is valid [slides 7, 9, 10] |
 //! | interpolation | E(x) = sum w_i E_i(x) / sum w_i over the records whose error at x is below the accuracy a [slide 11]; E_i(x) follows the gradients [slide 12] |
-//! | `--rays` | N, rays per record (1000) |
-//! | `--accuracy` | a, the allowed relative error (0.1, which is w > 10 in the lecture) |
+//! | weight | w_i = 1 / (\|x - x_i\| / R_i + sqrt(1 - n . n_i)), R_i the harmonic mean of the distances, with `--weights lecture --error split-sphere` [slides 9, 11]; by default weights fall to zero smoothly where a record ends |
+//! | `--rays` | N, rays per record |
+//! | `--accuracy` | a, the allowed relative error; w > 1 / a in the lecture |
 //! | `--error` | how the error is estimated: by the split sphere of the slides, by the split sphere with limits, or by Hessians |
 //! | `--bounces` | number of cache levels; without it gather rays continue as paths |
 //! | `--min-spacing`, `--max-spacing` | limits of a record's radius in pixels |

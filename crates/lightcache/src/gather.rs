@@ -27,7 +27,7 @@ pub struct Place {
     pub segments: u32,
     /// Length of that path, world.
     pub length: f32,
-    /// Selects the random numbers of the record's rays; differs for each place.
+    /// Selects the random numbers of the record's rays. It differs between places, except on both sides of a straight passage.
     pub key: u32,
 }
 

@@ -3,7 +3,7 @@
 //!
 //! | | |
 //! |---|---|
-//! | estimated | L(x) = sum over the clusters C of a cut of f(x) G(x, y) V(x, y) power(C), where y is the representative light of C. Passes, each with lights of its own, are averaged |
+//! | estimate | L(x) = sum over the clusters C of a cut of f(x) G(x, y) V(x, y) power(C), where y is the representative light of C. Passes, each with lights of its own, are averaged |
 //! | refinement | start with the roots of the trees; split the cluster with the largest error bound until that bound is below `--error` times the estimate of L(x) [slides 57-60] |
 //! | `--error` | allowed error, as a fraction of the point's radiance: Weber's law |
 //! | `--rule` | what `--error` bounds: `cluster` (default), each cluster alone, as in the lecture; `whole`, for 99 of 100 points also the sum |

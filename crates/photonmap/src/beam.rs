@@ -10,7 +10,7 @@ use gi_core::sampler::Sampler;
 use crate::gather::Gatherer;
 use crate::media::MediaMaps;
 
-/// Fraction of the beams after a scattering by other than a delta lobe that are sampled.
+/// Fraction of the beams that are sampled once a path has scattered by other than a delta lobe.
 const GATHERED: f32 = 0.25;
 
 impl<'a> Gatherer<'_, 'a> {

@@ -26,8 +26,8 @@ pub struct Estimator {
 }
 
 /// A photon lights a point only if the cosine between its surface's normal and the point's is larger: not round a corner
-/// and not through a wall, but on the next facet of a curved mesh. The limit is tighter than that of ppm (0.5) because a
-/// photon map keeps normals to 3 degrees only, and because its radius does not shrink.
+/// and not through a wall, but on the next facet of a curved mesh. The limit is tight, because a photon map keeps
+/// normals to 3 degrees only, and because the radius does not shrink.
 pub(crate) const SAME_SIDE: f32 = 0.8;
 /// An automatic radius is the median over the neighbourhoods of this many photons.
 const PROBES: usize = 256;

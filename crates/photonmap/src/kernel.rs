@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 pub use crate::params::Kernel;
 
-/// Slope of the cone: its height is zero at so many radii.
+/// The cone reaches zero at this many radii.
 const CONE: f32 = 1.1;
 /// Height and width of Jensen's Gaussian.
 const ALPHA: f32 = 0.918;
@@ -36,9 +36,9 @@ impl Kernel {
 
     /// Density per area that a photon at squared distance `d2` adds to an estimate whose radius squared is `r2`.
     ///
-    /// The k-th photon sets the radius, and only the k - 1 nearer ones lie evenly in its disc: counted with them it makes the
-    /// mean of the estimate k / (k - 1) of what it should be (+2.04 % at k = 50; a little less for photons of a
-    /// low-discrepancy sequence, which lie more evenly than by chance). So it adds nothing, but for the lecture's formula. Where a bound on the radius left fewer than k, nothing lies on the edge, and nothing is lost.
+    /// The k-th photon sets the radius and lies on the edge of the disc. Counting it makes the estimate too bright by k / (k - 1),
+    /// 2 % at k = 50. So it adds nothing, except in the lecture's formula. If a radius limit left fewer than k photons, none lies on
+    /// the edge.
     #[inline]
     pub fn weigh(self, d2: f32, r2: f32) -> f32 {
         if d2 >= r2 && self != Kernel::Lecture {

@@ -112,7 +112,7 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
     }
 
     fn reach(&self) -> String {
-        "all paths, blurred where photons answer; E S* D S+ L only as far as the caustic map has photons".into()
+        "all paths; light from photons is blurred; E S* D S+ L only where the caustic map has photons".into()
     }
 }
 
@@ -135,7 +135,7 @@ impl<'a> Gatherer<'_, 'a> {
     }
 
     /// Radiance from the global map at the vertex itself: L = sum of f(wi, wo) power / (pi r^2) over the k nearest photons
-    /// [slides 24, 29, 30].
+    /// [slides 24, 29, 30]. The kernel weights photons by distance; `--kernel lecture` is the slide's formula.
     fn radiance(&self, v: &EyeVertex<'a>, rays: &Rays) -> Option<Density> {
         let place = (v.surface.p, facing(&v.surface, v.wo), self.photon_depth(v.segments)?);
         let (scene, map) = (self.setting.scene, &self.maps.global);

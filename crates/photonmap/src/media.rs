@@ -1,4 +1,4 @@
-//! What is known of the light that a medium scatters back along a beam: photons, the dipole, and samples of lights.
+//! The maps of light in media, and the check of `--subsurface dipole`.
 
 use gi_core::medium::MediumId;
 use gi_core::technique::Setting;
@@ -44,7 +44,7 @@ pub(crate) fn check(setting: &Setting, params: &Params) -> Result<(), String> {
 }
 
 impl MediaMaps {
-    /// Shoot photons, but for those in `saved`.
+    /// Trace photons in media, except those that `saved` already holds.
     pub(crate) fn shoot(source: &Source, params: &Params, saved: Option<VolumeMaps>) -> Self {
         let solids = Solids::of(source.scene);
         let by_dipole = params.subsurface == Subsurface::Dipole;

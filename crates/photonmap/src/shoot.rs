@@ -204,6 +204,7 @@ impl Source<'_> {
                     _ => true,
                 };
                 if asked_for && !vertex.bsdf.is_delta() {
+                    // The number of paths is known only at the end: `pack` divides by it.
                     let hit = walk::Photon::at(vertex, 1.0);
                     if hit.power.is_finite() && !hit.power.is_black() {
                         out.hits.push(hit);

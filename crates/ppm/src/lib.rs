@@ -109,6 +109,7 @@ impl<'a> Technique<'a> for Ppm<'a> {
             // These methods choose the radius before the pass.
             Method::Ppa | Method::Adaptive => 1.0,
         };
+        let passes_before = film.passes();
         film.add_pass_with(&mut self.pixels, |at, region| {
             let sample = look.pixel(at, region, &grid);
             if self.params.method == Method::Ppm {
@@ -122,6 +123,10 @@ impl<'a> Technique<'a> for Ppm<'a> {
             }
             sample
         });
+        // The pass was abandoned: it is not in the film.
+        if film.passes() == passes_before {
+            return;
+        }
         self.counts.passes += 1;
         self.counts.paths += u64::from(self.emission.paths);
         self.counts.stored += grid.len() as u64;
@@ -182,7 +187,7 @@ impl<'a> Technique<'a> for Ppm<'a> {
     fn reach(&self) -> String {
         format!(
             "all paths; those that end in photons with a blur that vanishes with the passes. Photons are gathered where the \
-             sharpest lobe has alpha >= {}, of sharper surfaces at the Lambertian part; the rest is followed by rays",
+             sharpest lobe has alpha >= {}, on sharper surfaces only the Lambertian part gathers photons; paths follow the rest",
             self.params.min_roughness
         )
     }

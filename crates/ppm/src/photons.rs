@@ -37,8 +37,8 @@ pub struct Arrival {
     pub segments: u32,
 }
 
-/// A photon belongs to the surface of a gather point if the cosine between the normals is at least this. It is smaller than in a
-/// photon map (0.8), because the radius shrinks: a wide limit keeps photons on coarse curved meshes.
+/// A photon belongs to the surface of a gather point if the cosine between the normals is at least this. The limit is wide
+/// enough for coarse curved meshes, because the radius shrinks.
 pub(crate) const SAME_SURFACE: f32 = 0.5;
 
 impl Arrival {

@@ -133,9 +133,9 @@ impl BrdfTable {
 pub struct BrdfRow<'t> {
     /// Number of bands.
     pub order: usize,
-    /// The row of the elevation below.
+    /// The row nearer the normal.
     pub low: &'t [Vec3A],
-    /// The row of the elevation above.
+    /// The row nearer the horizon.
     pub high: &'t [Vec3A],
     /// Position between the two rows, from 0 to 1.
     pub fraction: f32,

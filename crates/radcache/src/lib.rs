@@ -3,16 +3,16 @@
 //!
 //! | | |
 //! |---|---|
-//! | estimated | direct light as in path tracing; caustics from photons or as in path tracing; indirect light of diffuse surfaces from irradiance records, of rough glossy surfaces from radiance records |
+//! | estimate | direct light as in path tracing; caustics from photons or as in path tracing; indirect light of diffuse surfaces from irradiance records, of rough glossy surfaces from radiance records |
 //! | record | L_i(w) ~ sum_k l_k y_k(w), where l_k is the integral of L_i y_k over N stratified rays, and the gradient of l_k along the surface |
 //! | interpolation | l(x) = sum w_j l_j(x) / sum w_j over the records whose error at x is below the accuracy a, as for irradiance [slide 11] |
 //! | radiance | L_o(w_o) = sum_k c_k(w_o) l_k. The coefficients c_k of f_r(w_o, .) cos are tabulated per elevation of w_o; l is rotated into the shading frame [slide 18] |
-//! | `--order` | n, the number of bands; the basis has n^2 functions (10). 0: per material, until at most 5 % of the BRDF's energy is left out |
+//! | `--order` | n, the number of bands; the basis has n^2 functions. 0: per material, until at most 5 % of the BRDF's energy is left out |
 //! | `--basis` | `sh`, or `hsh` for hemispherical harmonics |
 //! | `--window` | bands fade toward the order, against ringing: `none`, `hanning`, `lanczos` |
-//! | `--min-roughness` | lobes narrower than this are path-traced (0.2) |
+//! | `--min-roughness` | lobes narrower than this are path-traced |
 //! | `--mode` | `sh`, or `rho-e`: rho_hd(w_o) E / pi, as if light arrived equally from all directions [slide 15] |
-//! | `--rays`, `--accuracy` | of irradiance records, as in irradiance caching (1000, 0.1); `--glossy-rays` (2000), `--glossy-accuracy` (0.1) of radiance records |
+//! | `--rays`, `--accuracy` | of irradiance records, as in irradiance caching; `--glossy-rays`, `--glossy-accuracy` of radiance records |
 //! | bias | as in irradiance caching: blotches, missing soft shadows. The order limits sharpness: reflections look as if the surface were rougher, bright ones have rings, and at grazing angles light leaks from below the horizon |
 //! | coats | the base of a plastic counts as Lambertian; its coat changes that by a few per cent at most |
 //! | sources | \[Krivanek05\], \[Gautron04\], \[Green03\], \[Ivanic96\], \[Ramamoorthi01\] |

@@ -11,7 +11,8 @@ use crate::walk::{LightWalk, Photon, Roulette, walk_in_order};
 
 /// Number of radii to choose from. Each is half as large as the one before.
 pub(super) const LEVELS: usize = 7;
-/// Photons on surfaces whose normals have a smaller cosine than this belong to another surface.
+/// Photons on surfaces whose normals have a smaller cosine than this belong to another surface. Caustics have sharp edges, so the
+/// limit is tight enough to keep them on one side of an edge, and wide enough for the facets of a curved mesh.
 pub(super) const SAME_SURFACE: f32 = 0.7;
 /// So do photons farther from the tangent plane than this fraction of the radius.
 const HEIGHT: f32 = 0.5;

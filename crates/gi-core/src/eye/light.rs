@@ -41,9 +41,11 @@ impl<'a> EyeWalk<'a> {
         }
     }
 
-    /// Add a technique's estimate at `v`. Call it once per vertex, where [`EyeVertex::wants_estimate`] holds.
+    /// Add a technique's estimate at `v`. Call it at most once per vertex, only if [`EyeVertex::wants_estimate`] holds, and before
+    /// [`EyeWalk::add_direct`] and [`EyeWalk::scatter`]: they leave out the light that it covers.
     #[inline]
     pub fn add_estimate(&mut self, v: &EyeVertex, estimate: Estimate) {
+        debug_assert!(v.wants_estimate() && self.estimate.is_none(), "light would count twice");
         let radiance = &mut self.sample.radiance;
         *radiance.of_path(self.non_delta + 2, false) += v.throughput * estimate.indirect;
         if let Some(direct) = estimate.direct {
@@ -74,7 +76,7 @@ impl<'a> EyeWalk<'a> {
         *self.sample.radiance.of_path(self.non_delta + 1, false) += v.throughput * direct;
     }
 
-    /// Instead of [`EyeWalk::add_direct`], for walks that only look: leave out its random numbers.
+    /// For walks that do not collect light: skip the random numbers that [`EyeWalk::add_direct`] would draw.
     #[inline]
     pub fn skip_direct(&mut self, v: &EyeVertex<'a>) {
         if !v.is_last && self.left_for_lights(&v.bsdf).is_some() {

@@ -94,7 +94,7 @@ impl<'a> EyeWalk<'a> {
     #[inline(always)]
     pub fn next_event(&mut self) -> Option<EyeEvent<'a>> {
         let flight = self.draw_flight();
-        // Nothing beyond the point of scattering needs to be found, except the first surface for its layers.
+        // Only search up to the point of scattering, unless the first surface is still needed for its layers.
         let tmax = flight.as_ref().filter(|_| self.is_described).map_or(self.ray.tmax, |f| f.t);
         let hit = self.scene.closest(&Ray { tmax, ..self.ray });
         let (Some(index), Some(flight)) = (self.medium, flight) else {
@@ -197,7 +197,7 @@ impl<'a> EyeWalk<'a> {
         }
     }
 
-    /// The next segment beyond the near plane of the camera, which hides media too.
+    /// The next segment, starting at the near plane: the camera does not see media in front of it.
     #[inline]
     fn behind_near_plane(&self) -> Ray {
         Ray { o: self.ray.at(self.ray.tmin), tmin: 0.0, ..self.ray }
@@ -214,7 +214,7 @@ impl<'a> EyeWalk<'a> {
     #[inline]
     fn scattered_within(&mut self) -> Option<Rgb> {
         let medium = self.scene.medium(self.medium?);
-        // Light that is scattered on the last segment would need another one.
+        // Light scattered on the last segment would need one more segment.
         if !self.limits.goes_on(self.segments) || medium.only_absorbs() {
             return None;
         }

@@ -17,7 +17,7 @@
 //! walk.sample()
 //! ```
 //!
-//! (`&walk.next_vertex()` leaves the vertex where it was made. To move it costs 4 % of a path tracer's time.)
+//! Bind the vertex by reference, as here: moving it costs 4 % of the path tracer's time.
 //!
 //! A path tracer has no estimate. A technique that knows indirect light (from a cache, a photon map or virtual lights) adds
 //! it at a vertex. The path then continues only for the light that the estimate does not cover ([`Covers`]).
@@ -65,7 +65,7 @@ pub struct EyeWalk<'a> {
     non_delta: u32,
     /// Whether the last scattering was by a delta lobe.
     after_delta: bool,
-    /// Product of the squared relative indices of refraction, by which refraction has divided the throughput.
+    /// Product of squared relative indices of refraction. The throughput is divided by it; roulette undoes that.
     eta_sq: f32,
     /// Number of segments, the next one included.
     segments: u32,
@@ -77,7 +77,7 @@ pub struct EyeWalk<'a> {
     medium: Option<MediumId>,
     /// Where the path has just entered that medium.
     entered: Option<Entrance>,
-    /// The end of the next segment, if it is known already.
+    /// Hit of the next segment if [`EyeWalk::beam_ahead`] has traced it; the inner `None` means that the ray leaves the scene.
     ahead: Option<Option<Hit>>,
     /// The estimate at the current vertex.
     estimate: Option<Estimate>,
@@ -126,8 +126,8 @@ impl<'a> EyeWalk<'a> {
         walk
     }
 
-    /// Path number `path` through a random pixel, without Russian roulette, for prepasses that look where a
-    /// picture needs light. `stream` separates the random numbers of one use from those of others.
+    /// Path number `path` through a random pixel, without Russian roulette. Prepasses use it to find the points that matter for the
+    /// picture. `stream` separates the random numbers of one use from those of another.
     pub fn through_picture(setting: &Setting<'a>, stream: u32, path: u32) -> Self {
         let mut sampler = Sampler::new(setting.seed ^ stream, 0, path);
         let [w, h] = setting.camera.size().map(|n| n as f32);
@@ -269,8 +269,7 @@ impl<'a> EyeWalk<'a> {
         }
     }
 
-    /// Play Russian roulette with the throughput, as if refraction had not divided it. The survival probability is at most
-    /// `most`.
+    /// Russian roulette by the throughput, without the factor from refraction. The survival probability is at most `most`.
     #[inline(always)]
     fn survives(&mut self, most: f32, u: f32) -> bool {
         let mut survival = 1.0;
@@ -298,7 +297,7 @@ impl<'a> EyeWalk<'a> {
         self.throughput
     }
 
-    /// Number of segments, the next one included. A scattering leaves it as it is where the path passes straight through.
+    /// Number of segments, the next one included. Passing straight through a surface does not change it.
     pub fn segments(&self) -> u32 {
         self.segments
     }

@@ -8,13 +8,13 @@ use crate::geometry::Surface;
 use crate::math::Rgb;
 use crate::sampler::Sampler;
 
-/// Fractions of the throughput that no estimate has accounted for, by the kind of light that the next vertex sends back.
+/// What fraction of each kind of light no estimate has accounted for.
 pub(super) struct Remainder {
-    /// Light that is scattered there by other than delta lobes.
+    /// Light that the next vertex scatters by other than delta lobes.
     pub(super) indirect: Rgb,
-    /// Light that comes over one or more delta lobes, and over nothing else.
+    /// Emitted light that arrives over delta lobes only.
     caustic: Rgb,
-    /// Light that a light source emits there.
+    /// Light that the next vertex emits.
     direct: Rgb,
     /// Set if the last estimate covered light from directly visible surfaces ([`Covers::Visible`]). It then replaces
     /// `indirect` if the next vertex is reached without a delta lobe.
@@ -98,7 +98,7 @@ impl Remainder {
     }
 }
 
-/// Play Russian roulette for a fraction: it is mostly small.
+/// Round a fraction by Russian roulette. Most fractions are small and not worth a path.
 #[inline]
 fn play(fraction: Rgb, sampler: &mut Sampler) -> Rgb {
     if fraction.is_black() || fraction == Rgb::WHITE {

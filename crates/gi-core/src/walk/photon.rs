@@ -41,7 +41,8 @@ pub struct Photon {
     pub n: Vec3,
     /// Unit direction back to where the light came from.
     pub wi: Vec3,
-    /// Power, already divided by all densities and by the number of paths, and corrected for shading normals.
+    /// Power, already divided by all densities and by the number of paths that [`Photon::at`] was given, and corrected for shading
+    /// normals.
     pub power: Rgb,
     /// What the path has met.
     pub kind: PhotonKind,

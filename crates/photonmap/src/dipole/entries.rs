@@ -1,5 +1,4 @@
-//! The photons that entered a body, and what leaves it elsewhere: a sum over all of them, by clusters where they are far
-//! \[Jensen02\].
+//! Photons that entered a body, and the exitance that they cause. Far photons are summed by clusters \[Jensen02\].
 
 use gi_core::math::{Bounds, Rgb};
 use glam::Vec3;
@@ -25,7 +24,7 @@ impl Entry {
     }
 }
 
-/// Diagonal of a cluster's box over its distance, above which it is opened.
+/// A cluster is opened if the diagonal of its box exceeds this fraction of its distance.
 const OPENING: f32 = 0.2;
 
 /// All photons that entered one body.
@@ -77,7 +76,7 @@ impl Entries {
     /// R_d(|x - p|) power.
     pub(super) fn exitance(&self, x: Vec3, dipole: &Dipole, depth: u8) -> Rgb {
         let mut sum = Rgb::BLACK;
-        // No level leaves more than one node behind.
+        // The stack holds at most one node per level.
         let mut stack = [self.heap.root(); 64];
         let mut count = 1;
         while count > 0 {
@@ -113,7 +112,7 @@ impl Cluster {
     fn join(&self, other: &Cluster) -> Cluster {
         let power = self.power + other.power;
         let share = if power.is_black() { 0.5 } else { other.power.mean() / power.mean() };
-        // Nothing is nowhere.
+        // A cluster without power has no mean position.
         let p = if self.bounds.is_empty() { other.p } else { self.p.lerp(other.p, share) };
         let bounds = self.bounds.union(other.bounds);
         let extent_sq = bounds.extent().length_squared();

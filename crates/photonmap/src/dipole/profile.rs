@@ -24,14 +24,14 @@ pub(super) struct Dipole {
 }
 
 impl Dipole {
-    /// Of a medium behind a surface, its index `eta` times that outside.
+    /// The dipole of a medium; `eta` is its index relative to the outside.
     pub(super) fn new(medium: &Medium, eta: f32) -> Self {
         let sigma_s = medium.sigma_s();
         let sigma_a = medium.sigma_t - sigma_s;
-        // Scattering that peaks forward counts as less of even scattering (similarity).
+        // Similarity: forward-peaked scattering acts like less isotropic scattering.
         let scattered = sigma_s * (1.0 - medium.phase.mean_cosine());
         let extinct = sigma_a + scattered;
-        // Where nothing is in the way, nothing is scattered: any depth will do.
+        // Without extinction nothing is scattered; any depth works.
         let z_r = extinct.map(|s| if s > 0.0 { 1.0 / s } else { 1.0 });
         let reflected = internal_reflectance(eta);
         let a = (1.0 + reflected) / (1.0 - reflected);
@@ -44,8 +44,7 @@ impl Dipole {
         }
     }
 
-    /// R_d: power that leaves per area at the squared distance `r_sq` from where a unit of power came in, both along
-    /// the surface; world units.
+    /// R_d: exitance per unit of power, at squared distance `r_sq` from its point of entry (world units).
     #[inline]
     pub(super) fn reflectance(&self, r_sq: f32) -> Rgb {
         let source = |z: f32, sigma: f32| {
@@ -56,8 +55,8 @@ impl Dipole {
         self.share * (self.z_r.zip(self.sigma_tr, source) + self.z_v.zip(self.sigma_tr, source))
     }
 
-    /// Radiance just inside the surface, the same in all directions, where `exitance` leaves it. (Of such light pi L
-    /// arrives at the surface from inside, and the share that is not reflected leaves.)
+    /// Isotropic radiance L just inside the surface that causes `exitance`. Of the irradiance pi L from inside, the part that is not
+    /// reflected leaves.
     #[inline]
     pub(super) fn radiance_inside(&self, exitance: Rgb) -> Rgb {
         exitance / (PI * self.lets_out)
