@@ -193,10 +193,8 @@ impl<'a> Technique<'a> for Ppm<'a> {
     }
 
     fn pictures(&self, _: &Film) -> Vec<Picture> {
-        {
-            let unit = f64::from(self.setting.scene.radius());
-            self.params.show.iter().map(|what| what.draw(&self.pixels, unit)).collect()
-        }
+        let unit = f64::from(self.setting.scene.radius());
+        self.params.show.iter().map(|what| what.draw(&self.pixels, unit)).collect()
     }
 
     fn export(&self, _: &Path) -> Vec<u8> {
