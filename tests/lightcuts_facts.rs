@@ -196,7 +196,7 @@ fn reconstruction_saves_rays_and_leaves_corners_as_light_as_they_are() {
         }
     };
     let world = World::load_with("gallery.xml", [48, 36], &[("lights", "1024")], near);
-    let cut = Limits { max_cut: Some(5000), ..Params::default().cut };
+    let cut = Limits { rule: Rule::Whole, max_cut: Some(5000), ..Params::default().cut };
     let mut params = Params { vpls: 3000, cut, ..Params::default() };
     params.bound.compensation = Compensation::None;
     params.lights.total = 1024;
