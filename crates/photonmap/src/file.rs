@@ -288,7 +288,7 @@ mod tests {
             from_bytes(&other).err().unwrap_or_default()
         };
         assert_eq!(refused(35, &[0x80]), "the file ends too early");
-        assert_eq!(refused(36, &f32::NAN.to_le_bytes()), "a photon is nowhere");
+        assert_eq!(refused(36, &f32::NAN.to_le_bytes()), "the position of a photon is not finite");
         assert_eq!(refused(0, &[]), "");
     }
 }
