@@ -3,11 +3,14 @@
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Arc, Once};
 use std::time::{Duration, Instant};
 
 use gi_core::image_io::{Layers, read_exr};
 use gi_tests::program::Folder;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 /// A program with flags that make its preparation and its passes short.
 pub(crate) struct Program {
@@ -91,6 +94,20 @@ pub(crate) struct Running {
 /// Longer than anything here takes on a busy machine.
 const TOO_LONG: Duration = Duration::from_secs(120);
 
+/// Make sure that children start with the default action of signals. A shell that runs tests in the background, or `nohup`, lets
+/// them ignore signals, and children inherit that. Signals that have a handler are reset in children.
+fn take_signals() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        for signal in [SIGINT, SIGHUP, SIGTERM] {
+            let ends_at_once = Arc::new(AtomicBool::new(true));
+            let status = 128 + signal;
+            signal_hook::flag::register_conditional_shutdown(signal, status, ends_at_once)
+                .expect("a handler");
+        }
+    });
+}
+
 impl Running {
     /// Start a program.
     pub(crate) fn start(program: &str, arguments: &[&str]) -> Self {
@@ -101,6 +118,7 @@ impl Running {
 
     /// Start a command.
     pub(crate) fn start_command(mut command: Command) -> Self {
+        take_signals();
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
         let mut child = command.spawn().expect("it starts");
         let stderr = BufReader::new(child.stderr.take().expect("a pipe"));

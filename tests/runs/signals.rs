@@ -110,7 +110,9 @@ fn while_saving(program: &Program, signal: &str, status: i32) {
     let folder = Folder::make();
     let line = Line::new(&folder);
     let more = ["--size", "320x320", "--spp", "1"];
-    let run = Running::start(program.name, &line.arguments(program, &more));
+    let mut run = Running::start(program.name, &line.arguments(program, &more));
+    // Before, a file of the same name shows for a moment: the check that the picture can be written.
+    run.wait_for("prepared in");
     let is_part_of_picture =
         |name: &String| name.starts_with("out.exr.") && name.ends_with(".part");
     wait_until("it saves", || folder.files().iter().any(is_part_of_picture));

@@ -15,7 +15,7 @@ use crate::checkpoint::{Checkpoint, Identity, Keeper, no_state};
 use crate::preview::Preview;
 use crate::progress::{Part, Passes, Progress};
 use crate::say::say;
-use crate::stop::{self, Phase};
+use crate::stop;
 use crate::{Common, Failure, Program};
 
 /// What a checkpoint must have in common with a run.
@@ -96,12 +96,11 @@ impl<'a> Making<'a> {
             samples: film.size().iter().product::<usize>() as f64,
             spent: self.start.elapsed(),
         };
-        stop::enter(Phase::Passes);
         let _progress = Progress::show(Part::Passes(shown), self.common.quiet);
         while budget.goes_on(self.made.len() as u32, self.start.elapsed())
             && self.made.end < u32::MAX - 1
             && !technique.is_done()
-            && stop::requested().is_none()
+            && (stop::requested().is_none() || self.is_first_pass(film))
         {
             let in_film = film.passes();
             technique.pass(self.made.end, film);
@@ -119,6 +118,12 @@ impl<'a> Making<'a> {
                 }
             }
         }
+    }
+
+    /// Whether no pass is made yet, and none was abandoned. A signal that comes between preparation and the first pass then leaves a
+    /// picture of one pass.
+    fn is_first_pass(&self, film: &Film) -> bool {
+        film.passes() == 0 && !gi_core::progress::is_abandoned()
     }
 
     /// Write a checkpoint if one is due. On failure, warn and retry after the same interval.

@@ -115,6 +115,7 @@ fn render<P: Program>(
     let mut technique = P::Technique::prepare(setting, params).map_err(input_error)?;
     drop(progress);
     about.prepare = clock.elapsed();
+    stop::enter(Phase::Passes);
     if !common.quiet {
         say(format!("prepared in {}", span(about.prepare)));
     }
