@@ -176,7 +176,7 @@ fn the_film_holds_what_the_statistics_say() {
     let world = sphere_world();
     let params = Params { trace_pixels: vec![[5, 6]], ..with(Method::Ppm, 900) };
     let (technique, film) = world.run::<Ppm>(&params, 9, 1, Show::All);
-    let csv = technique.traces_csv();
+    let csv = String::from_utf8(technique.traces_csv()).expect("a text");
     let last: Vec<f64> = csv
         .lines()
         .last()

@@ -1,4 +1,4 @@
-//! Read and write numbers as little-endian bytes, for checkpoints and for files of caches and photon maps.
+//! Read and write numbers as bytes: checkpoints, caches, photon maps, mesh files. Written bytes are little-endian.
 
 use glam::Vec3;
 
@@ -9,6 +9,21 @@ use crate::math::Rgb;
 pub struct Writer(Vec<u8>);
 
 impl Writer {
+    /// Bytes as they are.
+    pub fn raw(&mut self, v: &[u8]) {
+        self.0.extend(v);
+    }
+
+    /// A byte.
+    pub fn u8(&mut self, v: u8) {
+        self.0.push(v);
+    }
+
+    /// A 16-bit integer.
+    pub fn u16(&mut self, v: u16) {
+        self.0.extend(v.to_le_bytes());
+    }
+
     /// A 32-bit integer.
     pub fn u32(&mut self, v: u32) {
         self.0.extend(v.to_le_bytes());
@@ -34,14 +49,19 @@ impl Writer {
         values.iter().for_each(|v| self.f64(*v));
     }
 
+    /// Several floats.
+    pub fn f32s(&mut self, values: &[f32]) {
+        values.iter().for_each(|v| self.f32(*v));
+    }
+
     /// Three floats.
     pub fn vec3(&mut self, v: Vec3) {
-        v.to_array().into_iter().for_each(|x| self.f32(x));
+        self.f32s(&v.to_array());
     }
 
     /// Three floats.
     pub fn rgb(&mut self, v: Rgb) {
-        v.to_array().into_iter().for_each(|x| self.f32(x));
+        self.f32s(&v.to_array());
     }
 
     /// Bytes, preceded by their number.
@@ -55,56 +75,95 @@ impl Writer {
         self.bytes(v.as_bytes());
     }
 
+    /// A table: the number of rows, then the floats of each row from `put`. All rows have the same number of floats.
+    pub fn table<R>(&mut self, rows: &[R], put: impl Fn(&R, &mut Vec<f32>)) {
+        self.u64(rows.len() as u64);
+        let mut floats = Vec::new();
+        for row in rows {
+            floats.clear();
+            put(row, &mut floats);
+            self.f32s(&floats);
+        }
+    }
+
+    /// The bytes that were written.
+    pub fn written(&self) -> &[u8] {
+        &self.0
+    }
+
     /// The bytes.
     pub fn into_bytes(self) -> Vec<u8> {
         self.0
     }
 }
 
-/// Bytes that are being read. Every method fails if they end too early.
+/// The error of bytes that end too early.
+pub const TOO_SHORT: &str = "it ends too early";
+
+/// Bytes that are being read, from the front. Every method fails with [`TOO_SHORT`] if they end too early.
 #[derive(Clone, Copy, Debug)]
-pub struct Reader<'a>(&'a [u8]);
+pub struct Reader<'a> {
+    rest: &'a [u8],
+    big_endian: bool,
+}
+
+/// Methods that read one number each.
+macro_rules! numbers {
+    ($($name:ident),*) => {$(
+        /// The next number of this type.
+        pub fn $name(&mut self) -> Result<$name, String> {
+            let bytes = self.array()?;
+            Ok(if self.big_endian { $name::from_be_bytes(bytes) } else { $name::from_le_bytes(bytes) })
+        }
+    )*};
+}
 
 impl<'a> Reader<'a> {
-    /// Read `bytes` from the start.
+    /// Read little-endian numbers.
     pub fn new(bytes: &'a [u8]) -> Self {
-        Reader(bytes)
+        Reader { rest: bytes, big_endian: false }
+    }
+
+    /// Read big-endian numbers.
+    pub fn big_endian(bytes: &'a [u8]) -> Self {
+        Reader { rest: bytes, big_endian: true }
+    }
+
+    /// Number of bytes that are left.
+    pub fn len(&self) -> usize {
+        self.rest.len()
+    }
+
+    /// Whether all bytes are read.
+    pub fn is_empty(&self) -> bool {
+        self.rest.is_empty()
     }
 
     /// The next `n` bytes.
     ///
     /// # Errors
-    /// The bytes end too early; so do all methods.
+    /// The bytes end too early. All methods return this error.
     pub fn take(&mut self, n: usize) -> Result<&'a [u8], String> {
-        let (first, rest) = self.0.split_at_checked(n).ok_or_else(cut_short)?;
-        self.0 = rest;
+        let (first, rest) = self.rest.split_at_checked(n).ok_or(TOO_SHORT)?;
+        self.rest = rest;
         Ok(first)
     }
 
     fn array<const N: usize>(&mut self) -> Result<[u8; N], String> {
-        let (first, rest) = self.0.split_first_chunk().ok_or_else(cut_short)?;
-        self.0 = rest;
+        let (first, rest) = self.rest.split_first_chunk().ok_or(TOO_SHORT)?;
+        self.rest = rest;
         Ok(*first)
     }
 
-    /// See [`Writer::u32`].
-    pub fn u32(&mut self) -> Result<u32, String> {
-        Ok(u32::from_le_bytes(self.array()?))
-    }
+    numbers!(u8, i8, u16, i16, u32, i32, u64, f32, f64);
 
-    /// See [`Writer::u64`].
-    pub fn u64(&mut self) -> Result<u64, String> {
-        Ok(u64::from_le_bytes(self.array()?))
-    }
-
-    /// See [`Writer::f32`].
-    pub fn f32(&mut self) -> Result<f32, String> {
-        Ok(f32::from_bits(self.u32()?))
-    }
-
-    /// See [`Writer::f64`].
-    pub fn f64(&mut self) -> Result<f64, String> {
-        Ok(f64::from_bits(self.u64()?))
+    /// Several floats.
+    pub fn f32s<const N: usize>(&mut self) -> Result<[f32; N], String> {
+        let mut values = [0.0; N];
+        for v in &mut values {
+            *v = self.f32()?;
+        }
+        Ok(values)
     }
 
     /// See [`Writer::f64s`].
@@ -118,18 +177,19 @@ impl<'a> Reader<'a> {
 
     /// See [`Writer::vec3`].
     pub fn vec3(&mut self) -> Result<Vec3, String> {
-        Ok(Vec3::new(self.f32()?, self.f32()?, self.f32()?))
+        Ok(Vec3::from(self.f32s()?))
     }
 
     /// See [`Writer::rgb`].
     pub fn rgb(&mut self) -> Result<Rgb, String> {
-        Ok(Rgb::new(self.f32()?, self.f32()?, self.f32()?))
+        let [r, g, b] = self.f32s()?;
+        Ok(Rgb::new(r, g, b))
     }
 
     /// See [`Writer::bytes`].
     pub fn bytes(&mut self) -> Result<&'a [u8], String> {
-        let n = usize::try_from(self.u64()?).map_err(|_| cut_short())?;
-        self.take(n)
+        let n = self.u64()?;
+        self.take(usize::try_from(n).map_err(|_| TOO_SHORT)?)
     }
 
     /// See [`Writer::text`].
@@ -137,14 +197,31 @@ impl<'a> Reader<'a> {
         std::str::from_utf8(self.bytes()?).map_err(|_| "a text in it is not UTF-8".into())
     }
 
+    /// The bytes of `count` records of `size` bytes each.
+    pub fn records(&mut self, count: u64, size: usize) -> Result<&'a [u8], String> {
+        let bytes = usize::try_from(count).ok().and_then(|n| n.checked_mul(size));
+        self.take(bytes.ok_or(TOO_SHORT)?)
+    }
+
+    /// See [`Writer::table`]; `row` converts `width` floats to a row.
+    pub fn table<R>(&mut self, width: usize, row: impl Fn(&[f32]) -> R) -> Result<Vec<R>, String> {
+        let count = self.u64()?;
+        let mut records = Reader { rest: self.records(count, 4 * width)?, ..*self };
+        let mut floats = vec![0.0; width];
+        let mut rows = Vec::with_capacity(count as usize);
+        for _ in 0..count {
+            for f in &mut floats {
+                *f = records.f32()?;
+            }
+            rows.push(row(&floats));
+        }
+        Ok(rows)
+    }
+
     /// Check that all bytes are read.
     pub fn end(self) -> Result<(), String> {
-        if self.0.is_empty() { Ok(()) } else { Err("it is longer than it should be".into()) }
+        if self.is_empty() { Ok(()) } else { Err("it is longer than it should be".into()) }
     }
-}
-
-fn cut_short() -> String {
-    "it is cut short".into()
 }
 
 #[cfg(test)]

@@ -31,6 +31,7 @@ pub mod math;
 pub mod medium;
 pub mod nee;
 pub mod options;
+pub mod points;
 pub mod progress;
 pub mod rng;
 pub mod sampler;

@@ -9,7 +9,6 @@
 mod assets;
 mod build;
 mod builder;
-mod bytes;
 mod diagnostics;
 mod document;
 mod emitters;

@@ -1,7 +1,8 @@
 //! The cache as a file: its records, level by level.
 
+use gi_core::bytes::{Reader, Writer};
 use lightcache::Cache;
-use lightcache::file::{Body, Reader, Writer};
+use lightcache::file::Body;
 use lightcache::record::Record;
 
 use crate::params::Params;

@@ -5,6 +5,7 @@ use std::path::Path;
 use glam::Vec3;
 
 use gi_core::files::is_table;
+use gi_core::points::{Ply, csv, row};
 
 use crate::record::Record;
 
@@ -14,46 +15,45 @@ pub fn to_file<'r>(
     records: impl Iterator<Item = &'r Record>,
     origin: Vec3,
 ) -> Vec<u8> {
-    if is_table(path) { to_csv(records, origin).into_bytes() } else { to_ply(records, origin) }
+    if is_table(path) { to_csv(records, origin) } else { to_ply(records, origin) }
 }
 
 /// Records as a table: position, normal, irradiance, radii, and the translational gradient averaged over channels. `origin` is
 /// the origin of the scene.
-pub fn to_csv<'r>(records: impl Iterator<Item = &'r Record>, origin: Vec3) -> String {
-    let mut out =
-        String::from("x,y,z,nx,ny,nz,e_r,e_g,e_b,radius_u,radius_v,clear,grad_x,grad_y,grad_z\n");
-    for r in records {
+pub fn to_csv<'r>(records: impl Iterator<Item = &'r Record>, origin: Vec3) -> Vec<u8> {
+    let columns = "x,y,z,nx,ny,nz,e_r,e_g,e_b,radius_u,radius_v,clear,grad_x,grad_y,grad_z";
+    let line = |r: &Record| {
         let g = r.translational.0.iter().sum::<Vec3>() / 3.0;
-        let numbers =
-            [(r.site.p + origin).to_array(), r.site.n.to_array(), r.e.to_array()].concat();
         let more = [r.site.radii[0], r.site.radii[1], r.site.clear, g.x, g.y, g.z];
-        let row: Vec<String> = numbers.iter().chain(&more).map(f32::to_string).collect();
-        out += &row.join(",");
-        out.push('\n');
-    }
-    out
+        row(floats(r, origin).into_iter().flatten().chain(more))
+    };
+    csv(columns, records.map(line))
+}
+
+/// Position, normal and irradiance.
+fn floats(r: &Record, origin: Vec3) -> [[f32; 3]; 3] {
+    [(r.site.p + origin).to_array(), r.site.n.to_array(), r.e.to_array()]
 }
 
 /// Records as a point cloud: position, normal, irradiance, radius, and a colour (irradiance relative to the largest). `origin` is
 /// the origin of the scene.
 pub fn to_ply<'r>(records: impl Iterator<Item = &'r Record>, origin: Vec3) -> Vec<u8> {
     let records: Vec<&Record> = records.collect();
-    let properties = ["x", "y", "z", "nx", "ny", "nz", "e_r", "e_g", "e_b", "radius"];
-    let mut out =
-        format!("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", records.len());
-    properties.iter().for_each(|p| out += &format!("property float {p}\n"));
-    ["red", "green", "blue"].iter().for_each(|p| out += &format!("property uchar {p}\n"));
-    out += "end_header\n";
-    let mut out = out.into_bytes();
+    let properties = [
+        ["float x", "float y", "float z", "float nx", "float ny", "float nz"].as_slice(),
+        &["float e_r", "float e_g", "float e_b", "float radius"],
+        &["uchar red", "uchar green", "uchar blue"],
+    ];
+    let mut ply = Ply::default();
+    ply.element("vertex", records.len(), &properties.concat());
     let brightest = records.iter().map(|r| r.e.max()).fold(f32::MIN_POSITIVE, f32::max);
     for r in &records {
-        let numbers =
-            [(r.site.p + origin).to_array(), r.site.n.to_array(), r.e.to_array()].concat();
-        numbers.iter().chain([&r.site.reach()]).for_each(|f| out.extend(f.to_le_bytes()));
+        floats(r, origin).iter().for_each(|v| ply.body.f32s(v));
+        ply.body.f32(r.site.reach());
         let byte = |c: f32| ((c / brightest).powf(1.0 / 2.2) * 255.0 + 0.5) as u8;
-        out.extend(r.e.to_array().map(byte));
+        ply.body.raw(&r.e.to_array().map(byte));
     }
-    out
+    ply.into_bytes()
 }
 
 #[cfg(test)]
@@ -64,7 +64,8 @@ mod tests {
     fn exports_have_a_row_a_record() {
         let floats: Vec<f32> = (0..Record::FLOATS).map(|k| k as f32 * 0.25).collect();
         let records = [Record::from_floats(&floats); 5];
-        assert_eq!(to_csv(records.iter(), Vec3::ZERO).lines().count(), 6);
+        let table = String::from_utf8(to_csv(records.iter(), Vec3::ZERO)).expect("a text");
+        assert_eq!(table.lines().count(), 6);
         let ply = to_ply(records.iter(), Vec3::ZERO);
         let header = b"end_header\n";
         let at = ply.windows(header.len()).position(|w| w == header).expect("a header");

@@ -3,6 +3,8 @@
 
 use std::path::Path;
 
+use gi_core::bytes::{Reader, TOO_SHORT, Writer};
+
 /// The part of a cache file that is specific to a technique.
 pub trait Body: Sized {
     /// First bytes of the file.
@@ -36,15 +38,15 @@ pub struct SavedCache<B> {
 impl<B: Body> SavedCache<B> {
     /// The bytes of the file: little-endian, with a checksum at the end.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let mut out = Writer(B::MAGIC.to_vec());
+        let mut out = Writer::default();
+        out.raw(B::MAGIC);
         out.u32(B::VERSION);
         out.u64(self.world);
         out.u32(self.settings.len() as u32);
-        out.0.extend(self.settings.as_bytes());
+        out.raw(self.settings.as_bytes());
         self.body.write(&mut out);
-        let sum = checksum(&out.0);
-        out.u64(sum);
-        out.0
+        out.u64(checksum(out.written()));
+        out.into_bytes()
     }
 
     /// Read the file that the user named.
@@ -61,7 +63,7 @@ impl<B: Body> SavedCache<B> {
     /// # Errors
     /// One line with the cause: not a cache, another version, damaged.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
-        let mut r = Reader { bytes };
+        let mut r = Reader::new(bytes);
         if r.take(B::MAGIC.len())? != B::MAGIC {
             return Err(format!("it is not {}", B::WHAT));
         }
@@ -72,8 +74,8 @@ impl<B: Body> SavedCache<B> {
                 B::VERSION
             ));
         }
-        let body = bytes.len().checked_sub(8).ok_or_else(cut_off)?;
-        if checksum(&bytes[..body]).to_le_bytes() != bytes[body..] {
+        let (summed, sum) = bytes.split_last_chunk().ok_or(TOO_SHORT)?;
+        if checksum(summed).to_le_bytes() != *sum {
             return Err("it is damaged: its checksum is wrong".into());
         }
         let world = r.u64()?;
@@ -100,78 +102,6 @@ impl<B: Body> SavedCache<B> {
             ));
         }
         Ok(())
-    }
-}
-
-fn cut_off() -> String {
-    "it is damaged: it ends too early".to_string()
-}
-
-/// A file being written.
-pub struct Writer(Vec<u8>);
-
-impl Writer {
-    /// A whole number of 32 bits.
-    pub fn u32(&mut self, v: u32) {
-        self.0.extend(v.to_le_bytes());
-    }
-
-    /// A whole number of 64 bits.
-    pub fn u64(&mut self, v: u64) {
-        self.0.extend(v.to_le_bytes());
-    }
-
-    /// A table: the number of rows, then the floats of each row from `put`. All rows have the same number of floats.
-    pub fn table<R>(&mut self, rows: &[R], put: impl Fn(&R, &mut Vec<f32>)) {
-        self.u64(rows.len() as u64);
-        let mut floats = Vec::new();
-        for row in rows {
-            floats.clear();
-            put(row, &mut floats);
-            floats.iter().for_each(|f| self.0.extend(f.to_le_bytes()));
-        }
-    }
-}
-
-/// A file being read.
-pub struct Reader<'a> {
-    bytes: &'a [u8],
-}
-
-impl<'a> Reader<'a> {
-    fn take(&mut self, n: usize) -> Result<&'a [u8], String> {
-        let (taken, rest) = self.bytes.split_at_checked(n).ok_or_else(cut_off)?;
-        self.bytes = rest;
-        Ok(taken)
-    }
-
-    /// See [`Writer::u32`].
-    ///
-    /// # Errors
-    /// The file ends too early. All methods return this error.
-    pub fn u32(&mut self) -> Result<u32, String> {
-        Ok(u32::from_le_bytes(self.take(4)?.try_into().expect("four bytes")))
-    }
-
-    /// See [`Writer::u64`].
-    pub fn u64(&mut self) -> Result<u64, String> {
-        Ok(u64::from_le_bytes(self.take(8)?.try_into().expect("eight bytes")))
-    }
-
-    /// See [`Writer::table`]; `row` converts `width` floats to a row.
-    pub fn table<R>(&mut self, width: usize, row: impl Fn(&[f32]) -> R) -> Result<Vec<R>, String> {
-        let count = usize::try_from(self.u64()?).map_err(|_| cut_off())?;
-        let size = width.checked_mul(4).and_then(|w| count.checked_mul(w)).ok_or_else(cut_off)?;
-        let bytes = self.take(size)?;
-        let mut floats = vec![0.0; width];
-        let mut rows = Vec::with_capacity(count);
-        for run in bytes.chunks_exact(4 * width) {
-            for (f, b) in floats.iter_mut().zip(run.chunks_exact(4)) {
-                *f = f32::from_le_bytes(b.try_into().expect("four bytes"));
-            }
-            rows.push(row(&floats));
-        }
-        Ok(rows)
     }
 }
 

@@ -1,7 +1,6 @@
 //! Export photons as tables and point clouds.
 
-use std::fmt::Write;
-
+use gi_core::points::{Ply, csv, row};
 use glam::Vec3;
 
 use crate::map::PhotonMap;
@@ -58,24 +57,25 @@ pub(crate) fn to_csv(
     volume: Option<&VolumeMaps>,
     origin: Vec3,
 ) -> Vec<u8> {
-    let mut out = "map,kind,x,y,z,red,green,blue,dx,dy,dz,nx,ny,nz,medium\n".to_string();
-    for Exported { photon, map } in all(maps, volume, origin) {
+    let line = |Exported { photon, map }| {
         let (c, d, n) =
             (photon.payload.power.to_rgb(), photon.payload.direction(), photon.payload.normal());
-        let (kind, [x, y, z]) = (kind_name(photon.payload.kind()), photon.position);
-        let normal = || format!("{},{},{},", n.x, n.y, n.z);
         let (name, place) = match map {
-            Map::Global => ("global", normal()),
-            Map::Caustic => ("caustic", normal()),
+            Map::Global => ("global", row(n.to_array()) + ","),
+            Map::Caustic => ("caustic", row(n.to_array()) + ","),
             Map::Volume(medium) => ("volume", format!(",,,{medium}")),
         };
-        let _ = writeln!(
-            out,
-            "{name},{kind},{x},{y},{z},{:e},{:e},{:e},{},{},{},{place}",
-            c.r, c.g, c.b, d.x, d.y, d.z
-        ); // a String takes everything
-    }
-    out.into_bytes()
+        let (kind, position) = (kind_name(photon.payload.kind()), row(photon.position));
+        format!(
+            "{name},{kind},{position},{:e},{:e},{:e},{},{place}",
+            c.r,
+            c.g,
+            c.b,
+            row(d.to_array())
+        )
+    };
+    let columns = "map,kind,x,y,z,red,green,blue,dx,dy,dz,nx,ny,nz,medium";
+    csv(columns, all(maps, volume, origin).map(line))
 }
 
 /// Photons as the points of a binary PLY: position, direction back to the light (`nx ny nz`), power, `type` and `medium`. `type` is
@@ -86,29 +86,24 @@ pub(crate) fn to_ply(
     volume: Option<&VolumeMaps>,
     origin: Vec3,
 ) -> Vec<u8> {
-    let (mut points, mut count) = (Vec::new(), 0);
+    let properties = [
+        ["float x", "float y", "float z", "float nx", "float ny", "float nz"].as_slice(),
+        &["float red", "float green", "float blue", "uchar type", "int medium"],
+    ];
+    let mut ply = Ply::default();
+    ply.element("vertex", all(maps, volume, origin).count(), &properties.concat());
     for Exported { photon, map } in all(maps, volume, origin) {
-        let (power, d) = (photon.payload.power.to_rgb().to_array(), photon.payload.direction());
-        for x in photon.position.into_iter().chain(d.to_array()).chain(power) {
-            points.extend(x.to_le_bytes());
-        }
+        ply.body.f32s(&photon.position);
+        ply.body.vec3(photon.payload.direction());
+        ply.body.rgb(photon.payload.power.to_rgb());
         let kind = photon.payload.kind() as u8;
         let (kind, medium) = match map {
             Map::Global => (kind, -1),
             Map::Caustic => (3, -1),
             Map::Volume(medium) => (3 + kind, medium as i32),
         };
-        points.push(kind);
-        points.extend(medium.to_le_bytes());
-        count += 1;
+        ply.body.u8(kind);
+        ply.body.raw(&medium.to_le_bytes());
     }
-    let floats = ["x", "y", "z", "nx", "ny", "nz", "red", "green", "blue"];
-    let properties: String = floats.iter().map(|f| format!("property float {f}\n")).collect();
-    let mut out = format!(
-        "ply\nformat binary_little_endian 1.0\nelement vertex {count}\n{properties}\
-         property uchar type\nproperty int medium\nend_header\n"
-    )
-    .into_bytes();
-    out.extend(points);
-    out
+    ply.into_bytes()
 }

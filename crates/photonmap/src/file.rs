@@ -12,7 +12,7 @@
 //!
 //! Photons are in the order of their trees.
 
-use gi_core::bytes::Reader;
+use gi_core::bytes::{Reader, TOO_SHORT, Writer};
 use gi_core::rng::hash_words;
 use gi_core::technique::Setting;
 
@@ -94,30 +94,31 @@ pub(crate) fn to_bytes(
     [global, caustic]: [Option<&PhotonMap>; 2],
     (volume, subsurface): (Option<&VolumeMaps>, Subsurface),
 ) -> Vec<u8> {
-    let mut out = MAGIC.to_vec();
-    out.extend(world.to_le_bytes());
+    let mut out = Writer::default();
+    out.raw(MAGIC);
+    out.u64(world);
     let flag = |is_there: bool, flag: u32| if is_there { flag } else { 0 };
     let maps = flag(caustic.is_some(), CAUSTIC)
         | flag(volume.is_some(), VOLUME)
         | flag(subsurface == Subsurface::Dipole, DIPOLE);
-    out.extend(maps.to_le_bytes());
-    out.extend(max_depth.to_le_bytes());
-    out.extend(u32::from(layout == Layout::Fast).to_le_bytes());
+    out.u32(maps);
+    out.u32(max_depth);
+    out.u32(u32::from(layout == Layout::Fast));
     for map in [global, caustic].into_iter().flatten() {
-        out.extend(map.emitted.to_le_bytes());
+        out.u64(map.emitted);
         write_photons(&mut out, map.len(), map.photons());
     }
     if let Some(volume) = volume {
-        out.extend(volume.emitted.to_le_bytes());
-        out.extend(volume.kept.to_le_bytes());
-        out.extend((volume.photons().count() as u32).to_le_bytes());
+        out.u64(volume.emitted);
+        out.f32(volume.kept);
+        out.u32(volume.photons().count() as u32);
         for photons in volume.photons() {
             let stored = |p: &VolumePhoton| Stored { photon: p.photon, depth: p.depth };
             write_photons(&mut out, photons.len(), photons.iter().map(stored));
         }
     }
-    out.extend(checksum(&out).to_le_bytes());
-    out
+    out.u32(checksum(out.written()));
+    out.into_bytes()
 }
 
 /// A checksum.
@@ -129,14 +130,14 @@ fn checksum(bytes: &[u8]) -> u32 {
     })
 }
 
-fn write_photons(out: &mut Vec<u8>, count: usize, photons: impl Iterator<Item = Stored>) {
-    out.extend((count as u64).to_le_bytes());
+fn write_photons(out: &mut Writer, count: usize, photons: impl Iterator<Item = Stored>) {
+    out.u64(count as u64);
     for Stored { photon: Photon { position, payload }, depth } in photons {
-        out.extend(position.iter().flat_map(|x| x.to_le_bytes()));
-        out.extend(payload.power.to_bytes());
-        out.extend([payload.phi, payload.theta]);
-        out.extend(payload.flags.to_le_bytes());
-        out.push(depth);
+        out.f32s(&position);
+        out.raw(&payload.power.to_bytes());
+        out.raw(&[payload.phi, payload.theta]);
+        out.u16(payload.flags);
+        out.u8(depth);
     }
 }
 
@@ -146,7 +147,7 @@ fn write_photons(out: &mut Vec<u8>, count: usize, photons: impl Iterator<Item = 
 /// What is wrong with the file.
 pub(crate) fn from_bytes(bytes: &[u8]) -> Result<Saved, String> {
     let rest = bytes.strip_prefix(MAGIC).ok_or("it is not a file of photons of this version")?;
-    let (_, end) = rest.split_last_chunk().ok_or("the file ends too early")?;
+    let (_, end) = rest.split_last_chunk().ok_or(TOO_SHORT)?;
     if checksum(&bytes[..bytes.len() - end.len()]) != u32::from_le_bytes(*end) {
         return Err("the file is damaged: its checksum is wrong".into());
     }
@@ -178,9 +179,7 @@ fn read_volume(input: &mut Reader) -> Result<VolumeShot, String> {
 
 fn read_photons(input: &mut Reader) -> Result<Vec<Stored>, String> {
     let count = input.u64()?;
-    // Check the count against the size of the file before memory is reserved.
-    let size = usize::try_from(count).ok().and_then(|n| n.checked_mul(RECORD));
-    let records = input.take(size.ok_or("the file ends too early")?)?;
+    let records = input.records(count, RECORD)?;
     let photons: Vec<Stored> = records.chunks_exact(RECORD).map(stored).collect();
     if photons.iter().any(|s| !s.photon.p().is_finite()) {
         return Err("the position of a photon is not finite".into());
@@ -287,7 +286,7 @@ mod tests {
             other.extend(checksum(&other).to_le_bytes());
             from_bytes(&other).err().unwrap_or_default()
         };
-        assert_eq!(refused(35, &[0x80]), "the file ends too early");
+        assert_eq!(refused(35, &[0x80]), "it ends too early");
         assert_eq!(refused(36, &f32::NAN.to_le_bytes()), "the position of a photon is not finite");
         assert_eq!(refused(0, &[]), "");
     }

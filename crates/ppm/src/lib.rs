@@ -198,7 +198,7 @@ impl<'a> Technique<'a> for Ppm<'a> {
     }
 
     fn export(&self, _: &Path) -> Vec<u8> {
-        self.traces_csv().into_bytes()
+        self.traces_csv()
     }
 }
 
@@ -237,7 +237,7 @@ fn trace(setting: &Setting, params: &Params, emission: &Emission, pass: u32) -> 
 
 impl Ppm<'_> {
     /// The traced pixels as CSV: one line per pixel and pass.
-    pub fn traces_csv(&self) -> String {
+    pub fn traces_csv(&self) -> Vec<u8> {
         shows::to_csv(&self.traces)
     }
 

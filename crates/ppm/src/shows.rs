@@ -2,6 +2,7 @@
 
 use gi_core::canvas::viridis;
 use gi_core::film::PerPixel;
+use gi_core::points::csv;
 use gi_core::technique::Picture;
 
 use crate::params::Shown;
@@ -48,15 +49,13 @@ impl Trace {
 }
 
 /// The traced pixels as CSV: one line per pixel and pass.
-pub(crate) fn to_csv(traces: &[Trace]) -> String {
-    let mut text = String::from("x,y,pass,radius,N,M,L_r,L_g,L_b\n");
-    for Trace { at: [x, y], rows } in traces {
-        for row in rows {
-            let Row { pass, radius, photons, found, radiance: [r, g, b] } = row;
-            text += &format!("{x},{y},{pass},{radius:e},{photons},{found},{r:e},{g:e},{b:e}\n");
-        }
-    }
-    text
+pub(crate) fn to_csv(traces: &[Trace]) -> Vec<u8> {
+    let line = |[x, y]: [usize; 2], row: &Row| {
+        let Row { pass, radius, photons, found, radiance: [r, g, b] } = row;
+        format!("{x},{y},{pass},{radius:e},{photons},{found},{r:e},{g:e},{b:e}")
+    };
+    let lines = traces.iter().flat_map(|t| t.rows.iter().map(move |row| line(t.at, row)));
+    csv("x,y,pass,radius,N,M,L_r,L_g,L_b", lines)
 }
 
 impl Shown {

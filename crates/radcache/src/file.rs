@@ -1,7 +1,8 @@
 //! The caches as a file: the records of both.
 
+use gi_core::bytes::{Reader, Writer};
 use glam::Vec3A;
-use lightcache::file::{Body, Reader, Writer};
+use lightcache::file::Body;
 use lightcache::record::Record;
 
 use crate::caches::Caches;

@@ -3,36 +3,34 @@
 use std::path::Path;
 
 use gi_core::files::is_table;
+use gi_core::points::{Ply, csv, row};
 use glam::Vec3;
 
 use crate::light::{Kind, Vpl};
 
 /// Lights as a table if the file name ends in `.csv`, else as a point cloud. `origin` is the origin of the scene.
 pub fn to_file(path: &Path, vpls: &[Vpl], origin: Vec3) -> Vec<u8> {
-    if is_table(path) { to_csv(vpls, origin).into_bytes() } else { to_ply(vpls, origin) }
+    if is_table(path) { to_csv(vpls, origin) } else { to_ply(vpls, origin) }
 }
 
 /// Lights as a point cloud: position, normal, power, depth. `origin` is the origin of the scene.
 pub fn to_ply(vpls: &[Vpl], origin: Vec3) -> Vec<u8> {
-    let floats = ["x", "y", "z", "nx", "ny", "nz", "power_r", "power_g", "power_b"];
-    let mut out = format!("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", vpls.len());
-    floats.iter().for_each(|p| out += &format!("property float {p}\n"));
-    out += "property uint depth\nend_header\n";
-    let mut out = out.into_bytes();
+    let properties = [
+        ["float x", "float y", "float z", "float nx", "float ny", "float nz"].as_slice(),
+        &["float power_r", "float power_g", "float power_b", "uint depth"],
+    ];
+    let mut ply = Ply::default();
+    ply.element("vertex", vpls.len(), &properties.concat());
     for v in vpls {
-        let numbers = [(v.p + origin).to_array(), v.n.to_array(), v.power.to_array()].concat();
-        numbers.iter().for_each(|f| out.extend(f.to_le_bytes()));
-        out.extend(v.depth.to_le_bytes());
+        floats(v, origin).iter().for_each(|v| ply.body.f32s(v));
+        ply.body.u32(v.depth);
     }
-    out
+    ply.into_bytes()
 }
 
 /// Lights as a table. `origin` is the origin of the scene.
-pub fn to_csv(vpls: &[Vpl], origin: Vec3) -> String {
-    let mut out = String::from("x,y,z,nx,ny,nz,power_r,power_g,power_b,depth,kind\n");
-    for v in vpls {
-        let numbers = [(v.p + origin).to_array(), v.n.to_array(), v.power.to_array()].concat();
-        let row: Vec<String> = numbers.iter().map(f32::to_string).collect();
+pub fn to_csv(vpls: &[Vpl], origin: Vec3) -> Vec<u8> {
+    let line = |v: &Vpl| {
         let kind = match v.kind {
             Kind::Oriented => "oriented",
             Kind::Omni => "omni",
@@ -40,7 +38,12 @@ pub fn to_csv(vpls: &[Vpl], origin: Vec3) -> String {
             Kind::Directional => "directional",
             Kind::Glossy(_) => "glossy",
         };
-        out += &format!("{},{},{kind}\n", row.join(","), v.depth);
-    }
-    out
+        format!("{},{},{kind}", row(floats(v, origin).into_iter().flatten()), v.depth)
+    };
+    csv("x,y,z,nx,ny,nz,power_r,power_g,power_b,depth,kind", vpls.iter().map(line))
+}
+
+/// Position, normal and power.
+fn floats(v: &Vpl, origin: Vec3) -> [[f32; 3]; 3] {
+    [(v.p + origin).to_array(), v.n.to_array(), v.power.to_array()]
 }

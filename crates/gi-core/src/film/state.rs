@@ -85,7 +85,7 @@ mod tests {
             }
             let mut other = Film::new([7, 19], filter, Show::All);
             assert!(other.restore(&state).unwrap_err().contains("19 x 7"));
-            assert!(new().restore(&state[..state.len() - 1]).unwrap_err().contains("cut short"));
+            assert!(new().restore(&state[..state.len() - 1]).unwrap_err().contains("too early"));
         }
     }
 }

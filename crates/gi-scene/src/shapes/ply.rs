@@ -1,9 +1,9 @@
 //! Stanford PLY: text and both binary orders.
 
+use gi_core::bytes::{Reader, TOO_SHORT};
 use gi_core::geometry::Mesh;
+use gi_core::points::Ply;
 use glam::{Vec2, Vec3};
-
-use crate::bytes::{Bytes, TRUNCATED};
 
 /// A header is not longer than this.
 const MAX_HEADER: usize = 1 << 16;
@@ -133,7 +133,7 @@ impl Header {
 /// Numbers, one after the other.
 enum Source<'a> {
     Text(std::str::SplitAsciiWhitespace<'a>, usize),
-    Binary(Bytes<'a>),
+    Binary(Reader<'a>),
 }
 
 impl<'a> Source<'a> {
@@ -143,14 +143,15 @@ impl<'a> Source<'a> {
                 let text = std::str::from_utf8(body).map_err(|_| "it is not text")?;
                 Source::Text(text.split_ascii_whitespace(), body.len())
             }
-            format => Source::Binary(Bytes::new(body, format == Format::Big)),
+            Format::Little => Source::Binary(Reader::new(body)),
+            Format::Big => Source::Binary(Reader::big_endian(body)),
         })
     }
 
     fn next(&mut self, kind: Kind) -> Result<f64, String> {
         match self {
             Source::Text(words, _) => {
-                let word = words.next().ok_or(TRUNCATED)?;
+                let word = words.next().ok_or(TOO_SHORT)?;
                 word.parse().map_err(|_| format!("`{word}` is not a number"))
             }
             Source::Binary(bytes) => Ok(match kind {
@@ -285,36 +286,30 @@ fn skip(e: &Element, source: &mut Source<'_>) -> Result<(), String> {
 
 /// Write a mesh as little-endian PLY.
 pub(crate) fn write(mesh: &Mesh) -> Vec<u8> {
-    let mut header = String::from("ply\nformat binary_little_endian 1.0\n");
-    header += &format!("element vertex {}\n", mesh.positions.len());
-    let floats = |names: &[&str]| -> String {
-        names.iter().map(|n| format!("property float {n}\n")).collect()
-    };
-    header += &floats(&["x", "y", "z"]);
+    let mut properties = vec!["float x", "float y", "float z"];
     if !mesh.normals.is_empty() {
-        header += &floats(&["nx", "ny", "nz"]);
+        properties.extend(["float nx", "float ny", "float nz"]);
     }
     if !mesh.uvs.is_empty() {
-        header += &floats(&["u", "v"]);
+        properties.extend(["float u", "float v"]);
     }
-    header += &format!("element face {}\n", mesh.triangles.len());
-    header += "property list uchar int vertex_indices\nend_header\n";
-    let mut out = header.into_bytes();
-    let mut put = |x: f32| out.extend(x.to_le_bytes());
+    let mut ply = Ply::default();
+    ply.element("vertex", mesh.positions.len(), &properties);
+    ply.element("face", mesh.triangles.len(), &["list uchar int vertex_indices"]);
     for (i, p) in mesh.positions.iter().enumerate() {
-        p.to_array().into_iter().for_each(&mut put);
+        ply.body.vec3(*p);
         if let Some(n) = mesh.normals.get(i) {
-            n.to_array().into_iter().for_each(&mut put);
+            ply.body.vec3(*n);
         }
         if let Some(uv) = mesh.uvs.get(i) {
-            uv.to_array().into_iter().for_each(&mut put);
+            ply.body.f32s(&uv.to_array());
         }
     }
     for t in &mesh.triangles {
-        out.push(3);
-        t.iter().for_each(|i| out.extend(i.to_le_bytes()));
+        ply.body.u8(3);
+        t.iter().for_each(|i| ply.body.u32(*i));
     }
-    out
+    ply.into_bytes()
 }
 
 #[cfg(test)]

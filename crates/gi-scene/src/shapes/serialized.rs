@@ -3,10 +3,9 @@
 use std::io::Read;
 
 use flate2::read::ZlibDecoder;
+use gi_core::bytes::{Reader, TOO_SHORT};
 use gi_core::geometry::Mesh;
 use glam::{Vec2, Vec3};
-
-use crate::bytes::{Bytes, TRUNCATED};
 
 /// The first number of each mesh.
 const MAGIC: u16 = 0x041c;
@@ -58,7 +57,7 @@ pub(crate) fn parse(bytes: &[u8], index: usize) -> Result<Mesh, String> {
 
 /// The version and the compressed bytes of a mesh.
 fn locate(bytes: &[u8], index: usize) -> Result<(u16, &[u8]), String> {
-    let mut head = Bytes::little(bytes);
+    let mut head = Reader::new(bytes);
     let (magic, version) = (head.u16()?, head.u16()?);
     if magic != MAGIC {
         return Err(format!("it begins with {magic:#06x} and not with {MAGIC:#06x}"));
@@ -66,23 +65,23 @@ fn locate(bytes: &[u8], index: usize) -> Result<(u16, &[u8]), String> {
     if version != 3 && version != 4 {
         return Err(format!("its version is {version}; 3 and 4 are known"));
     }
-    let tail = bytes.len().checked_sub(4).ok_or(TRUNCATED)?;
-    let count = Bytes::little(&bytes[tail..]).u32()? as usize;
+    let tail = bytes.len().checked_sub(4).ok_or(TOO_SHORT)?;
+    let count = Reader::new(&bytes[tail..]).u32()? as usize;
     if index >= count {
         return Err(format!("it holds {count} meshes, number {index} is asked for"));
     }
     let width = if version == 4 { 8 } else { 4 };
-    let dictionary = count.checked_mul(width).and_then(|n| tail.checked_sub(n)).ok_or(TRUNCATED)?;
+    let dictionary = count.checked_mul(width).and_then(|n| tail.checked_sub(n)).ok_or(TOO_SHORT)?;
     let offset = |i: usize| -> Result<usize, String> {
         if i == count {
             return Ok(dictionary);
         }
-        let mut entry = Bytes::little(&bytes[dictionary + i * width..]);
+        let mut entry = Reader::new(&bytes[dictionary + i * width..]);
         let at = if version == 4 { entry.u64()? } else { u64::from(entry.u32()?) };
-        usize::try_from(at).map_err(|_| TRUNCATED.into())
+        usize::try_from(at).map_err(|_| TOO_SHORT.into())
     };
     let (start, end) = (offset(index)?, offset(index + 1)?);
-    let stream = bytes.get(start..end.min(dictionary)).and_then(|b| b.get(4..)).ok_or(TRUNCATED)?;
+    let stream = bytes.get(start..end.min(dictionary)).and_then(|b| b.get(4..)).ok_or(TOO_SHORT)?;
     Ok((version, stream))
 }
 
@@ -99,7 +98,7 @@ impl Stream<'_> {
             .checked_sub(into.len() as u64)
             .ok_or_else(|| format!("it inflates to more than {MAX_INFLATED} bytes"))?;
         self.inner.read_exact(into).map_err(|e| match e.kind() {
-            std::io::ErrorKind::UnexpectedEof => TRUNCATED.to_owned(),
+            std::io::ErrorKind::UnexpectedEof => TOO_SHORT.to_owned(),
             _ => format!("its compression is damaged: {e}"),
         })
     }
@@ -245,7 +244,7 @@ mod tests {
         let bytes = file(4, &[(SINGLE, "a", u64::MAX, 1)]);
         assert!(parse(&bytes, 0).unwrap_err().contains("claims"));
         let bytes = file(4, &[(SINGLE, "a", 100_000_000, 1)]);
-        assert_eq!(parse(&bytes, 0).unwrap_err(), TRUNCATED);
+        assert_eq!(parse(&bytes, 0).unwrap_err(), TOO_SHORT);
     }
 
     #[test]
@@ -259,6 +258,6 @@ mod tests {
         bytes.extend(zip.finish().unwrap());
         bytes.extend(0u32.to_le_bytes());
         bytes.extend(1u32.to_le_bytes());
-        assert_eq!(parse(&bytes, 0).unwrap_err(), TRUNCATED);
+        assert_eq!(parse(&bytes, 0).unwrap_err(), TOO_SHORT);
     }
 }

@@ -1,10 +1,9 @@
 //! Error bounds of clusters against their true errors.
 
-use std::fmt::Write;
-
 use gi_core::canvas::Canvas;
 use gi_core::film::Film;
 use gi_core::math::Rgb;
+use gi_core::points::{csv, row};
 use gi_core::technique::Picture;
 use glam::Vec2;
 use rayon::prelude::*;
@@ -59,16 +58,13 @@ fn of_cut<'a>(subject: &Subject<'_, 'a>, at: &At<'_, '_, 'a>, pixel: [usize; 2])
 }
 
 /// The clusters of the cuts of some pixels, as a table.
-pub(super) fn bounds_csv(subject: &Subject) -> String {
-    let checked = check(subject, subject.view.setting.camera.size());
-    let mut out = String::from("x,y,lights,total,estimate,truth,error,bound\n");
-    for c in checked {
+pub(super) fn bounds_csv(subject: &Subject) -> Vec<u8> {
+    let line = |c: Checked| {
         let ([x, y], error) = (c.pixel, (c.estimate - c.truth).abs());
-        let numbers = [c.total, c.estimate, c.truth, error, c.bound];
-        let row: Vec<String> = numbers.iter().map(f32::to_string).collect();
-        _ = writeln!(out, "{x},{y},{},{}", c.lights, row.join(",")); // writing to a string cannot fail
-    }
-    out
+        format!("{x},{y},{},{}", c.lights, row([c.total, c.estimate, c.truth, error, c.bound]))
+    };
+    let checked = check(subject, subject.view.setting.camera.size());
+    csv("x,y,lights,total,estimate,truth,error,bound", checked.into_iter().map(line))
 }
 
 /// Decades of relative error that the plot shows, up to one.

@@ -1,8 +1,7 @@
 //! All cuts of a few lights: the exact picture, the picture with each cut, and its error [slides 59, 60].
 
-use std::fmt::Write;
-
 use gi_core::math::Rgb;
+use gi_core::points::csv;
 use gi_core::technique::Picture;
 use rayon::prelude::*;
 
@@ -94,12 +93,11 @@ pub(super) fn pictures(subject: &Subject) -> Vec<Picture> {
 }
 
 /// The cuts with their clusters and errors, as a table.
-pub(super) fn cuts_csv(subject: &Subject) -> String {
+pub(super) fn cuts_csv(subject: &Subject) -> Vec<u8> {
     let lights = subject.lights;
     let cuts = all_cuts(lights);
     let exact = by_cut(subject, &cuts[0]);
-    let mut out = String::from("cut,size,clusters,mean_error,error_99\n");
-    for (i, cut) in cuts.iter().enumerate() {
+    let line = |(i, cut): (usize, &Nodes)| {
         let [mean, high] = errors(&by_cut(subject, cut), &exact);
         let cluster = |id: &NodeId| {
             let tree = &lights.forest.trees[id.tree as usize];
@@ -107,8 +105,7 @@ pub(super) fn cuts_csv(subject: &Subject) -> String {
             format!("{}:{}", tree.node(id.node).representative, members.join("+"))
         };
         let clusters: Vec<String> = cut.iter().map(cluster).collect();
-        // Writing to a string cannot fail.
-        _ = writeln!(out, "{i},{},{},{mean},{high}", cut.len(), clusters.join(" "));
-    }
-    out
+        format!("{i},{},{},{mean},{high}", cut.len(), clusters.join(" "))
+    };
+    csv("cut,size,clusters,mean_error,error_99", cuts.iter().enumerate().map(line))
 }

@@ -37,10 +37,10 @@ impl Figure {
 pub(crate) fn file(subject: &Subject, path: &Path) -> Vec<u8> {
     let Params { bounds_out, cuts_out, .. } = subject.view.params;
     if bounds_out.as_deref() == Some(path) {
-        return bounds::bounds_csv(subject).into_bytes();
+        return bounds::bounds_csv(subject);
     }
     if cuts_out.as_deref() == Some(path) {
-        return cuts::cuts_csv(subject).into_bytes();
+        return cuts::cuts_csv(subject);
     }
     let origin = subject.view.setting.scene.origin();
     to_file(path, &subject.lights.prepared.set().lights, origin)
