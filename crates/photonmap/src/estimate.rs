@@ -104,10 +104,11 @@ impl Estimator {
     /// Sum of `light` over the photons near `p` that arrived on the side of the unit normal `n` after at most `depth`
     /// segments, per area.
     pub fn density(&self, p: Vec3, n: Vec3, depth: u8, light: impl Fn(&Payload) -> Rgb) -> Density {
-        self.sum(p, n, depth, |_| true, light)
+        self.sum(p, n, depth, |_| true, |photon, per_area| light(photon) * per_area)
     }
 
-    /// The same over those photons whose position `takes` accepts [slide 24].
+    /// Sum of `light` over those photons whose position `takes` accepts [slide 24]. `light` gets a photon and its weight per area:
+    /// 1 / (pi r^2), changed by the kernel.
     #[inline]
     fn sum(
         &self,
@@ -115,21 +116,21 @@ impl Estimator {
         n: Vec3,
         depth: u8,
         mut takes: impl FnMut(Vec3) -> bool,
-        light: impl Fn(&Payload) -> Rgb,
+        light: impl Fn(&Payload, f32) -> Rgb,
     ) -> Density {
         let mut sum = Density::default();
         let accept = |photon: &Payload, d: u8| d <= depth && photon.normal().dot(n) > SAME_SIDE;
         let (map, k, most) = (&self.map, self.k, self.max_radius_sq);
         sum.found = map.nearest_places(p, k, most, accept, |q, photon, d2, r2| {
             if takes(q) {
-                sum.add(photon, light(photon) * self.kernel.weigh(d2, r2));
+                sum.add(photon, light(photon, self.kernel.weigh(d2, r2)));
             }
         });
         sum
     }
 
-    /// As [`Estimator::density`], but only over the photons that are visible from just above `p` (see [`Disc`]), per area of
-    /// the visible part of the disc. `share` estimates the disc's area over that of the visible part, as
+    /// Sum of `light` over the photons that are visible from just above `p` (see [`Disc`]), per area of the visible part of the disc.
+    /// `light` gets a photon and its weight per area: 1 / (pi r^2), changed by the kernel. `share` estimates the disc's area over that of the visible part, as
     /// [`Disc::inverse_share`] does. Also returns whether the whole disc seems visible.
     ///
     /// The slide's kernel sums as the slide does, over all photons and the whole disc.
@@ -138,7 +139,7 @@ impl Estimator {
         scene: &Scene,
         (p, n, depth): (Vec3, Vec3, u8),
         share: impl FnOnce(&Disc) -> f32,
-        light: impl Fn(&Payload) -> Rgb,
+        light: impl Fn(&Payload, f32) -> Rgb,
     ) -> (Density, bool) {
         // The farthest photon in each quarter of the disc: what a wall hides is far.
         let frame = Frame::from_normal(n);
@@ -177,7 +178,7 @@ impl Estimator {
         scene: &Scene,
         place: (Vec3, Vec3, u8),
         mut u: impl FnMut() -> [f32; 2],
-        light: impl Fn(&Payload) -> Rgb,
+        light: impl Fn(&Payload, f32) -> Rgb,
     ) -> Density {
         self.density_seen_by(scene, place, |disc| disc.inverse_share(&mut u), light).0
     }
@@ -210,7 +211,7 @@ impl Estimator {
         place: (Vec3, Vec3, u8),
         u: impl FnMut() -> [f32; 2],
     ) -> Density {
-        self.density_seen(scene, place, u, |photon| photon.power.to_rgb())
+        self.density_seen(scene, place, u, |photon, per_area| photon.power.to_rgb() * per_area)
     }
 }
 

@@ -86,8 +86,9 @@ fn at(setting: &Setting, from: &Estimator, (p, n): Place, depth: u8, index: u32)
         }
         1.0 / disc.lowered().share(MORE_PROBES, offset).max(LEAST_SHARE)
     };
-    let (e, is_clear) =
-        from.density_seen_by(setting.scene, (p, n, depth), share, |q| q.power.to_rgb());
+    let (e, is_clear) = from.density_seen_by(setting.scene, (p, n, depth), share, |q, per_area| {
+        q.power.to_rgb() * per_area
+    });
     let dither = [0, 1, 2].map(|c| bits_to_unit(hash_words(&[setting.seed, index, c, 7])));
     let kind = if is_clear { PhotonKind::Direct } else { PhotonKind::Indirect };
     let photon = Photon::new(p, Rgbe::dithered(e.all(), dither), n, n, kind);

@@ -52,7 +52,7 @@ use gi_core::technique::{Picture, Setting, Technique};
 use estimate::{Density, facing};
 use gather::Gatherer;
 use maps::PhotonMaps;
-pub use params::{Gather, Params, Show, Subsurface};
+pub use params::{Figure, Gather, Params, Subsurface};
 use rays::Rays;
 
 /// Photon mapping.
@@ -135,17 +135,17 @@ impl<'a> Gatherer<'_, 'a> {
     }
 
     /// Radiance from the global map at the vertex itself: L = sum of f(wi, wo) power / (pi r^2) over the k nearest photons
-    /// [slides 24, 29, 30]. The kernel weights photons by distance; `--kernel lecture` is the slide's formula.
+    /// [slides 24, 29, 30]. `per_area` is 1 / (pi r^2), the slide's weight; `--kernel` can make it depend on the distance.
     fn radiance(&self, v: &EyeVertex<'a>, rays: &Rays) -> Option<Density> {
         let place = (v.surface.p, facing(&v.surface, v.wo), self.photon_depth(v.segments)?);
         let (scene, map) = (self.setting.scene, &self.maps.global);
         let probes = rays.probes(v.segments);
         Some(match v.bsdf.lambertian(v.wo) {
-            Some(albedo) => map.density_seen(scene, place, probes, |photon| {
-                albedo * INV_PI * photon.power.to_rgb()
+            Some(albedo) => map.density_seen(scene, place, probes, |photon, per_area| {
+                albedo * INV_PI * photon.power.to_rgb() * per_area
             }),
-            None => map.density_seen(scene, place, probes, |photon| {
-                v.bsdf.f(v.wo, photon.direction()) * photon.power.to_rgb()
+            None => map.density_seen(scene, place, probes, |photon, per_area| {
+                v.bsdf.f(v.wo, photon.direction()) * photon.power.to_rgb() * per_area
             }),
         })
     }

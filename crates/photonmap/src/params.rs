@@ -54,7 +54,7 @@ pub enum Layout {
 
 /// A picture of the photon maps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Show {
+pub enum Figure {
     /// The first 200 photon paths [slide 22]
     Paths,
     /// Photons of each map as dots; photons in media show through glass [slides 23, 26, 34]
@@ -105,8 +105,8 @@ pub struct Params {
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = number("a fraction from 0 to below 1", |g: &f32| (0.0..1.0).contains(g)))]
     pub guided: f32,
     /// Pictures of the maps to draw, separated by commas; each becomes OUT.NAME.png and layers of the EXR
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT")]
-    pub show: Vec<Show>,
+    #[arg(long = "show", value_enum, value_delimiter = ',', value_name = "WHAT")]
+    pub figures: Vec<Figure>,
     /// Write the photon maps to a file for --map-in
     #[arg(long, value_name = "FILE")]
     pub map_out: Option<PathBuf>,

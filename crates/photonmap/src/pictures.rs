@@ -12,7 +12,7 @@ use glam::{Vec2, Vec3};
 use crate::estimate::{Estimator, facing};
 use crate::gather::Gatherer;
 use crate::maps::source;
-use crate::params::Show;
+use crate::params::Figure;
 use crate::photon::PhotonKind;
 use crate::rays::Rays;
 use crate::shoot::{Step, Wanted};
@@ -46,10 +46,10 @@ impl Gatherer<'_, '_> {
         };
         let ground =
             || Canvas::over(film.size(), film.radiance().into_iter().map(|c| c * GROUND).collect());
-        for show in &self.params.show {
+        for show in &self.params.figures {
             match show {
-                Show::Paths => push("paths", self.paths(ground())),
-                Show::Photons => {
+                Figure::Paths => push("paths", self.paths(ground())),
+                Figure::Photons => {
                     push("photons", self.dots(ground(), &self.maps.global));
                     if let Some(caustic) = &self.maps.caustic {
                         push("caustic-photons", self.dots(ground(), caustic));
@@ -58,8 +58,8 @@ impl Gatherer<'_, '_> {
                         push("volume-photons", self.dots_within(ground(), volume));
                     }
                 }
-                Show::Cells => push("cells", self.cells(ground())),
-                Show::Gathering => {
+                Figure::Cells => push("cells", self.cells(ground())),
+                Figure::Gathering => {
                     let [w, h] = film.size();
                     let Some(seen) = self.seen(self.params.probe.unwrap_or([w / 2, h / 2])) else {
                         continue;

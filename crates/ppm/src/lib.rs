@@ -39,7 +39,7 @@ use gi_core::technique::{Picture, Setting, Technique};
 pub use crate::error::Moments;
 use crate::grid::Grid;
 use crate::initial::{AtBounds, PILOT};
-pub use crate::params::{Method, Params, Shown};
+pub use crate::params::{Figure, Method, Params};
 use crate::photons::{Emission, Photon};
 use crate::region::{Look, Region};
 pub use crate::shows::Trace;
@@ -194,7 +194,7 @@ impl<'a> Technique<'a> for Ppm<'a> {
 
     fn pictures(&self, _: &Film) -> Vec<Picture> {
         let unit = f64::from(self.setting.scene.radius());
-        self.params.show.iter().map(|what| what.draw(&self.pixels, unit)).collect()
+        self.params.figures.iter().map(|what| what.draw(&self.pixels, unit)).collect()
     }
 
     fn export(&self, _: &Path) -> Vec<u8> {
@@ -244,7 +244,7 @@ impl Ppm<'_> {
     /// Whether noise and bias are needed.
     fn needs_moments(&self) -> bool {
         let p = &self.params;
-        p.method == Method::Adaptive || p.stop_at_error > 0.0 || p.show.contains(&Shown::Error)
+        p.method == Method::Adaptive || p.stop_at_error > 0.0 || p.figures.contains(&Figure::Error)
     }
 
     /// Mean radius over the picture, world units.

@@ -20,7 +20,7 @@ pub enum Method {
 
 /// A map of the statistics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Shown {
+pub enum Figure {
     /// Radius R as a fraction of the scene's radius, logarithmic
     Radius,
     /// Number of photons N, logarithmic
@@ -67,9 +67,9 @@ pub struct Params {
     /// Stop when the estimated relative error, sqrt(mean of (noise^2 + bias^2) / radiance^2), is below this; 0 never stops early
     #[arg(long, value_name = "E", default_value_t = 0.0, value_parser = number("an error, 0 or more", |e: &f64| *e >= 0.0))]
     pub stop_at_error: f64,
-    /// Map of the statistics to draw, as OUT.WHAT.png and layers of the EXR; give the option once per map
-    #[arg(long, value_enum, value_name = "WHAT")]
-    pub show: Vec<Shown>,
+    /// Maps of the statistics to draw, separated by commas; each becomes OUT.WHAT.png and layers of the EXR
+    #[arg(long = "show", value_enum, value_delimiter = ',', value_name = "WHAT")]
+    pub figures: Vec<Figure>,
     /// Pixel whose R, N, M and estimate are written to --trace-out after every pass [slides 40 to 42]; give the option once per pixel
     #[arg(long = "trace-pixel", value_name = "X,Y", value_parser = pixel, requires = "trace_out")]
     pub trace_pixels: Vec<[usize; 2]>,

@@ -5,7 +5,7 @@ use gi_core::film::PerPixel;
 use gi_core::points::csv;
 use gi_core::technique::Picture;
 
-use crate::params::Shown;
+use crate::params::Figure;
 use crate::region::Region;
 
 /// The statistics of a pixel after every pass [slides 40 to 42].
@@ -58,16 +58,16 @@ pub(crate) fn to_csv(traces: &[Trace]) -> Vec<u8> {
     csv("x,y,pass,radius,N,M,L_r,L_g,L_b", lines)
 }
 
-impl Shown {
+impl Figure {
     /// Draw a map of the pixels' statistics. `unit` is the radius of the scene.
     pub(crate) fn draw(self, pixels: &PerPixel<Region>, unit: f64) -> Picture {
         let column = |value: &dyn Fn(&Region) -> f64| -> Vec<f32> {
             pixels.rows().map(|r| value(r) as f32).collect()
         };
         let (name, channels): (&str, Vec<(&str, Vec<f32>)>) = match self {
-            Shown::Radius => ("radius", vec![("R", column(&|r| r.statistics.radius / unit))]),
-            Shown::Photons => ("photons", vec![("N", column(&|r| r.statistics.photons))]),
-            Shown::Error => (
+            Figure::Radius => ("radius", vec![("R", column(&|r| r.statistics.radius / unit))]),
+            Figure::Photons => ("photons", vec![("N", column(&|r| r.statistics.photons))]),
+            Figure::Error => (
                 "error",
                 vec![
                     ("Noise", column(&|r| r.moments.noise_sq().sqrt())),

@@ -137,34 +137,19 @@ impl Component<'_> {
         toward: &Toward,
         transport: Transport,
     ) -> ScatterBound {
-        let wo = frame.to_local(world_wo);
-        let cos = toward.max_cos(frame);
-        let lambert = |albedo: Rgb| ScatterBound {
-            f: albedo * INV_PI,
-            f_cos: albedo * (INV_PI * cos.max(0.0)),
-        };
+        let (wo, cos) = (frame.to_local(world_wo), toward.max_cos(frame));
         // A lobe that does not count needs no bound.
         let rest = self.part.is_none_or(|p| !p.rest.is_black());
         if !self.is_two_sided(wo) && (wo.z <= 0.0 || cos <= 0.0) {
             return ScatterBound::default();
         }
-        let cap = || {
-            let cone = toward.cone();
-            Cap {
-                wo,
-                cos,
-                center: frame.to_local(cone.axis) * cone.cos,
-                radius: cone.sin + UNIT_ROUNDING,
-                min_cos_wo: -cone.max_cos(-world_wo),
-            }
-        };
+        let cap = || Cap::new(frame, world_wo, toward, cos);
         match self.lobe {
-            Lobe::Diffuse { albedo } => lambert(albedo),
+            Lobe::Diffuse { albedo } => lambert_bound(cos, albedo),
             Lobe::OrenNayar { albedo, sigma_sq } => oren_nayar_bound(wo.z, cos, albedo, sigma_sq),
             Lobe::Phong { diffuse, specular, exponent } => {
                 let mirrored = frame.to_world(reflect_z(wo));
-                let peak = toward.cone().max_cos(mirrored).max(0.0).powf(exponent);
-                let peak = if rest { (exponent + 2.0) * 0.5 * INV_PI * peak } else { 0.0 };
+                let peak = if rest { phong_peak(toward, mirrored, exponent) } else { 0.0 };
                 let f = diffuse * INV_PI + specular * peak;
                 ScatterBound { f, f_cos: f * cos }
             }
@@ -179,9 +164,7 @@ impl Component<'_> {
                 if let Some(facets) = coat.facets().filter(|_| rest) {
                     let cap = cap();
                     let fresnel = coat.fresnel(cap.min_cos_half());
-                    let reflected = cap.reflected(facets, specular * fresnel);
-                    bound.f += reflected.f;
-                    bound.f_cos += reflected.f_cos;
+                    bound += cap.reflected(facets, specular * fresnel);
                 }
                 bound
             }
@@ -234,6 +217,18 @@ impl Component<'_> {
 }
 
 impl Cap {
+    /// The directions `toward` in `frame`. `cos` is their largest cosine with its normal.
+    fn new(frame: &Frame, wo: Vec3, toward: &Toward, cos: f32) -> Self {
+        let cone = toward.cone();
+        Cap {
+            wo: frame.to_local(wo),
+            cos,
+            center: frame.to_local(cone.axis) * cone.cos,
+            radius: cone.sin + UNIT_ROUNDING,
+            min_cos_wo: -cone.max_cos(-wo),
+        }
+    }
+
     /// The smallest cosine of `wo` with a half vector: of half the angle between `wo` and `wi`.
     #[inline]
     pub(super) fn min_cos_half(&self) -> f32 {
@@ -280,6 +275,17 @@ impl Cap {
         let [g1, g1_over_cos] = facets.g1_bounds(1.0);
         ScatterBound { f: transmit * (shared * g1_over_cos), f_cos: transmit * (shared * g1) }
     }
+}
+
+/// Bound of Lambert's model.
+fn lambert_bound(cos: f32, albedo: Rgb) -> ScatterBound {
+    ScatterBound { f: albedo * INV_PI, f_cos: albedo * (INV_PI * cos.max(0.0)) }
+}
+
+/// Bound of the lobe of Phong's model about the direction `mirrored`.
+fn phong_peak(toward: &Toward, mirrored: Vec3, exponent: f32) -> f32 {
+    let cos = toward.cone().max_cos(mirrored).max(0.0);
+    (exponent + 2.0) * 0.5 * INV_PI * cos.powf(exponent)
 }
 
 /// Bound of Oren-Nayar's model. sin sin' / max(cos, cos') is at most sin / cos, and times cos' at most sin.

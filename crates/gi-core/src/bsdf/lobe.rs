@@ -163,10 +163,7 @@ impl Lobe<'_> {
                 })
             }
             Lobe::Plastic { coat, diffuse, specular } => {
-                if wo.z <= 0.0 {
-                    return None;
-                }
-                match coat.sample(wo, u_choice, u, diffuse, specular) {
+                match (wo.z > 0.0).then(|| coat.sample(wo, u_choice, u, diffuse, specular))? {
                     Ok(delta) => Some(delta),
                     Err(wi) => self.weighted(wo, wi, transport),
                 }

@@ -86,6 +86,23 @@ pub struct LightSample {
     pub primitive: Option<[u32; 2]>,
 }
 
+impl LightSample {
+    /// Light that arrives at `p` from a point with this intensity; none at the point itself.
+    #[inline]
+    fn of_point(p: Vec3, position: Vec3, intensity: Rgb) -> Option<Self> {
+        let to = position - p;
+        let distance_sq = to.length_squared();
+        (distance_sq > 0.0).then(|| LightSample {
+            wi: to / distance_sq.sqrt(),
+            p: Some(position),
+            radiance: intensity / distance_sq,
+            pdf_w: 1.0,
+            delta: true,
+            primitive: None,
+        })
+    }
+}
+
 /// All lights of a scene.
 #[derive(Clone, Debug, Default)]
 pub struct Lights {
@@ -169,27 +186,9 @@ impl Lights {
         u: [f32; 2],
         emission: impl Fn(u32, u32, &EmitterPoint) -> Rgb,
     ) -> Option<LightSample> {
-        let delta = |position: Vec3, intensity: Rgb| {
-            let to = position - p;
-            let distance_sq = to.length_squared();
-            let radiance = intensity / distance_sq;
-            let wi = to / distance_sq.sqrt();
-            (distance_sq > 0.0).then_some(LightSample {
-                wi,
-                p: Some(position),
-                radiance,
-                pdf_w: 1.0,
-                delta: true,
-                primitive: None,
-            })
-        };
-        let distant = |wi, radiance, pdf_w| LightSample {
-            wi,
-            p: None,
-            radiance,
-            pdf_w,
-            delta: false,
-            primitive: None,
+        let distant = |wi, radiance, pdf_w| {
+            let (delta, primitive) = (false, None);
+            Some(LightSample { wi, p: None, radiance, pdf_w, delta, primitive })
         };
         match &self.lights[light] {
             Light::Area { emitter, shape, primitive } => {
@@ -199,10 +198,11 @@ impl Lights {
                 let primitive = Some([*shape, *primitive]);
                 Some(LightSample { wi, p: Some(point.p), radiance, pdf_w, delta: false, primitive })
             }
-            Light::Point { position, intensity } => delta(*position, *intensity),
+            Light::Point { position, intensity } => LightSample::of_point(p, *position, *intensity),
             Light::Spot { position, intensity, .. } => {
                 let d = (p - *position).normalize_or_zero();
-                delta(*position, *intensity * self.lights[light].spot_fade(d))
+                let intensity = *intensity * self.lights[light].spot_fade(d);
+                LightSample::of_point(p, *position, intensity)
             }
             Light::Directional { frame, irradiance } => Some(LightSample {
                 wi: -frame.n,
@@ -212,16 +212,14 @@ impl Lights {
                 delta: true,
                 primitive: None,
             }),
-            Light::Constant { radiance } => {
-                Some(distant(warp::sphere(u), *radiance, warp::sphere_pdf()))
-            }
+            Light::Constant { radiance } => distant(warp::sphere(u), *radiance, warp::sphere_pdf()),
             Light::Environment(map) => {
                 let (wi, pdf_w) = map.sample(u)?;
-                Some(distant(wi, map.radiance(wi), pdf_w))
+                distant(wi, map.radiance(wi), pdf_w)
             }
             Light::DistantDisc { frame, one_minus_cos, radiance } => {
                 let wi = frame.to_world(warp::cone(u, *one_minus_cos));
-                Some(distant(wi, *radiance, warp::cone_pdf(*one_minus_cos)))
+                distant(wi, *radiance, warp::cone_pdf(*one_minus_cos))
             }
         }
     }

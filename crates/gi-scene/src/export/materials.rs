@@ -30,6 +30,9 @@ pub(super) fn names(loaded: &Loaded, taken: &mut HashSet<String>) -> Vec<Option<
     loaded.origins.materials.iter().enumerate().map(name).collect()
 }
 
+/// Writes the opening tag of a material, given its type.
+type Open<'f, E> = &'f dyn Fn(&mut E, &str);
+
 impl Exporter<'_> {
     /// A material where it is used: a reference to it if it has a name.
     pub(super) fn material(&mut self, index: usize) -> Result<(), String> {
@@ -50,10 +53,15 @@ impl Exporter<'_> {
             Some(id) => this.xml.open("bsdf", &[("type", kind), ("id", id)]),
             None => this.xml.open("bsdf", &[("type", kind)]),
         };
-        let rough = |plain: &'static str, rough: &'static str, r: &Option<Roughness>| {
-            if r.is_some() { rough } else { plain }
-        };
-        match &loaded.parts.materials[index] {
+        self.surface(&loaded.parts.materials[index], &open)?;
+        self.xml.close();
+        Ok(())
+    }
+
+    /// The parameters of a material that contains no other. `open` writes its opening tag.
+    fn surface(&mut self, material: &Material, open: Open<'_, Self>) -> Result<(), String> {
+        let rough = |plain, rough, r: &Option<Roughness>| if r.is_some() { rough } else { plain };
+        match material {
             Material::Diffuse { reflectance } => {
                 open(self, "diffuse");
                 self.texture("reflectance", reflectance)?;
@@ -95,7 +103,7 @@ impl Exporter<'_> {
                 }
             }
             Material::Phong { diffuse, specular, exponent } => {
-                self.phong(&open, diffuse, specular, exponent)?;
+                self.phong(open, diffuse, specular, exponent)?;
             }
             Material::Principled(p) => {
                 open(self, "principled");
@@ -106,6 +114,14 @@ impl Exporter<'_> {
                 self.principled_thin(p)?;
             }
             Material::Null => open(self, "null"),
+            _ => self.nested(material, open)?,
+        }
+        Ok(())
+    }
+
+    /// The parameters of a material that contains others.
+    fn nested(&mut self, material: &Material, open: Open<'_, Self>) -> Result<(), String> {
+        match material {
             Material::Mask { opacity, inner } => {
                 open(self, "mask");
                 self.scalar("opacity", opacity)?;
@@ -136,8 +152,8 @@ impl Exporter<'_> {
                 self.map("normalmap", map)?;
                 self.material(*inner)?;
             }
+            _ => unreachable!("surface() writes the other materials"),
         }
-        self.xml.close();
         Ok(())
     }
 
@@ -150,7 +166,7 @@ impl Exporter<'_> {
     /// the mirror direction is a Beckmann lobe of alpha = sqrt(1 / 2n) about the half vector near its peak.
     fn phong(
         &mut self,
-        open: &dyn Fn(&mut Self, &str),
+        open: Open<'_, Self>,
         diffuse: &Texture,
         specular: &Texture,
         exponent: &Texture,
