@@ -9,6 +9,7 @@ use gi_core::filter::Filter;
 use gi_core::geometry::{Geometry, Mesh, Shape};
 use gi_core::material::Material;
 use gi_core::math::{Frame, Rgb};
+use gi_core::options::SurfaceLayers;
 use gi_core::scene::{Scene, SceneParts};
 use gi_core::technique::{Setting, Technique};
 use gi_core::texture::Texture;
@@ -69,7 +70,14 @@ impl World {
 
     /// What a technique is prepared with.
     pub fn setting(&self, seed: u32, show: Show) -> Setting<'_> {
-        Setting { scene: &self.scene, world: 0, camera: &self.camera, seed, show }
+        Setting {
+            scene: &self.scene,
+            world: 0,
+            camera: &self.camera,
+            seed,
+            show,
+            surface_layers: SurfaceLayers::First,
+        }
     }
 
     /// A scene file's world of meshes and spheres, everything `scale` times as large.

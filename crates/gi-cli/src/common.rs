@@ -4,7 +4,7 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use gi_core::options::Show;
+use gi_core::options::{Show, SurfaceLayers};
 use glam::Vec3;
 
 use crate::budget::{Budget, parse_time};
@@ -42,6 +42,9 @@ pub struct Common {
     /// Part of the light that the picture shows; direct, indirect and caustic add up to all
     #[arg(help_heading = PICTURE, long, value_enum, default_value_t = Show::All)]
     pub component: Show,
+    /// Which surface the layers Albedo, N and Z describe; denoisers work better with non-specular
+    #[arg(help_heading = PICTURE, long, value_enum, default_value_t = SurfaceLayers::First)]
+    pub surface_layers: SurfaceLayers,
     /// Set a parameter of the scene ($NAME), or a program's preset (gi.PROGRAM.FLAG)
     #[arg(help_heading = SCENE, short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
     pub define: Vec<(String, String)>,

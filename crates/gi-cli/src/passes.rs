@@ -32,6 +32,7 @@ pub(crate) fn identity<P: Program>(
         ("filter", format!("{filter:?}")),
         ("seed", common.seed.to_string()),
         ("component", format!("{:?}", common.component)),
+        ("surface layers", format!("{:?}", common.surface_layers)),
     ]
 }
 

@@ -108,6 +108,7 @@ fn render<P: Program>(
         camera: &camera,
         seed: common.seed,
         show: common.component,
+        surface_layers: common.surface_layers,
     };
     let mut film = Film::new(camera.size(), filter, common.component);
     let clock = Instant::now();

@@ -160,6 +160,16 @@ pub enum Show {
     Caustic,
 }
 
+/// Which surface the layers Albedo, N and Z describe.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum SurfaceLayers {
+    /// The first surface that the eye sees
+    #[default]
+    First,
+    /// The first surface that is not a mirror or clear glass; its albedo is multiplied by what those transmit
+    NonSpecular,
+}
+
 /// How light focused by mirrors and glass is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Caustics {

@@ -6,6 +6,7 @@ use std::path::Path;
 use crate::camera::Camera;
 use crate::film::{Film, Show};
 use crate::math::Rgb;
+use crate::options::SurfaceLayers;
 use crate::scene::Scene;
 
 /// The scene, the camera and the seed that a technique works with.
@@ -21,6 +22,8 @@ pub struct Setting<'a> {
     pub seed: u32,
     /// Which light the picture shows. A technique may skip the rest.
     pub show: Show,
+    /// Which surface the layers Albedo, N and Z describe.
+    pub surface_layers: SurfaceLayers,
 }
 
 impl Setting<'_> {

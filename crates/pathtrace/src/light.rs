@@ -2,11 +2,13 @@
 
 use gi_core::bsdf::Transport;
 use gi_core::camera::Connection;
+use gi_core::eye::EyeWalk;
 use gi_core::film::{Components, Film, Sample};
 use gi_core::filter::FilterTable;
 use gi_core::light::Light;
 use gi_core::math::Rgb;
 use gi_core::medium::MediumId;
+use gi_core::options::SurfaceLayers;
 use gi_core::sampler::Sampler;
 use gi_core::walk::{LightEvent, LightVertex, LightWalk, MediumVertex, Roulette, walk_in_order};
 use glam::Vec3;
@@ -196,6 +198,21 @@ impl PathTracer<'_> {
             medium = scene.medium_toward(&surface, ray.d, medium);
             ray = scene.spawn(&surface, ray.d);
         }
+        if self.setting.surface_layers == SurfaceLayers::NonSpecular {
+            self.describe([x, y], index, &mut sample);
+        }
         sample
+    }
+
+    /// Fill in the layers of the first surface that is not a mirror or clear glass.
+    fn describe(&self, pixel: [usize; 2], index: u32, sample: &mut Sample) {
+        let mut walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
+        while let Some(v) = &walk.next_vertex() {
+            if walk.is_described() || !walk.scatter(v) {
+                break;
+            }
+        }
+        let Sample { albedo, normal, depth, .. } = walk.sample();
+        (sample.albedo, sample.normal, sample.depth) = (albedo, normal, depth);
     }
 }

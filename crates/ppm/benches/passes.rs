@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use gi_core::camera::Camera;
 use gi_core::film::{Film, Show};
+use gi_core::options::SurfaceLayers;
 use gi_core::scene::Scene;
 use gi_core::technique::{Setting, Technique};
 use ppm::{Method, Params, Ppm};
@@ -21,7 +22,14 @@ fn main() {
     let scene = Scene::new(loaded.parts).expect("the scene is sound");
     let camera = Camera::new(&loaded.camera);
     let seconds = |method, photons, show| {
-        let setting = Setting { scene: &scene, world: 0, camera: &camera, seed: 1, show };
+        let setting = Setting {
+            scene: &scene,
+            world: 0,
+            camera: &camera,
+            seed: 1,
+            show,
+            surface_layers: SurfaceLayers::First,
+        };
         let params = Params { method, photons, ..Params::default() };
         let mut film = Film::new(SIZE, loaded.filter, show);
         let mut ppm = Ppm::prepare(setting, &params).expect("nothing to refuse");

@@ -80,7 +80,7 @@ impl<'a> Technique<'a> for RadianceCaching<'a> {
 
     /// Tabulate BRDFs, then fill the caches: look at every pixel from coarse to fine, and make records where none is valid.
     fn prepare(setting: Setting<'a>, params: &Params) -> Result<Self, String> {
-        let Setting { scene, camera, seed, show, world } = setting;
+        let Setting { scene, camera, seed, show, world, .. } = setting;
         let surfaces = Surfaces::new(scene, params);
         let mut caches = Caches::empty(&setting, params);
         let order = surfaces.order();

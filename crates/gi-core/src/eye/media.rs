@@ -4,7 +4,7 @@ use crate::medium::MediumId;
 use glam::Vec3;
 
 use super::{EyeVertex, EyeWalk, LastScattering, Remainder};
-use crate::bsdf::{Scatter, Transport};
+use crate::bsdf::Scatter;
 use crate::film::Components;
 use crate::geometry::Surface;
 use crate::math::Rgb;
@@ -94,7 +94,7 @@ impl<'a> EyeWalk<'a> {
     #[inline(always)]
     pub fn next_event(&mut self) -> Option<EyeEvent<'a>> {
         let flight = self.draw_flight();
-        // Only search up to the point of scattering, unless the first surface is still needed for its layers.
+        // Only search up to the point of scattering, unless a surface is still needed for its layers.
         let tmax = flight.as_ref().filter(|_| self.is_described).map_or(self.ray.tmax, |f| f.t);
         let hit = self.scene.closest(&Ray { tmax, ..self.ray });
         let (Some(index), Some(flight)) = (self.medium, flight) else {
@@ -108,12 +108,12 @@ impl<'a> EyeWalk<'a> {
                 self.arrive(hit).map(EyeEvent::Surface)
             }
             Flight::Scattered { t, weight } => {
-                self.throughput *= weight;
-                self.length += self.ray.tmin + t;
                 if let (Some(hit), false) = (hit, self.is_described) {
-                    self.describe(&hit);
+                    self.describe_behind(&hit);
                 }
                 self.is_described = true;
+                self.throughput *= weight;
+                self.length += self.ray.tmin + t;
                 let (p, wo) = (self.behind_near_plane().at(t), -self.ray.d);
                 let FreeFlight { remainder, u_phase, u_roulette, .. } = flight;
                 let medium = index;
@@ -229,13 +229,5 @@ impl<'a> EyeWalk<'a> {
             (self.sampler.next_2d(), self.sampler.next_2d(), self.sampler.next_1d());
         let t = self.scene.medium(self.medium?).distance(self.throughput, u_flight);
         Some(FreeFlight { t, remainder, u_phase, u_roulette })
-    }
-
-    /// Fill in the layers of the first surface, which the path does not reach.
-    fn describe(&mut self, hit: &Hit) {
-        let (surface, wo) = (self.scene.surface(&self.ray, hit), -self.ray.d);
-        let bsdf = self.scene.bsdf(&surface, wo, Transport::Radiance);
-        let first = &mut self.sample;
-        (first.albedo, first.normal, first.depth) = (bsdf.albedo(), surface.ns(), hit.t);
     }
 }

@@ -22,6 +22,7 @@
 //! A path tracer has no estimate. A technique that knows indirect light (from a cache, a photon map or virtual lights) adds
 //! it at a vertex. The path then continues only for the light that the estimate does not cover ([`Covers`]).
 
+mod layers;
 mod light;
 mod media;
 mod remainder;
@@ -34,6 +35,7 @@ use crate::bsdf::{Scatter, Transport};
 use crate::film::{Sample, Show};
 use crate::math::Rgb;
 pub use crate::options::PathLimits;
+use crate::options::SurfaceLayers;
 use crate::ray::{Hit, Ray};
 use crate::sampler::Sampler;
 use crate::scene::Scene;
@@ -53,6 +55,8 @@ pub struct EyeWalk<'a> {
     limits: PathLimits,
     /// Which components of light are wanted: the walk may skip the others.
     show: Show,
+    /// Which surface the layers describe.
+    surface_layers: SurfaceLayers,
     /// The next segment.
     ray: Ray,
     /// Product of f cos / pdf over the scatterings so far.
@@ -82,7 +86,7 @@ pub struct EyeWalk<'a> {
     /// The estimate at the current vertex.
     estimate: Option<Estimate>,
     sample: Sample,
-    /// Whether the layers of the first surface (albedo, normal, depth) are filled in.
+    /// Whether the layers that describe a surface (albedo, normal, depth) are filled in.
     is_described: bool,
 }
 
@@ -122,6 +126,7 @@ impl<'a> EyeWalk<'a> {
         let ray = camera.ray([x as f32 + u, y as f32 + v], lens);
         let mut walk = Self::new(setting.scene, limits, ray, sampler);
         walk.show = setting.show;
+        walk.surface_layers = setting.surface_layers;
         walk.sample.offset = [u - 0.5, v - 0.5];
         walk
     }
@@ -155,6 +160,7 @@ impl<'a> EyeWalk<'a> {
             scene,
             limits,
             show: Show::All,
+            surface_layers: SurfaceLayers::First,
             ray,
             throughput: Rgb::WHITE,
             remainder: Remainder::ALL,
@@ -193,14 +199,13 @@ impl<'a> EyeWalk<'a> {
             self.add_background();
             return None;
         };
+        let before = self.length;
         self.length += hit.t;
         let surface = self.scene.surface(&self.ray, &hit);
         let wo = -self.ray.d;
         let mut bsdf = self.scene.bsdf(&surface, wo, Transport::Radiance);
         if !self.is_described {
-            let first = &mut self.sample;
-            (first.albedo, first.normal, first.depth) = (bsdf.albedo(), surface.ns(), hit.t);
-            self.is_described = true;
+            self.describe(&surface, &bsdf, hit.t, before);
         }
         self.estimate = None;
         let remainder = self.remainder.at(&surface, wo, &mut bsdf, &mut self.sampler);
@@ -302,7 +307,7 @@ impl<'a> EyeWalk<'a> {
         self.segments
     }
 
-    /// The light that the path has found, and the layers of the first surface.
+    /// The light that the path has found, and the layers that describe a surface.
     #[inline(always)]
     pub fn sample(self) -> Sample {
         self.sample
