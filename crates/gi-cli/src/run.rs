@@ -101,7 +101,7 @@ fn render<P: Program>(
     say_warnings(common, &about_light);
     about.warnings.extend(about_light);
     let camera = Camera::new(&camera);
-    say_scene(common, &scene, camera.size());
+    say_scene(common, &scene, Film::memory(camera.size(), filter), camera.size());
     let setting = Setting {
         scene: &scene,
         world,
@@ -144,6 +144,7 @@ fn render<P: Program>(
     }
     let elapsed = clock.elapsed();
     stop::enter(Phase::Saving);
+    film.end_passes();
     let stopped = stop::requested();
     if let (Some(signal), 0) = (stopped, film.passes()) {
         say(format!("stopped by {} in the first pass: no picture is written", signal.name()));
@@ -186,7 +187,7 @@ fn export(common: &Common, out: &Path) -> Result<(), Failure> {
     }
 }
 
-/// Largest picture that is made, in pixels: the film of one takes about twelve gigabytes.
+/// Largest picture that is made, in pixels.
 const MAX_PIXELS: usize = 1 << 26;
 
 fn check_film([w, h]: [usize; 2]) -> Result<(), Failure> {
@@ -203,14 +204,15 @@ fn say_warnings(common: &Common, warnings: &[String]) {
     }
 }
 
-fn say_scene(common: &Common, scene: &Scene, [w, h]: [usize; 2]) {
+fn say_scene(common: &Common, scene: &Scene, film: u64, [w, h]: [usize; 2]) {
     if !common.quiet {
         let primitives: usize = scene.shapes().iter().map(|s| s.geometry.primitive_count()).sum();
         let lights = scene.lights().all().len();
         say(format!(
-            "{}: {} shapes, {primitives} primitives, {lights} lights; {w} x {h} pixels",
+            "{}: {} shapes, {primitives} primitives, {lights} lights; {w} x {h} pixels in {} MB",
             common.scene.display(),
-            scene.shapes().len()
+            scene.shapes().len(),
+            film.div_ceil(1_000_000)
         ));
         if scene.lights().all().is_empty() {
             say("warning: nothing shines in this scene; the picture will be black");

@@ -5,6 +5,7 @@
 //! reach of the filter, in a fixed order. No pixel is written by two threads, and the bits do not depend on their number.
 
 mod kept;
+mod layers;
 mod pixel;
 mod sample;
 mod state;
@@ -13,7 +14,6 @@ mod tiles;
 use rayon::prelude::*;
 
 use crate::filter::{Filter, FilterTable};
-use crate::image_io::Layers;
 use crate::math::Rgb;
 pub use crate::options::Show;
 use crate::progress;
@@ -40,12 +40,27 @@ impl Film {
         let tiles = Tiles::new(size);
         let pixels = vec![Pixel::default(); tiles.pixels()];
         let filter = FilterTable::new(filter);
-        let mut kept = Kept { width: 2 * filter.reach() + 1, floats: Vec::new() };
-        // The box needs none of it.
-        if filter.reach() > 0 {
-            kept.floats = vec![0.0; pixels.len() * kept.stride()];
-        }
+        let kept = Kept { width: 2 * filter.reach() + 1, floats: Vec::new() };
         Film { tiles, filter, show, pixels, kept, passes: 0 }
+    }
+
+    /// Bytes that a film of this size needs during a pass. [`Film::layers`] needs up to 96 bytes more per pixel.
+    ///
+    /// The sums of a pixel are 17 doubles: the weight, nine sums of radiance, and seven second moments for the variance. In
+    /// single precision, the variance would be lost after some thousand passes, and merged runs would differ from a single one.
+    /// Samples stay in single precision, and are kept only while the pixels around them are filtered.
+    pub fn memory(size: [usize; 2], filter: Filter) -> u64 {
+        let reach = FilterTable::new(filter).reach();
+        let kept = Kept { width: 2 * reach + 1, floats: Vec::new() }.stride() * size_of::<f32>();
+        // The box filter keeps no samples.
+        let per_pixel = size_of::<Pixel>() + if reach > 0 { kept } else { 0 };
+        let tiles = size.map(|n| n.div_ceil(TILE) as u64);
+        tiles[0] * tiles[1] * (AREA * per_pixel) as u64
+    }
+
+    /// Free the memory that only a pass needs.
+    pub fn end_passes(&mut self) {
+        self.kept.floats = Vec::new();
     }
 
     /// The reconstruction filter.
@@ -102,6 +117,7 @@ impl Film {
         let floats = std::mem::take(&mut self.kept.floats);
         let mut kept = Kept { width: self.kept.width, floats };
         let stride = kept.stride();
+        kept.floats.resize(self.pixels.len() * stride, 0.0);
         let pieces = kept.floats.par_chunks_mut(AREA * stride).zip(values.par_chunks_mut(AREA));
         self.for_each_pixel(pieces, Tile::Sampled, |film, at, pixel, i, (runs, values)| {
             let sample = sample(at, &mut values[i]);
@@ -157,50 +173,6 @@ impl Film {
     /// No extra for any tile.
     fn nothing(&self) -> impl IndexedParallelIterator<Item = ()> + use<> {
         rayon::iter::repeat_n((), self.tiles.corners.len())
-    }
-
-    /// All named channels: radiance as R G B, its variance (of the mean), direct, indirect and caustic light, albedo, normal and
-    /// depth. If the picture shows one component only, the layers of the others are left out.
-    pub fn layers(&self) -> Layers {
-        let pixels: Vec<&Pixel> =
-            (0..self.size()[0] * self.size()[1]).map(|i| self.pixel(i)).collect();
-        let mut channels = Vec::new();
-        let mut push = |name: String, value: &dyn Fn(&Pixel) -> f64| {
-            channels.push((name, pixels.iter().map(|p| value(p) as f32).collect()));
-        };
-        let show = self.show;
-        for (k, c) in ["R", "G", "B"].into_iter().enumerate() {
-            push(c.to_string(), &|p| p.shown(k, show));
-            push(format!("Variance.{c}"), &|p| p.variance(k, show));
-            let parts = [
-                ("Direct", Show::Direct),
-                ("Indirect", Show::Indirect),
-                ("Caustic", Show::Caustic),
-            ];
-            for (j, (part, alone)) in parts.into_iter().enumerate() {
-                if show == Show::All || show == alone {
-                    push(format!("{part}.{c}"), &|p| p.component(j, k));
-                }
-            }
-            push(format!("Albedo.{c}"), &|p| f64::from(p.albedo.to_array()[k]));
-        }
-        for (k, axis) in ["X", "Y", "Z"].into_iter().enumerate() {
-            push(format!("N.{axis}"), &|p| f64::from(p.normal[k]));
-        }
-        push("Z".to_string(), &|p| f64::from(p.depth));
-        Layers { width: self.size()[0], height: self.size()[1], channels, metadata: Vec::new() }
-    }
-
-    /// The shown radiance, row by row from the top.
-    pub fn radiance(&self) -> Vec<Rgb> {
-        let shown = |p: &Pixel| Rgb::from([0, 1, 2].map(|k| p.shown(k, self.show) as f32));
-        (0..self.size()[0] * self.size()[1]).map(|i| shown(self.pixel(i))).collect()
-    }
-
-    /// Pixel `i` of the picture in row order.
-    fn pixel(&self, i: usize) -> &Pixel {
-        let w = self.size()[0];
-        &self.pixels[self.tiles.place([i % w, i / w])]
     }
 }
 
@@ -267,6 +239,21 @@ mod tests {
             assert_eq!(r[i], (i % 37 + 100 * (i / 37)) as f32 + 1.0);
             // Values k, k+1, k+2: variance 1, of the mean of three 1/3.
             assert!((v[i] - 1.0 / 3.0).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn the_stated_memory_is_what_a_film_allocates() {
+        for filter in [Filter::Box, Filter::Gaussian { stddev: 0.5 }] {
+            let mut film = Film::new([70, 33], filter, Show::All);
+            film.add_pass(|_| Sample::default());
+            let bytes = size_of_val(&film.pixels[..]) + size_of_val(&film.kept.floats[..]);
+            assert_eq!(Film::memory(film.size(), filter), bytes as u64);
+            film.end_passes();
+            assert!(film.kept.floats.is_empty());
+            // A later pass allocates it again.
+            film.add_pass(|_| Sample::default());
+            assert_eq!(film.passes(), 2);
         }
     }
 

@@ -2,9 +2,14 @@ use std::fs::File;
 use std::io::{BufWriter, Error, Seek, Write};
 use std::path::Path;
 
+use exr::block::lines::LineRefMut;
+use exr::image::write::samples::{SamplesWriter, WritableSamples};
+use exr::math::RoundingMode;
+use exr::meta::attribute::{LevelMode, SampleType};
+use exr::meta::header::Header;
 use exr::prelude::{
-    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, Layer, LayerAttributes,
-    Text, Vec2, WritableImage,
+    AnyChannel, AnyChannels, AttributeValue, Encoding, Image, Layer, LayerAttributes, Text, Vec2,
+    WritableImage,
 };
 
 use super::Layers;
@@ -50,12 +55,12 @@ pub fn write_file(path: &Path, format: ImageFile, layers: &Layers) -> Result<(),
     files::write_with(path, fill).map_err(|e| e.to_string())
 }
 
-fn write_exr(out: &mut (impl Write + Seek), layers: &Layers) -> Result<(), String> {
-    let channels = layers
-        .channels
-        .iter()
-        .map(|(name, v)| AnyChannel::new(name.as_str(), FlatSamples::F32(v.clone())))
-        .collect();
+fn write_exr<'a>(out: &mut (impl Write + Seek), layers: &'a Layers) -> Result<(), String> {
+    let width = layers.width;
+    let plane = |(name, values): &'a (String, Vec<f32>)| {
+        AnyChannel::new(name.as_str(), Plane { width, values })
+    };
+    let channels = layers.channels.iter().map(plane).collect();
     let mut attributes = LayerAttributes::default();
     for (name, value) in &layers.metadata {
         attributes
@@ -65,6 +70,38 @@ fn write_exr(out: &mut (impl Write + Seek), layers: &Layers) -> Result<(), Strin
     let size = Vec2(layers.width, layers.height);
     let layer = Layer::new(size, attributes, Encoding::FAST_LOSSLESS, AnyChannels::sort(channels));
     Image::from_layer(layer).write().to_buffered(out).map_err(|e| e.to_string())
+}
+
+/// The values of a channel, row by row. They are written from where they are; a copy of all layers would need a lot of memory.
+#[derive(Clone, Copy)]
+struct Plane<'a> {
+    width: usize,
+    values: &'a [f32],
+}
+
+impl<'a> WritableSamples<'_> for Plane<'a> {
+    type Writer = Plane<'a>;
+
+    fn sample_type(&self) -> SampleType {
+        SampleType::F32
+    }
+
+    fn infer_level_modes(&self) -> (LevelMode, RoundingMode) {
+        (LevelMode::Singular, RoundingMode::Down)
+    }
+
+    fn create_samples_writer(&self, _: &Header) -> Self {
+        *self
+    }
+}
+
+impl SamplesWriter for Plane<'_> {
+    fn extract_line(&self, line: LineRefMut<'_>) {
+        let Vec2(x, y) = line.location.position;
+        let start = y * self.width + x;
+        let values = &self.values[start..start + line.location.sample_count];
+        line.write_samples_from_slice(values).expect("memory can be written to");
+    }
 }
 
 /// The radiance of pixel `i`.
