@@ -47,6 +47,37 @@ fn the_picture_is_saved_where_the_last_checkpoint_cannot_be_written() {
     assert_eq!(folder.files(), ["out.exr", "out.png"]);
 }
 
+/// A folder in which nobody can make a file, not even the system's administrator (tests may run as such).
+fn read_only(folder: &Folder) -> String {
+    use std::os::unix::fs::PermissionsExt;
+    let path = folder.at("read-only");
+    std::fs::create_dir(&path).expect("a folder");
+    std::fs::set_permissions(&path, PermissionsExt::from_mode(0o555)).expect("its owner's right");
+    let is_writable = std::fs::write(format!("{path}/trial"), "").is_ok();
+    if is_writable { "/proc".to_string() } else { path }
+}
+
+#[test]
+fn a_folder_where_no_file_can_be_made_is_reported_before_the_run() {
+    for program in &PROGRAMS {
+        let folder = Folder::make();
+        let (scene, home) = (scene("cornell-box"), read_only(&folder));
+        let (out, away) = (folder.at("out.exr"), format!("{home}/out.exr"));
+        let stats = format!("{home}/stats.json");
+        // Far too long to be rendered: the check stands before the work.
+        let long = ["--size", "512x512", "--spp", "1000000"];
+        for files in [&["-o", &away][..], &["-o", &out, "--stats", &stats]] {
+            let line = [&[scene.as_str()], files, &long[..], program.flags].concat();
+            let output = Command::new(path_of(program.name)).args(&line).output();
+            let output = output.expect("it runs");
+            let text = said(&output);
+            assert_eq!(output.status.code(), Some(1), "{}: {text}", program.name);
+            assert!(text.contains(&format!("cannot write {home}/")), "{text}");
+            assert!(!Path::new(&out).exists());
+        }
+    }
+}
+
 /// The limit of a file's size stands for a full disk: a write fails half-way.
 #[test]
 fn a_picture_too_large_for_the_disk_leaves_its_view_its_statistics_and_no_half_of_it() {

@@ -107,17 +107,7 @@ fn describe(part: &Part, state: State, elapsed: Duration) -> (f64, String) {
     let within = if state.total > 0 { state.done as f64 / state.total as f64 } else { 0.0 };
     let within = within.min(1.0);
     match part {
-        Part::Preparation => {
-            let text = match state {
-                State { step: "", .. } => "preparing".to_string(),
-                State { step, done: 0, total: 0 } => format!("preparing: {step}"),
-                State { step, done, total: 0 } => format!("preparing: {done} {step}"),
-                State { step, done, total } => {
-                    format!("preparing: {} of {total} {step}", done.min(total))
-                }
-            };
-            (within, format!("{text}, {} elapsed", span(elapsed)))
-        }
+        Part::Preparation => (within, preparation(state, elapsed)),
         Part::Passes(passes) => {
             let made = passes.made.load(Relaxed);
             let new =
@@ -125,6 +115,27 @@ fn describe(part: &Part, state: State, elapsed: Duration) -> (f64, String) {
             passes.describe(made, new, elapsed)
         }
     }
+}
+
+/// A line about the preparation, which began `elapsed` ago. The rate and the remaining time are those of the current step.
+fn preparation(State { step, done, total, elapsed: since }: State, elapsed: Duration) -> String {
+    let counted = match (step, done, total) {
+        ("", ..) => String::new(),
+        (_, 0, 0) => format!(": {step}"),
+        (_, _, 0) => format!(": {done} {step}"),
+        _ => format!(": {} of {total} {step}", done.min(total)),
+    };
+    let mut text = format!("preparing{counted}");
+    let seconds = since.as_secs_f64();
+    if done > 0 && seconds > 0.0 {
+        text += &format!(", {:.0} per second", done as f64 / seconds);
+    }
+    text += &format!(", {} elapsed", span(elapsed));
+    if done > 0 && total > 0 {
+        let left = total.saturating_sub(done) as f64 * seconds / done as f64;
+        text += &format!(", {} remaining in this step", span(Duration::from_secs_f64(left)));
+    }
+    text
 }
 
 impl Passes {
@@ -176,7 +187,7 @@ mod tests {
 
     #[test]
     fn a_bar_moves_within_a_pass_and_tells_rate_and_remaining_time() {
-        let half = State { step: PIXELS, done: 5, total: 10 };
+        let half = State { step: PIXELS, done: 5, total: 10, elapsed: Duration::ZERO };
         let part = passes(Budget::Passes(8), 0, 1);
         let (fraction, text) = describe(&part, half, Duration::from_secs(3));
         assert_eq!(fraction, 1.5 / 8.0);
@@ -188,7 +199,7 @@ mod tests {
 
     #[test]
     fn passes_of_an_earlier_run_count_for_the_bar_but_not_for_the_rate() {
-        let none = State { step: PIXELS, done: 0, total: 10 };
+        let none = State { step: PIXELS, done: 0, total: 10, elapsed: Duration::ZERO };
         let (fraction, text) =
             describe(&passes(Budget::Passes(8), 4, 6), none, Duration::from_secs(100));
         assert_eq!(fraction, 6.0 / 8.0);
@@ -200,7 +211,7 @@ mod tests {
 
     #[test]
     fn a_time_budget_counts_preparation() {
-        let none = State { step: PIXELS, done: 0, total: 10 };
+        let none = State { step: PIXELS, done: 0, total: 10, elapsed: Duration::ZERO };
         let part = passes(Budget::Time(Duration::from_secs(10)), 0, 3);
         let (fraction, text) = describe(&part, none, Duration::from_secs(3));
         assert_eq!(fraction, 0.5);
@@ -210,11 +221,15 @@ mod tests {
     #[test]
     fn preparation_names_its_step() {
         let at = |step, done, total| {
-            describe(&Part::Preparation, State { step, done, total }, Duration::from_secs(4000)).1
+            let state = State { step, done, total, elapsed: Duration::from_secs(20) };
+            describe(&Part::Preparation, state, Duration::from_secs(4000)).1
         };
         assert_eq!(at("", 0, 0), "preparing, 1 h 6 min elapsed");
         assert_eq!(at("trees", 0, 0), "preparing: trees, 1 h 6 min elapsed");
-        assert_eq!(at("records", 3, 0), "preparing: 3 records, 1 h 6 min elapsed");
-        assert_eq!(at("photons", 9, 8), "preparing: 8 of 8 photons, 1 h 6 min elapsed");
+        assert_eq!(at("records", 60, 0), "preparing: 60 records, 3 per second, 1 h 6 min elapsed");
+        let photons = "preparing: 500 of 800 photons, 25 per second, 1 h 6 min elapsed, 12 s remaining in this step";
+        assert_eq!(at("photons", 500, 800), photons);
+        // Threads may count more than was asked for.
+        assert!(at("photons", 900, 800).starts_with("preparing: 800 of 800 photons"));
     }
 }

@@ -5,13 +5,15 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 /// The name of the step over all pixels of a pass.
 pub const PIXELS: &str = "pixels";
 /// The name of the step that looks at the pixels for points without a cached record.
 pub const SEARCHED: &str = "pixels searched for missing records";
 
-static STEP: Mutex<&str> = Mutex::new("");
+/// The step, and when it began.
+static STEP: Mutex<(&str, Option<Instant>)> = Mutex::new(("", None));
 static DONE: AtomicU64 = AtomicU64::new(0);
 static TOTAL: AtomicU64 = AtomicU64::new(0);
 static ABANDONED: AtomicBool = AtomicBool::new(false);
@@ -25,12 +27,14 @@ pub struct State {
     pub done: u64,
     /// How many there are in this step; 0 if that is unknown.
     pub total: u64,
+    /// Time since the step began.
+    pub elapsed: Duration,
 }
 
 /// Begin a step of `total` pieces of work (0 if the number is unknown).
 pub fn begin(step: &'static str, total: u64) {
-    let mut name = STEP.lock().unwrap_or_else(PoisonError::into_inner);
-    *name = step;
+    let mut current = STEP.lock().unwrap_or_else(PoisonError::into_inner);
+    *current = (step, Some(Instant::now()));
     DONE.store(0, Relaxed);
     TOTAL.store(total, Relaxed);
 }
@@ -42,8 +46,9 @@ pub fn advance(pieces: u64) {
 
 /// What the run is doing.
 pub fn state() -> State {
-    let step = *STEP.lock().unwrap_or_else(PoisonError::into_inner);
-    State { step, done: DONE.load(Relaxed), total: TOTAL.load(Relaxed) }
+    let (step, start) = *STEP.lock().unwrap_or_else(PoisonError::into_inner);
+    let elapsed = start.map_or(Duration::ZERO, |start| start.elapsed());
+    State { step, done: DONE.load(Relaxed), total: TOTAL.load(Relaxed), elapsed }
 }
 
 /// Ask the current pass to end at once. Its loops skip what is left, and the film keeps only whole samples.
