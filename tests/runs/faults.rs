@@ -47,6 +47,31 @@ fn the_picture_is_saved_where_the_last_checkpoint_cannot_be_written() {
     assert_eq!(folder.files(), ["out.exr", "out.png"]);
 }
 
+#[test]
+fn a_checkpoint_with_a_changed_bit_is_refused() {
+    let folder = Folder::make();
+    let (scene, out, kept) = (scene("cornell-box"), folder.at("out.exr"), folder.at("kept"));
+    let run = |more: &[&str]| {
+        let flags = ["-o", &out, "--size", "8x8", "--spp", "2", "--checkpoint", &kept];
+        let line = [&[scene.as_str()], &flags[..], more].concat();
+        Command::new(path_of("pathtrace")).args(&line).output().expect("it runs")
+    };
+    assert!(run(&[]).status.success());
+    let whole = std::fs::read(&kept).expect("a checkpoint");
+    let bits = 8 * whole.len();
+    for bit in (0..bits).step_by(bits / 60) {
+        let mut changed = whole.clone();
+        changed[bit / 8] ^= 1 << (bit % 8);
+        std::fs::write(&kept, &changed).expect("written");
+        let output = run(&["--resume"]);
+        let text = said(&output);
+        assert_eq!(output.status.code(), Some(2), "bit {bit}: {text}");
+        assert!(text.contains("damaged") || text.contains("no checkpoint"), "bit {bit}: {text}");
+    }
+    std::fs::write(&kept, &whole).expect("written");
+    assert!(run(&["--resume"]).status.success());
+}
+
 /// A folder in which nobody can make a file, not even the system's administrator (tests may run as such).
 fn read_only(folder: &Folder) -> String {
     use std::os::unix::fs::PermissionsExt;

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use gi_core::bytes::{Reader, Writer};
+use gi_core::bytes::{Reader, Writer, unseal};
 use gi_core::files;
 use gi_core::film::Film;
 use gi_core::technique::Technique;
@@ -13,7 +13,7 @@ use crate::Failure;
 use crate::save::save_bytes;
 
 /// First line of a checkpoint; the number is the format's.
-const MAGIC: &str = "gilab checkpoint 1";
+const MAGIC: &str = "gilab checkpoint 2";
 
 /// What must be the same for a checkpoint to be of use, by name: program, scene, camera and so on.
 pub(crate) type Identity = Vec<(&'static str, String)>;
@@ -76,7 +76,7 @@ impl<'a> Keeper<'a> {
         w.u32(passes.end);
         w.bytes(&state);
         w.bytes(&film.save_state());
-        save_bytes(self.path, &w.into_bytes())
+        save_bytes(self.path, &w.seal())
     }
 }
 
@@ -137,10 +137,11 @@ impl Checkpoint {
     }
 
     fn parts(&self, identity: &Identity) -> Result<Parts<'_>, String> {
-        let mut r = Reader::new(&self.bytes);
-        if r.text().ok() != Some(MAGIC) {
+        if Reader::new(&self.bytes).text().ok() != Some(MAGIC) {
             return Err("it is no checkpoint, or one of another version".into());
         }
+        let mut r = Reader::new(unseal(&self.bytes)?);
+        r.text()?;
         if r.u32()? as usize != identity.len() {
             return Err("it is of another version".into());
         }

@@ -86,15 +86,36 @@ impl Writer {
         }
     }
 
-    /// The bytes that were written.
-    pub fn written(&self) -> &[u8] {
-        &self.0
-    }
-
     /// The bytes.
     pub fn into_bytes(self) -> Vec<u8> {
         self.0
     }
+
+    /// The bytes, followed by their checksum (8 bytes). [`unseal`] checks it.
+    pub fn seal(mut self) -> Vec<u8> {
+        self.u64(checksum(&self.0));
+        self.0
+    }
+}
+
+/// The bytes that [`Writer::seal`] sealed, without their checksum.
+///
+/// # Errors
+/// The checksum is wrong, or missing.
+pub fn unseal(bytes: &[u8]) -> Result<&[u8], String> {
+    let (sealed, sum) = bytes.split_last_chunk().ok_or(TOO_SHORT)?;
+    if checksum(sealed).to_le_bytes() == *sum {
+        Ok(sealed)
+    } else {
+        Err("it is damaged: its checksum is wrong".into())
+    }
+}
+
+/// FNV-1a with 64 bits. It detects damage, not manipulation.
+fn checksum(bytes: &[u8]) -> u64 {
+    bytes
+        .iter()
+        .fold(0xcbf2_9ce4_8422_2325, |h, &b| (h ^ u64::from(b)).wrapping_mul(0x100_0000_01b3))
 }
 
 /// The error of bytes that end too early.
@@ -227,6 +248,24 @@ impl<'a> Reader<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_single_changed_bit_breaks_the_seal() {
+        let mut w = Writer::default();
+        w.text("text");
+        w.f64(-0.0);
+        let content = w.clone().into_bytes();
+        let sealed = w.seal();
+        assert_eq!(unseal(&sealed), Ok(&content[..]));
+        for bit in 0..8 * sealed.len() {
+            let mut other = sealed.clone();
+            other[bit / 8] ^= 1 << (bit % 8);
+            assert!(unseal(&other).is_err(), "bit {bit}");
+        }
+        for end in 0..sealed.len() {
+            assert!(unseal(&sealed[..end]).is_err(), "cut at {end}");
+        }
+    }
 
     #[test]
     fn what_was_written_is_read_and_what_is_cut_short_is_refused() {

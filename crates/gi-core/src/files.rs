@@ -1,10 +1,16 @@
 //! Atomic writes: a killed run leaves the old file or the new one, never half of one.
 
-use std::ffi::OsStr;
-use std::fs::File;
+use std::ffi::{OsStr, OsString};
+use std::fs::DirEntry;
 use std::io::{BufWriter, Error, ErrorKind, Result, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{PoisonError, RwLock, RwLockWriteGuard};
+use std::time::Duration;
+
+use tempfile::NamedTempFile;
+
+/// A file that is being written.
+pub type Out = BufWriter<NamedTempFile>;
 
 /// Held while a file is being written; taken whole by who ends the process.
 static WRITING: RwLock<()> = RwLock::new(());
@@ -55,24 +61,18 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
 ///
 /// # Errors
 /// What `fill` or the system says, without the file's name; the file is as it was.
-pub fn write_with(
-    path: &Path,
-    fill: impl FnOnce(&mut BufWriter<File>) -> Result<()>,
-) -> Result<()> {
+pub fn write_with(path: &Path, fill: impl FnOnce(&mut Out) -> Result<()>) -> Result<()> {
     let _whole = WRITING.read().unwrap_or_else(PoisonError::into_inner);
     refuse_special(path)?;
     let path = &target(path)?;
-    let part = beside(path, "part")?;
-    let written = File::create(&part).and_then(|file| {
-        let mut out = BufWriter::new(file);
-        fill(&mut out)?;
-        out.into_inner()?.sync_all()
-    });
-    let done = written.and_then(|()| std::fs::rename(&part, path));
-    if done.is_err() {
-        let _ = std::fs::remove_file(&part); // nothing to do about a second failure
-    }
-    done
+    remove_abandoned(path);
+    let mut out = BufWriter::new(temporary(path)?);
+    fill(&mut out)?;
+    let part = out.into_inner()?;
+    part.as_file().sync_all()?;
+    // Whatever fails before this removes the temporary file.
+    part.persist(path)?;
+    Ok(())
 }
 
 /// Check before rendering that `path` can be written. An existing file stays unchanged.
@@ -82,11 +82,7 @@ pub fn write_with(
 pub fn check_writable(path: &Path) -> Result<()> {
     let _whole = WRITING.read().unwrap_or_else(PoisonError::into_inner);
     refuse_special(path)?;
-    let path = &target(path)?;
-    let trial = beside(path, "try")?;
-    File::create(&trial)?;
-    let _ = std::fs::remove_file(&trial); // an empty file left behind does no harm
-    Ok(())
+    temporary(&target(path)?).map(drop)
 }
 
 /// Whether two names refer to the same file, also through links. The file need not exist.
@@ -130,12 +126,49 @@ fn target(path: &Path) -> Result<PathBuf> {
     Err(Error::other("its symbolic links form a circle"))
 }
 
-/// A temporary name in the same folder that no other process uses.
-fn beside(path: &Path, what: &str) -> Result<PathBuf> {
+/// Ending of temporary names.
+const PART: &str = ".part";
+/// Number of random letters and digits in temporary names: processes on other machines may write to the same folder.
+const RANDOM: usize = 10;
+/// Age of a temporary file that nobody is writing any more.
+const ABANDONED: Duration = Duration::from_secs(600);
+
+/// The folder of a file, and the beginning of the temporary names beside it.
+fn beside(path: &Path) -> Result<(&Path, OsString)> {
     let missing = || Error::new(ErrorKind::InvalidInput, "the name of a file is missing");
     let mut name = path.file_name().ok_or_else(missing)?.to_os_string();
-    name.push(format!(".{}.{what}", std::process::id()));
-    Ok(path.with_file_name(name))
+    name.push(".");
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    Ok((folder.unwrap_or(Path::new(".")), name))
+}
+
+/// A temporary file in the folder of `path`. It is removed when it is dropped.
+fn temporary(path: &Path) -> Result<NamedTempFile> {
+    let (folder, start) = beside(path)?;
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(&start).suffix(PART).rand_bytes(RANDOM);
+    // Rights as for any other file, and not only for the owner.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder)
+}
+
+/// Remove temporary files of `path` that killed processes have left. If this fails, they stay.
+fn remove_abandoned(path: &Path) {
+    let Ok((folder, start)) = beside(path) else { return };
+    let start = start.to_string_lossy();
+    let is_abandoned = |entry: &DirEntry| {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let random = name.strip_prefix(&*start).and_then(|rest| rest.strip_suffix(PART));
+        let is_random = |r: &str| r.len() == RANDOM && r.bytes().all(|b| b.is_ascii_alphanumeric());
+        let age = entry.metadata().and_then(|m| m.modified()).ok().and_then(|t| t.elapsed().ok());
+        random.is_some_and(is_random) && age.is_some_and(|age| age > ABANDONED)
+    };
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    for entry in entries.filter(is_abandoned) {
+        let _ = std::fs::remove_file(entry.path());
+    }
 }
 
 #[cfg(test)]
@@ -153,7 +186,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.txt");
         write(&path, b"old").expect("written");
-        let half = |out: &mut BufWriter<File>| {
+        let half = |out: &mut Out| {
             out.write_all(b"ne")?;
             out.flush()?;
             Err(Error::other("no more"))
@@ -165,6 +198,33 @@ mod tests {
         write(&path, b"new").expect("written");
         assert_eq!(std::fs::read(&path).expect("a file"), b"new");
         assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn what_killed_processes_left_is_removed_and_nothing_else() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        let old = std::time::SystemTime::now() - 2 * ABANDONED;
+        let abandoned = "a.exr.0123456789.part";
+        let others = [
+            "a.exr.9876543210.part",
+            "a.exr.012345678.part",
+            "b.exr.0123456789.part",
+            "a.exr.part",
+        ];
+        for name in [&[abandoned], &others[..]].concat() {
+            let file = std::fs::File::create(at(name)).expect("a file");
+            // The first of the others is being written.
+            if name != others[0] {
+                file.set_modified(old).expect("its time");
+            }
+        }
+        write(&at("a.exr"), b"new").expect("written");
+        let mut expected = [&["a.exr"], &others[..]].concat();
+        let mut left = names(folder.path());
+        expected.sort_unstable();
+        left.sort();
+        assert_eq!(left, expected);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use gi_core::bytes::{Reader, TOO_SHORT, Writer};
+use gi_core::bytes::{Reader, Writer, unseal};
 
 /// The part of a cache file that is specific to a technique.
 pub trait Body: Sized {
@@ -45,8 +45,7 @@ impl<B: Body> SavedCache<B> {
         out.u32(self.settings.len() as u32);
         out.raw(self.settings.as_bytes());
         self.body.write(&mut out);
-        out.u64(checksum(out.written()));
-        out.into_bytes()
+        out.seal()
     }
 
     /// Read the file that the user named.
@@ -74,10 +73,7 @@ impl<B: Body> SavedCache<B> {
                 B::VERSION
             ));
         }
-        let (summed, sum) = bytes.split_last_chunk().ok_or(TOO_SHORT)?;
-        if checksum(summed).to_le_bytes() != *sum {
-            return Err("it is damaged: its checksum is wrong".into());
-        }
+        unseal(bytes)?;
         let world = r.u64()?;
         let length = r.u32()? as usize;
         let settings = String::from_utf8_lossy(r.take(length)?).into_owned();
@@ -103,13 +99,6 @@ impl<B: Body> SavedCache<B> {
         }
         Ok(())
     }
-}
-
-/// FNV-1a with 64 bits. It detects damage, not manipulation.
-fn checksum(bytes: &[u8]) -> u64 {
-    bytes
-        .iter()
-        .fold(0xcbf2_9ce4_8422_2325, |h, &b| (h ^ u64::from(b)).wrapping_mul(0x100_0000_01b3))
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Save and load maps.
 //!
-//! A file starts with the line `gilab photons 3`. Little-endian numbers follow:
+//! A file starts with the line `gilab photons 4`. Little-endian numbers follow:
 //! - the hash of the scene (u64);
 //! - the sum of 1 if there is a caustic map, 2 if there are maps of media, and 4 if the dipole is used for solids (u32);
 //! - the maximum number of segments of a path, and the layout (u32 each);
@@ -8,12 +8,11 @@
 //!   [slide 25], and the number of segments);
 //! - for media: the number of paths (u64), the fraction of the scatterings that was stored (f32), the number of media (u32), and for
 //!   each medium the number of photons (u64) and the photons;
-//! - a checksum of everything before (u32).
+//! - a checksum of everything before (u64).
 //!
 //! Photons are in the order of their trees.
 
-use gi_core::bytes::{Reader, TOO_SHORT, Writer};
-use gi_core::rng::hash_words;
+use gi_core::bytes::{Reader, Writer, unseal};
 use gi_core::technique::Setting;
 
 use crate::map::{Layout, PhotonMap};
@@ -22,7 +21,7 @@ use crate::photon::{Payload, Photon, Rgbe};
 use crate::shoot::{Shot, Stored};
 use crate::volume::{VolumeMaps, VolumePhoton, VolumeShot};
 
-const MAGIC: &[u8] = b"gilab photons 3\n";
+const MAGIC: &[u8] = b"gilab photons 4\n";
 const RECORD: usize = 21;
 /// Flags of the maps.
 const CAUSTIC: u32 = 1;
@@ -117,17 +116,7 @@ pub(crate) fn to_bytes(
             write_photons(&mut out, photons.len(), photons.iter().map(stored));
         }
     }
-    out.u32(checksum(out.written()));
-    out.into_bytes()
-}
-
-/// A checksum.
-fn checksum(bytes: &[u8]) -> u32 {
-    bytes.chunks(4).fold(0, |sum, chunk| {
-        let mut word = [0; 4];
-        word[..chunk.len()].copy_from_slice(chunk);
-        hash_words(&[sum, u32::from_le_bytes(word)])
-    })
+    out.seal()
 }
 
 fn write_photons(out: &mut Writer, count: usize, photons: impl Iterator<Item = Stored>) {
@@ -146,12 +135,10 @@ fn write_photons(out: &mut Writer, count: usize, photons: impl Iterator<Item = S
 /// # Errors
 /// What is wrong with the file.
 pub(crate) fn from_bytes(bytes: &[u8]) -> Result<Saved, String> {
-    let rest = bytes.strip_prefix(MAGIC).ok_or("it is not a file of photons of this version")?;
-    let (_, end) = rest.split_last_chunk().ok_or(TOO_SHORT)?;
-    if checksum(&bytes[..bytes.len() - end.len()]) != u32::from_le_bytes(*end) {
-        return Err("the file is damaged: its checksum is wrong".into());
+    if !bytes.starts_with(MAGIC) {
+        return Err("it is not a file of photons of this version".into());
     }
-    let mut input = Reader::new(&rest[..rest.len() - end.len()]);
+    let mut input = Reader::new(&unseal(bytes)?[MAGIC.len()..]);
     let (world, maps, max_depth) = (input.u64()?, input.u32()?, input.u32()?);
     let layout = if input.u32()? == 1 { Layout::Fast } else { Layout::Jensen };
     let global = read_shot(&mut input)?;
@@ -281,10 +268,11 @@ mod tests {
         }
         // A count of 2^63, and a position that is no number, said to be right.
         let refused = |at: usize, bytes: &[u8]| {
-            let mut other = whole[..whole.len() - 4].to_vec();
-            other[MAGIC.len() + at..MAGIC.len() + at + bytes.len()].copy_from_slice(bytes);
-            other.extend(checksum(&other).to_le_bytes());
-            from_bytes(&other).err().unwrap_or_default()
+            let mut content = unseal(&whole).expect("it is whole").to_vec();
+            content[MAGIC.len() + at..MAGIC.len() + at + bytes.len()].copy_from_slice(bytes);
+            let mut other = Writer::default();
+            other.raw(&content);
+            from_bytes(&other.seal()).err().unwrap_or_default()
         };
         assert_eq!(refused(35, &[0x80]), "it ends too early");
         assert_eq!(refused(36, &f32::NAN.to_le_bytes()), "the position of a photon is not finite");

@@ -1,5 +1,4 @@
-use std::fs::File;
-use std::io::{BufWriter, Error, Seek, Write};
+use std::io::{Error, Seek, Write};
 use std::path::Path;
 
 use exr::block::lines::LineRefMut;
@@ -46,7 +45,7 @@ impl ImageFile {
 /// # Errors
 /// One line saying what could not be written, without the file's name.
 pub fn write_file(path: &Path, format: ImageFile, layers: &Layers) -> Result<(), String> {
-    let fill = |out: &mut BufWriter<File>| match format {
+    let fill = |out: &mut files::Out| match format {
         ImageFile::Exr => write_exr(out, layers).map_err(Error::other),
         ImageFile::Pfm => write_pfm(out, layers),
         ImageFile::Hdr => write_hdr(out, layers).map_err(Error::other),
