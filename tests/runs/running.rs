@@ -58,8 +58,8 @@ pub(crate) const PROGRAMS: [Program; 7] = [
     },
 ];
 
-/// Where a program is: in the target folder, which is that of this test. It is built if it is not there; in a test of the whole
-/// workspace it is.
+/// Where a program is: in the target folder of this test. A test of the whole workspace has built it. A program that is missing
+/// is built here, but one that is older than its code is not: `cargo build --workspace --bins` does that.
 pub(crate) fn path_of(program: &str) -> PathBuf {
     let test = std::env::current_exe().expect("this test has a file");
     let folder = test.parent().and_then(Path::parent).expect("target/PROFILE/deps");
