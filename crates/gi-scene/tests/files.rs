@@ -1,4 +1,4 @@
-//! Text, includes, defines, dialects, and what is said about mistakes.
+//! Text files, includes, defines, both Mitsuba formats, and error messages.
 
 mod common;
 
@@ -7,7 +7,7 @@ use gi_core::geometry::Geometry;
 use gi_scene::{Options, load};
 
 #[test]
-fn both_dialects_give_the_same_parts() {
+fn old_and_new_format_give_the_same_parts() {
     let new = scene(
         "<sensor type='perspective'><string name='fov_axis' value='y'/><float name='fov' value='30'/>
          <transform name='to_world'><lookat origin='0,0,5' target='0,0,0' up='0,1,0'/></transform></sensor>
@@ -55,13 +55,13 @@ fn names_are_substituted_and_overridden() {
         _ => panic!(),
     };
     assert_eq!([radius(&plain), radius(&changed)], [2.0, 3.0]);
-    assert_eq!(plain.integrator_max_depth, Some(7), "the longest known name is taken");
+    assert_eq!(plain.integrator_max_depth, Some(7), "the longest known name wins");
     assert_eq!(plain.presets["gi.ppm.alpha"], "0.7");
     assert_eq!(plain.presets["gi.seen"], "2");
     assert_eq!(changed.presets["gi.ppm.alpha"], "0.5");
     assert_eq!(changed.presets["gi.new"], "1");
     let notes: Vec<_> = changed.warnings.iter().filter(|w| w.contains("-D")).collect();
-    assert_eq!(notes, ["-D radd: the scene has no such name, did you mean `rad`?"]);
+    assert_eq!(notes, ["-D radd: the scene does not use this name, did you mean `rad`?"]);
     assert_ne!(plain.hash, changed.hash);
     assert_eq!(plain.hash, load(&path, &Options::default()).unwrap().hash);
 }
@@ -90,7 +90,7 @@ fn includes_are_read_in_place_and_may_not_loop() {
 }
 
 #[test]
-fn all_problems_are_shown_at_once_with_carets_and_proposals() {
+fn all_errors_are_shown_at_once_with_carets_and_suggestions() {
     let folder = Folder::new();
     let shown = folder.problems(
         "  <bsdf type=\"difuse\" id=\"grey\"/>\n  <shape type=\"cube\"><ref id=\"gray\"/></shape>\n  <shape type=\"sphere\">\n    <float name=\"radius\" value=\"wide\"/>\n  </shape>",
@@ -142,7 +142,7 @@ fn missing_files_are_listed_together() {
 }
 
 #[test]
-fn what_is_not_understood_is_ignored_with_a_note() {
+fn unknown_tags_and_parameters_are_ignored_with_a_warning() {
     let loaded = scene(
         "<shape type='sphere'>\n<float name='radus' value='3'/>\n<wibble name='a'/></shape>
          <integrator type='bdpt'/><sampler type='sobol'/>",
@@ -162,7 +162,7 @@ fn what_is_not_understood_is_ignored_with_a_note() {
 }
 
 #[test]
-fn wrong_case_is_found_with_a_note() {
+fn files_in_the_wrong_case_are_found_with_a_warning() {
     let folder = Folder::new();
     folder.write("Mesh/A.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     let body = "<shape type='obj'><string name='filename' value='mesh\\a.OBJ'/></shape>";
@@ -171,7 +171,7 @@ fn wrong_case_is_found_with_a_note() {
 }
 
 #[test]
-fn hostile_text_ends_in_an_error() {
+fn malicious_text_ends_in_an_error() {
     let folder = Folder::new();
     // Entities that multiply.
     let bomb = "<!DOCTYPE s [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;\">]><scene version='3.0.0'>&b;</scene>";
@@ -225,7 +225,7 @@ fn a_scene_cut_at_any_byte_never_panics() {
 }
 
 #[test]
-fn a_vertex_that_is_no_number_is_named() {
+fn a_vertex_that_is_not_finite_is_named() {
     let folder = Folder::new();
     folder.write("bad.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n");
     let shown =
@@ -242,7 +242,7 @@ fn comments_may_hold_two_dashes() {
         shown.contains("unknown shape `cuboid`") && shown.contains("scene.xml:3:27"),
         "{shown}"
     );
-    assert!(shown.contains("<!-- \u{e4} -- -->"), "the line is shown as it is: {shown}");
+    assert!(shown.contains("<!-- \u{e4} -- -->"), "the line is shown unchanged: {shown}");
 }
 
 #[test]
@@ -255,11 +255,11 @@ fn a_scene_may_begin_with_a_byte_order_mark() {
 }
 
 #[test]
-fn a_scene_of_another_dialect_is_refused() {
+fn a_scene_in_another_format_is_refused() {
     let folder = Folder::new();
     let shown = folder.problems("<sensor type='perspective'/><mesh type='obj'/><mesh type='obj'/>");
     assert!(
-        shown.contains("another dialect") && shown.ends_with("Mitsuba knows no <mesh>"),
+        shown.contains("not in Mitsuba's format") && shown.ends_with("Mitsuba has no <mesh>"),
         "{shown}"
     );
     let lit = folder.problems("<emitter type='point'/><mesh type='obj'/>");
@@ -268,7 +268,7 @@ fn a_scene_of_another_dialect_is_refused() {
 }
 
 #[test]
-fn a_file_that_git_lfs_has_not_fetched_is_named_as_such() {
+fn a_git_lfs_pointer_is_recognised() {
     let folder = Folder::new();
     let pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n";
     let all_say = |shown: String| {
@@ -293,7 +293,7 @@ fn a_file_that_git_lfs_has_not_fetched_is_named_as_such() {
 }
 
 #[test]
-fn a_radiance_picture_may_begin_with_any_program_s_name() {
+fn a_radiance_picture_may_start_with_the_name_of_any_program() {
     let folder = Folder::new();
     let file = "<string name='filename' value='a.hdr'/>";
     let body = format!("<emitter type='envmap'>{file}</emitter>");
@@ -311,7 +311,7 @@ fn a_radiance_picture_may_begin_with_any_program_s_name() {
 }
 
 #[test]
-fn what_an_integrator_asks_for_and_does_not_get_is_named() {
+fn ignored_requests_of_an_integrator_give_a_warning() {
     let warnings = |integrator: &str| {
         let sensor = "<sensor type='perspective'/>";
         let loaded = scene(&format!("{integrator}{sensor}<shape type='cube'/>"));

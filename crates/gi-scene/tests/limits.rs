@@ -1,4 +1,4 @@
-//! Numbers that no picture can be made with: each is refused, or noted and put right.
+//! Invalid numbers: each one is refused, or corrected with a warning.
 
 mod common;
 
@@ -7,12 +7,12 @@ use gi_core::texture::Texture;
 use gi_scene::{CameraOverride, Options, load};
 use glam::{Affine3A, Vec3};
 
-/// The problems of a scene of one line.
+/// The errors of a scene with this body.
 fn problems(body: &str) -> String {
     Folder::new().problems(body)
 }
 
-/// That a body fails at a place, saying `message`.
+/// Check that loading fails with `message` and `expected`.
 fn refused(body: &str, message: &str, expected: &str) {
     let shown = problems(body);
     assert!(shown.contains(message) && shown.contains(expected), "{body}\n{shown}");
@@ -38,7 +38,7 @@ const SENSOR: &str = "<sensor type='perspective'/>";
 const NAN: [f32; 3] = [1.0, f32::NAN, 1.0];
 
 #[test]
-fn a_size_of_ones_own_gives_no_false_warnings_about_the_film() {
+fn a_size_from_the_command_line_gives_no_false_warnings_about_the_film() {
     let scenes = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
     let mut count = 0;
     for entry in std::fs::read_dir(scenes).unwrap() {
@@ -58,7 +58,7 @@ fn a_size_of_ones_own_gives_no_false_warnings_about_the_film() {
 }
 
 #[test]
-fn a_size_of_ones_own_does_not_hide_the_films_mistakes() {
+fn a_size_from_the_command_line_does_not_hide_errors_of_the_film() {
     let folder = Folder::new();
     let text = "<scene version='3.0.0'><sensor type='perspective'><film type='hdrfilm'>
         <integer name='width' value='0'/></film></sensor><shape type='sphere'/></scene>";
@@ -90,7 +90,7 @@ fn a_texel_that_is_not_finite_is_named_with_its_file() {
 }
 
 #[test]
-fn negative_texels_of_light_are_zero_and_noted() {
+fn negative_texels_of_light_become_zero_with_a_warning() {
     let folder = Folder::new();
     folder.write("neg.pfm", pfm(&[[0.5; 3], [1.0, -1.0, 2.0]]));
     let picture = "<string name='filename' value='neg.pfm'/>";
@@ -111,7 +111,7 @@ fn negative_texels_of_light_are_zero_and_noted() {
 }
 
 #[test]
-fn a_picture_that_reflects_more_than_arrives_is_noted_once() {
+fn a_reflectance_picture_above_one_gives_one_warning() {
     let folder = Folder::new();
     folder.write("two.pfm", pfm(&[[0.5; 3], [1.0, 2.0, 2.0]]));
     let body = bsdf(
@@ -120,11 +120,11 @@ fn a_picture_that_reflects_more_than_arrives_is_noted_once() {
     );
     let loaded = folder.scene("3.0.0", &format!("{SENSOR}{body}")).unwrap();
     assert_eq!(loaded.warnings.len(), 1, "{:?}", loaded.warnings);
-    assert!(loaded.warnings[0].contains("outside of [0, 1]: 0.5 to 2"), "{:?}", loaded.warnings);
+    assert!(loaded.warnings[0].contains("outside [0, 1]: 0.5 to 2"), "{:?}", loaded.warnings);
 }
 
 #[test]
-fn a_filter_of_no_width_or_of_all_the_picture_is_refused() {
+fn a_filter_of_zero_or_huge_width_is_refused() {
     let film = |filter: &str| {
         format!(
             "<sensor type='perspective'><film type='hdrfilm'>{filter}</film></sensor>\
@@ -147,7 +147,7 @@ fn a_filter_of_no_width_or_of_all_the_picture_is_refused() {
 }
 
 #[test]
-fn light_below_zero_is_refused() {
+fn negative_light_is_refused() {
     let lights = [
         "<emitter type='point'><rgb name='intensity' value='1 -1 1'/></emitter>",
         "<emitter type='spot'><float name='intensity' value='-1'/></emitter>",
@@ -164,7 +164,7 @@ fn light_below_zero_is_refused() {
 }
 
 #[test]
-fn light_of_one_wavelength_is_not_taken_for_negative() {
+fn light_of_one_wavelength_is_not_refused_as_negative() {
     for light in ["480:0 490:1 500:0", "690:0 700:1 710:0"] {
         let body = format!(
             "<emitter type='constant'><spectrum name='radiance' value='{light}'/></emitter>"
@@ -186,13 +186,13 @@ fn numbers_that_would_overflow_later_are_refused() {
 }
 
 #[test]
-fn parameters_of_materials_outside_of_their_range_are_refused() {
+fn parameters_of_materials_outside_their_range_are_refused() {
     for (kind, name, value) in [
         ("dielectric", "int_ior", "1e10"),
         ("plastic", "int_ior", "0.01"),
         ("thindielectric", "ext_ior", "100"),
     ] {
-        refused(&bsdf(kind, &float(name, value)), "inside over outside", "expected 0.1 to 10");
+        refused(&bsdf(kind, &float(name, value)), "inside / outside", "expected 0.1 to 10");
     }
     for kind in ["roughconductor", "roughdielectric", "roughplastic"] {
         refused(&bsdf(kind, &float("alpha", "-0.1")), "`alpha` is -0.1", "expected 0 to 10");
@@ -203,7 +203,7 @@ fn parameters_of_materials_outside_of_their_range_are_refused() {
 }
 
 #[test]
-fn shares_outside_of_zero_to_one_and_huge_exponents_are_clamped_with_a_warning() {
+fn fractions_outside_zero_to_one_and_huge_exponents_are_clamped_with_a_warning() {
     let two = "<bsdf type='diffuse'/><bsdf type='null'/>";
     let bodies = [
         bsdf("mask", &format!("{}<bsdf type='diffuse'/>", float("opacity", "1.5"))),
@@ -217,7 +217,7 @@ fn shares_outside_of_zero_to_one_and_huge_exponents_are_clamped_with_a_warning()
 }
 
 #[test]
-fn parameters_of_cameras_and_skies_outside_of_their_range_are_refused() {
+fn parameters_of_cameras_and_skies_outside_their_range_are_refused() {
     let lens =
         |inner: &str| format!("<sensor type='thinlens'>{inner}</sensor><shape type='sphere'/>");
     refused(&lens(&float("aperture_radius", "-1")), "aperture_radius -1", "0 or more");
@@ -237,7 +237,7 @@ fn with_camera(camera: CameraOverride) -> Result<gi_scene::Loaded, String> {
 }
 
 #[test]
-fn a_camera_of_the_command_line_that_sees_nothing_is_refused() {
+fn an_invalid_camera_on_the_command_line_is_refused() {
     let none = CameraOverride::default();
     for fov in [0.0, -5.0, 180.0, f32::NAN] {
         let shown = with_camera(CameraOverride { fov: Some(fov), ..none }).unwrap_err();
@@ -258,7 +258,7 @@ fn a_camera_of_the_command_line_that_sees_nothing_is_refused() {
     assert!(with_camera(same).unwrap_err().contains("looks at itself"));
     assert!(with_camera(CameraOverride { up: Some(Vec3::ZERO), ..none }).is_err());
     let along = CameraOverride { up: Some(Vec3::Z), ..none };
-    assert!(with_camera(along).unwrap_err().contains("lies along the view"));
+    assert!(with_camera(along).unwrap_err().contains("is parallel to the view"));
     let above = CameraOverride { origin: Some(Vec3::Y), target: Some(Vec3::ZERO), ..none };
     let seen = with_camera(above).unwrap();
     assert!(seen.warnings[0].contains("looks along y"), "{:?}", seen.warnings);
@@ -268,7 +268,7 @@ fn a_camera_of_the_command_line_that_sees_nothing_is_refused() {
 #[test]
 fn the_command_line_moves_turns_and_zooms_the_camera_of_a_scene() {
     let folder = Folder::new();
-    // Mirrored and scaled, as exporters write sensors.
+    // A mirrored and scaled sensor, as exporters write them.
     let text = "<scene version='3.0.0'><sensor type='perspective'><float name='fov' value='30'/>
         <transform name='to_world'><scale x='-2' y='2' z='2'/>
         <lookat origin='1 2 5' target='0 0 0' up='0 1 0'/></transform></sensor>
@@ -279,13 +279,13 @@ fn the_command_line_moves_turns_and_zooms_the_camera_of_a_scene() {
     let none = CameraOverride::default();
     let own = seen(none).unwrap().camera;
     let near = |a: Affine3A, b: Affine3A| assert!(a.abs_diff_eq(b, 1e-5), "{a} is not {b}");
-    // Saying what the scene says changes nothing.
+    // Repeating the scene's own values changes nothing.
     let [origin, target] = [Vec3::new(1.0, 2.0, 5.0), Vec3::ZERO].map(Some);
     let same = CameraOverride { origin, target, up: Some(Vec3::Y), fov: Some(30.0) };
     let same = seen(same).unwrap().camera;
     near(same.to_world, own.to_world);
     assert_eq!(same.projection, own.projection);
-    // A place alone keeps the directions, a target alone the place.
+    // An origin alone keeps the directions; a target alone keeps the position.
     let moved = seen(CameraOverride { origin: Some(Vec3::ONE), ..none }).unwrap().camera.to_world;
     near(moved, Affine3A { translation: Vec3::ONE.into(), ..own.to_world });
     let turned = seen(CameraOverride { target: Some(Vec3::X), ..none }).unwrap().camera.to_world;
@@ -294,7 +294,7 @@ fn the_command_line_moves_turns_and_zooms_the_camera_of_a_scene() {
     assert!(view.abs_diff_eq(Vec3::new(0.0, -2.0, -5.0).normalize(), 1e-6), "{view}");
     assert!((turned.matrix3.determinant() - own.to_world.matrix3.determinant()).abs() < 1e-4);
     let here = CameraOverride { target: Some(Vec3::new(1.0, 2.0, 5.0)), ..none };
-    assert!(seen(here).unwrap_err().contains("where the camera stands"));
+    assert!(seen(here).unwrap_err().contains("is the position of the camera"));
     assert!(seen(CameraOverride { fov: Some(200.0), ..none }).unwrap_err().contains("--fov"));
 }
 
@@ -313,13 +313,13 @@ fn a_camera_moved_to_look_straight_down_needs_no_other_up() {
     let loaded = load(&path, &Options { camera, ..Options::default() }).unwrap();
     let axes = loaded.camera.to_world.matrix3;
     assert!(Vec3::from(axes.z_axis).abs_diff_eq(Vec3::NEG_Y, 1e-6), "{axes}");
-    // Where it looked before is up in the picture.
+    // The old viewing direction is up in the picture.
     assert!(Vec3::from(axes.y_axis).abs_diff_eq(Vec3::NEG_Z, 1e-6), "{axes}");
-    assert!(loaded.warnings.iter().any(|w| w.contains("--up says otherwise")));
-    // What the command line says to be up is an error there.
+    assert!(loaded.warnings.iter().any(|w| w.contains("--up changes that")));
+    // The same up direction is an error if the command line gives it.
     let camera = CameraOverride { up: Some(Vec3::Y), ..camera };
     let refused = load(&path, &Options { camera, ..Options::default() }).unwrap_err().to_string();
-    assert!(refused.contains("--up 0,1,0 lies along the view"), "{refused}");
+    assert!(refused.contains("--up 0,1,0 is parallel to the view"), "{refused}");
 }
 
 #[test]
@@ -344,7 +344,7 @@ fn mesh(name: &str, text: &str) -> Result<gi_scene::Loaded, String> {
 }
 
 #[test]
-fn normals_that_are_none_are_those_of_the_faces_and_noted() {
+fn invalid_normals_are_replaced_by_face_normals_with_a_warning() {
     let obj = |n: &str| format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn {n}\nf 1//1 2//1 3//2\n");
     let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
         property float z\nproperty float nx\nproperty float ny\nproperty float nz\nelement face 1\n\
@@ -381,7 +381,7 @@ fn vertices_so_far_away_that_areas_overflow_are_refused() {
 }
 
 #[test]
-fn shapes_of_no_size_are_named() {
+fn shapes_without_area_give_a_warning() {
     let warnings = |kind: &str, scale: &str| {
         let body = format!(
             "{SENSOR}<shape type='{kind}' id='it'><transform name='to_world'>\
@@ -393,12 +393,12 @@ fn shapes_of_no_size_are_named() {
         let shown = warnings(kind, "0");
         assert!(shown[0].contains("`it` has no area"), "{kind} {shown:?}");
     }
-    assert!(warnings("cube", "1 1 0")[0].contains("`it` is flattened"));
+    assert!(warnings("cube", "1 1 0")[0].contains("`it` is flat"));
     assert!(warnings("rectangle", "1 1 0").is_empty());
 }
 
 #[test]
-fn wrap_modes_that_are_read_otherwise_are_noted() {
+fn unsupported_wrap_modes_give_a_warning() {
     let warnings = |modes: &str| {
         let folder = Folder::new();
         folder.write("a.pfm", pfm(&[[0.5; 3]]));
@@ -420,18 +420,18 @@ fn wrap_modes_that_are_read_otherwise_are_noted() {
 }
 
 #[test]
-fn a_flattened_instance_is_noted() {
+fn a_flat_instance_gives_a_warning() {
     let body = format!(
         "{SENSOR}<shape type='shapegroup' id='g'><shape type='cube'/></shape>\
          <shape type='instance'><ref id='g'/><transform name='to_world'><scale value='1 1 0'/>\
          </transform></shape>"
     );
     let shown = scene(&body).warnings;
-    assert!(shown[0].contains("the instance is flattened"), "{shown:?}");
+    assert!(shown[0].contains("the instance is flat"), "{shown:?}");
 }
 
 #[test]
-fn an_environment_scaled_beyond_all_measure_is_refused() {
+fn an_environment_with_a_huge_scale_is_refused() {
     let folder = Folder::new();
     folder.write("a.pfm", pfm(&[[1e10; 3]]));
     let body = format!(
@@ -443,7 +443,7 @@ fn an_environment_scaled_beyond_all_measure_is_refused() {
 }
 
 #[test]
-fn a_library_with_light_below_zero_or_glass_that_is_none_is_refused() {
+fn a_library_with_negative_light_or_an_invalid_index_is_refused() {
     let folder = Folder::new();
     let obj = "mtllib a.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     let path = folder.write("a.obj", obj);

@@ -1,4 +1,4 @@
-//! What each plugin means, and its defaults.
+//! The meaning of each plugin, and its defaults.
 
 mod common;
 
@@ -52,7 +52,7 @@ fn diffuse_takes_colours_numbers_and_spectra() {
 
 #[test]
 fn a_measured_reflectance_has_mitsubas_colour() {
-    // Mitsuba 3.9.1: the same pairs under D65.
+    // Values from Mitsuba 3.9.1: the same pairs under D65.
     let inner = "<spectrum name='reflectance' value='400:0.2, 500:0.5, 600:0.9, 700:0.1'/>";
     let Material::Diffuse { reflectance } =
         material(&format!("<bsdf type='diffuse'>{inner}</bsdf>"))
@@ -66,7 +66,7 @@ fn a_measured_reflectance_has_mitsubas_colour() {
 }
 
 #[test]
-fn dielectrics_are_bk7_in_air_unless_said() {
+fn dielectrics_are_bk7_in_air_by_default() {
     let eta = |inner: &str| match material(&format!("<bsdf type='dielectric'>{inner}</bsdf>")) {
         Material::Dielectric { eta, roughness: None, .. } => eta,
         other => panic!("{other:?}"),
@@ -88,7 +88,7 @@ fn dielectrics_are_bk7_in_air_unless_said() {
 }
 
 #[test]
-fn a_conductor_without_a_material_is_a_mirror_now_and_was_copper_before() {
+fn a_conductor_without_a_material_is_a_mirror_or_copper_in_the_old_format() {
     let body = "<shape type='sphere'><bsdf type='conductor'/></shape>";
     let Material::Conductor { eta, k, .. } = of_only_shape(&scene(body)) else { panic!() };
     assert_eq!((eta, k), (Rgb::BLACK, Rgb::WHITE));
@@ -102,7 +102,7 @@ fn a_conductor_without_a_material_is_a_mirror_now_and_was_copper_before() {
 }
 
 #[test]
-fn plastics_are_polypropylene_and_linear_unless_said() {
+fn plastics_are_polypropylene_and_linear_by_default() {
     let Material::Plastic { eta, diffuse, specular, nonlinear, roughness: None } =
         material("<bsdf type='plastic'/>")
     else {
@@ -139,14 +139,14 @@ fn wrappers_hold_their_children() {
     assert_ne!(front, back);
     for (i, material) in loaded.parts.materials.iter().enumerate() {
         if let Material::Blend { first, second, .. } = material {
-            assert!(*first < i && *second < i, "children stand before their parents");
+            assert!(*first < i && *second < i, "children come before their parents");
         }
     }
     assert!(matches!(loaded.parts.materials[second], Material::TwoSided { .. }));
 }
 
 #[test]
-fn twosided_round_a_mask_changes_places_with_it() {
+fn twosided_around_a_mask_swaps_places_with_it() {
     let inside = "<bsdf type='twosided'><bsdf type='mask'><bsdf type='diffuse'/></bsdf></bsdf>";
     assert!(matches!(material(inside), Material::Mask { .. }));
     let glass = "<bsdf type='twosided'><bsdf type='dielectric'/></bsdf>";
@@ -154,7 +154,7 @@ fn twosided_round_a_mask_changes_places_with_it() {
 }
 
 #[test]
-fn a_mixture_is_a_nest_of_blends_whose_shares_are_the_weights() {
+fn a_mixture_becomes_nested_blends_with_the_same_weights() {
     let loaded = scene(
         "<shape type='cube'><bsdf type='mixturebsdf'><string name='weights' value='0.2, 0.3, 0.1'/>
          <bsdf type='diffuse'><rgb name='reflectance' value='1 0 0'/></bsdf>
@@ -219,8 +219,8 @@ fn a_cube_is_closed_and_faces_outward() {
 }
 
 #[test]
-fn mirrored_spheres_and_disks_have_mitsubas_normals() {
-    // Mitsuba 3.9.1: a mirrored sphere is turned inside out, a mirrored disk is not.
+fn mirrored_spheres_and_disks_have_the_normals_of_mitsuba() {
+    // In Mitsuba 3.9.1, a mirrored sphere is turned inside out, a mirrored disk is not.
     let flipped = |kind: &str| {
         let body = format!(
             "<shape type='{kind}'><transform name='to_world'><scale x='-1'/></transform></shape>"
@@ -238,7 +238,7 @@ fn mirrored_spheres_and_disks_have_mitsubas_normals() {
 }
 
 #[test]
-fn a_squeezed_sphere_becomes_a_closed_mesh() {
+fn a_deformed_sphere_becomes_a_closed_mesh() {
     let body = "<shape type='sphere'><transform name='to_world'><scale x='2'/></transform></shape>";
     let loaded = scene(body);
     let Geometry::Mesh(mesh) = &loaded.parts.shapes[0].geometry else { panic!() };
@@ -279,7 +279,7 @@ fn media_have_their_defaults_and_either_parametrisation() {
 }
 
 #[test]
-fn a_boundary_of_media_without_a_bsdf_was_invisible_in_the_old_dialect() {
+fn a_boundary_of_media_without_a_bsdf_is_invisible_in_the_old_format() {
     let body = "<shape type='sphere'><medium type='homogeneous' name='interior'/></shape>";
     assert!(matches!(of_only_shape(&old_scene(body)), Material::Null));
     assert!(matches!(of_only_shape(&scene(body)), Material::Diffuse { .. }));
@@ -332,14 +332,14 @@ fn sunsky_is_a_picture_and_a_disc() {
 }
 
 #[test]
-fn sensors_see_what_mitsubas_see() {
+fn sensors_see_the_same_as_in_mitsuba() {
     let fov = |inner: &str| {
         let film = "<film type='hdrfilm'><integer name='width' value='300'/><integer name='height' value='200'/></film>";
         let loaded = scene(&format!("<sensor type='perspective'>{inner}{film}</sensor>"));
         let Projection::Perspective { fov_x, .. } = loaded.camera.projection else { panic!() };
         fov_x.to_degrees()
     };
-    // Figures of Mitsuba 3.9.1.
+    // Values from Mitsuba 3.9.1.
     let along = |axis: &str| {
         fov(&format!("<float name='fov' value='40'/><string name='fov_axis' value='{axis}'/>"))
     };
@@ -370,7 +370,7 @@ fn groups_appear_through_instances() {
 }
 
 #[test]
-fn the_identity_of_the_world_is_that_of_its_things_not_of_its_camera() {
+fn the_hash_of_the_world_ignores_the_camera() {
     let world = |camera: &str, radius: f32, preset: &str| {
         let text = format!(
             "<scene version=\"3.0.0\">{preset}<integrator type=\"path\"/><sensor type=\"perspective\">{camera}</sensor>\
@@ -435,7 +435,7 @@ fn a_spot_with_a_picture_is_a_projector() {
 }
 
 #[test]
-fn principled_has_mitsubas_parameters() {
+fn principled_has_the_parameters_of_mitsuba() {
     let of = |kind: &str, inner: &str| material(&format!("<bsdf type='{kind}'>{inner}</bsdf>"));
     let Material::Principled(p) = of("principled", "") else { panic!() };
     assert!((p.eta - 1.5).abs() < 1e-6, "specular 0.5 is an index of 1.5: {}", p.eta);
@@ -460,7 +460,7 @@ fn principled_has_mitsubas_parameters() {
 }
 
 #[test]
-fn parameters_that_change_the_picture_and_are_ignored_are_named() {
+fn ignored_parameters_that_change_the_picture_give_a_warning() {
     let named = |body: &str, name: &str| {
         let shown = old_scene(body).warnings.join("\n");
         assert!(shown.contains(name), "{name}: {shown}");

@@ -12,7 +12,7 @@ use gi_core::texture::Texture;
 use crate::builder::Builder;
 use crate::document::{Class, Meaning, Node};
 
-/// The plugins that are understood.
+/// The supported plugins.
 const KNOWN: [&str; 24] = [
     "diffuse",
     "roughdiffuse",
@@ -40,11 +40,11 @@ const KNOWN: [&str; 24] = [
     "opacity",
 ];
 
-/// How deep materials may refer to each other: the builder recurses, and no scene comes near.
+/// Largest depth of nested materials. The builder is recursive, and no real scene comes near this depth.
 const MAX_NESTING: usize = 32;
 
 impl Builder<'_> {
-    /// The material of a bsdf, made when first asked for; black after a reported problem.
+    /// The material of a BSDF, built when first used; black if an error was reported.
     pub(crate) fn material(&mut self, node: Node<'_>) -> usize {
         if let Some(&known) = self.material_of.get(&node.id) {
             return known;
@@ -54,7 +54,7 @@ impl Builder<'_> {
             return self.black();
         }
         if self.open_materials.len() >= MAX_NESTING {
-            node.error("bsdfs are nested too deep", "");
+            node.error("bsdfs are nested too deeply", "");
             return self.black();
         }
         self.open_materials.push(node.id);
@@ -68,7 +68,7 @@ impl Builder<'_> {
         index
     }
 
-    /// Add a material to the table.
+    /// Add a material to the table and return its index.
     pub(crate) fn push_material(&mut self, material: Material, id: Option<String>) -> usize {
         let of = |index: &usize| self.transmits[*index];
         let transmits = match &material {
@@ -155,8 +155,8 @@ impl Builder<'_> {
         })
     }
 
-    /// What `bumpmap` and `normalmap` do about normals that face away: Mitsuba 3 repairs them unless told not to, earlier
-    /// versions had no such repair.
+    /// How `bumpmap` and `normalmap` treat normals that face away: Mitsuba 3 repairs them by default, earlier versions
+    /// never do.
     fn bent_normals(node: Node<'_>) -> BentNormals {
         let repaired = node.doc.version >= 3;
         BentNormals {
@@ -177,7 +177,7 @@ impl Builder<'_> {
     fn conductor(&mut self, node: Node<'_>) -> Option<Material> {
         let named = match node.text("material") {
             Some(name) => Some(ior::conductor_of(node, name)?),
-            // A conductor of no material is copper in Mitsuba 0.6 and a mirror in Mitsuba 3.
+            // The default conductor is copper in Mitsuba 0.6 and a perfect mirror in Mitsuba 3.
             None if node.doc.version == 0 => ior::conductor("Cu"),
             None => ior::conductor("none"),
         };
@@ -186,7 +186,7 @@ impl Builder<'_> {
             eta = node.color("eta", Meaning::Factor).unwrap_or(Rgb::BLACK);
             k = node.color("k", Meaning::Factor).unwrap_or(Rgb::WHITE);
         }
-        // What matters is the index relative to the outside.
+        // The material stores eta and k relative to the outside.
         let outside = ior::interface(node, "ext_eta").or_else(|| ior::interface(node, "ext_ior"));
         if let Some(outside) = outside {
             (eta, k) = (eta / outside, k / outside);
@@ -218,7 +218,7 @@ impl Builder<'_> {
         })
     }
 
-    /// The facets, if the plugin is the rough one.
+    /// The microfacet roughness, if the plugin is the rough one.
     fn roughness(&mut self, node: Node<'_>, rough: &str) -> Option<Roughness> {
         if node.plugin() != rough && node.plugin() != "pplastic" {
             return None;
@@ -246,8 +246,8 @@ impl Builder<'_> {
         Some(Roughness { distribution, alpha_u, alpha_v })
     }
 
-    /// A material that transmits light has two sides already; a mask round one that does not changes places
-    /// with `twosided`, which Mitsuba 3 wants innermost.
+    /// A BSDF that transmits light already has two sides. A mask around an opaque BSDF swaps places with `twosided`,
+    /// which must be innermost in Mitsuba 3.
     fn twosided(&mut self, node: Node<'_>) -> Option<Material> {
         let children = node.children(Class::Bsdf);
         let sides: Vec<usize> = children.iter().map(|n| self.material(*n)).collect();
@@ -268,7 +268,7 @@ impl Builder<'_> {
                 Some(Material::Mask { opacity, inner: self.push_material(solid, None) })
             }
             inside => {
-                node.warn("`twosided` round a bsdf that transmits light is ignored");
+                node.warn("`twosided` around a bsdf that transmits light is ignored");
                 Some(inside)
             }
         }

@@ -1,13 +1,13 @@
-//! Stanford PLY: text and both binary orders.
+//! Stanford PLY: text and both binary byte orders.
 
 use gi_core::geometry::Mesh;
 use glam::{Vec2, Vec3};
 
 use crate::bytes::{Bytes, TRUNCATED};
 
-/// A header is not longer than this.
+/// Largest header, bytes.
 const MAX_HEADER: usize = 1 << 16;
-/// A face has no more corners than this; a larger number is damage.
+/// Most corners of a face; a larger number means a damaged file.
 const MAX_CORNERS: u64 = 1 << 16;
 
 /// Read a mesh.
@@ -57,7 +57,7 @@ impl Kind {
 struct Property {
     name: String,
     kind: Kind,
-    /// The type of the number of entries, if this is a list.
+    /// The type of the list's length, if this is a list.
     list: Option<Kind>,
 }
 
@@ -86,13 +86,14 @@ impl Header {
         let mut rest = bytes;
         let mut line = || -> Result<Vec<String>, String> {
             let window = &rest[..rest.len().min(MAX_HEADER)];
-            let end = window.iter().position(|&b| b == b'\n').ok_or("the header has no end")?;
+            let end =
+                window.iter().position(|&b| b == b'\n').ok_or("the header is not terminated")?;
             let text = String::from_utf8_lossy(&rest[..end]).into_owned();
             rest = &rest[end + 1..];
             Ok(text.split_whitespace().map(str::to_owned).collect())
         };
         if line()? != ["ply"] {
-            return Err("it does not begin with `ply`".into());
+            return Err("it does not start with `ply`".into());
         }
         let mut format = None;
         let mut elements: Vec<Element> = Vec::new();
@@ -103,7 +104,7 @@ impl Header {
                 ["format", "binary_little_endian", _] => format = Some(Format::Little),
                 ["format", "binary_big_endian", _] => format = Some(Format::Big),
                 ["element", name, count] => {
-                    let count = count.parse().map_err(|_| format!("`{count}` is no count"))?;
+                    let count = count.parse().map_err(|_| format!("`{count}` is not a count"))?;
                     elements.push(Element {
                         name: (*name).to_owned(),
                         count,
@@ -130,7 +131,7 @@ impl Header {
     }
 }
 
-/// Numbers, one after the other.
+/// A sequence of numbers.
 enum Source<'a> {
     Text(std::str::SplitAsciiWhitespace<'a>, usize),
     Binary(Bytes<'a>),
@@ -166,7 +167,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// No element takes less than a byte: what a count that lies may make us allocate.
+    /// The number of elements to allocate. Every element takes at least one byte, so a false count cannot exhaust the memory.
     fn at_most(&self, count: u64) -> Result<usize, String> {
         let left = match self {
             Source::Text(_, len) => *len,
@@ -270,7 +271,7 @@ fn faces(e: &Element, source: &mut Source<'_>, mesh: &mut Mesh) -> Result<(), St
 
 fn skip(e: &Element, source: &mut Source<'_>) -> Result<(), String> {
     if e.properties.is_empty() {
-        return Ok(()); // nothing is stored, however many there are
+        return Ok(()); // elements without properties take no bytes
     }
     for _ in 0..source.at_most(e.count)? {
         for p in &e.properties {
@@ -345,7 +346,7 @@ mod tests {
     }
 
     #[test]
-    fn text_and_big_endian_are_read_as_well_with_whatever_else_they_hold() {
+    fn text_and_big_endian_files_with_other_properties_are_read_too() {
         let header = |format: &str| {
             format!(
                 "ply\nformat {format} 1.0\ncomment x\nelement vertex 4\nproperty double x\n\
@@ -392,7 +393,7 @@ mod tests {
     }
 
     #[test]
-    fn counts_that_lie_ask_for_no_memory() {
+    fn false_counts_allocate_no_memory() {
         let text = "ply\nformat binary_little_endian 1.0\nelement vertex 18446744073709551615\n\
             property float x\nproperty float y\nproperty float z\nend_header\nabc";
         assert!(parse(text.as_bytes(), false).unwrap_err().contains("elements in 3 bytes"));
