@@ -263,7 +263,7 @@ fn a_scene_in_another_format_is_refused() {
         "{shown}"
     );
     let lit = folder.problems("<emitter type='point'/><mesh type='obj'/>");
-    assert!(lit.contains("another dialect"), "{lit}");
+    assert!(lit.contains("not in Mitsuba"), "{lit}");
     assert!(load(&folder.write("a.xml", "<world><mesh/></world>"), &Options::default()).is_err());
 }
 

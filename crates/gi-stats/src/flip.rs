@@ -1,9 +1,9 @@
-//! FLIP: the difference that a person sees when flipping between two pictures \[Andersson20\], and its extension to
-//! high dynamic range \[Andersson21\]. 0 is no difference, 1 the largest.
+//! FLIP: the difference that a viewer perceives when flipping between two pictures \[Andersson20\], and its extension to
+//! high dynamic range \[Andersson21\]. 0 means no difference, 1 is the largest.
 
 use std::f64::consts::PI;
 
-/// Pixels a degree of visual angle on a 0.7 m wide 4K screen seen from 0.7 m, the authors' default.
+/// Pixels per degree of visual angle, for a 0.7 m wide 4K screen seen from 0.7 m: the authors' default.
 pub const PIXELS_PER_DEGREE: f64 = 67.020_643_276_582_26;
 
 type Color = [f64; 3];
@@ -16,7 +16,7 @@ struct Plane {
     values: Vec<f64>,
 }
 
-/// FLIP of two pictures in linear RGB, values clipped to [0, 1]: one number a pixel.
+/// FLIP of two pictures in linear RGB, clamped to [0, 1]: one number per pixel.
 ///
 /// # Panics
 /// If the pictures are not `width` times `height` RGB triples.
@@ -29,7 +29,7 @@ pub fn flip_ldr(
 ) -> Vec<f64> {
     assert!(
         picture.len() == 3 * width * height && reference.len() == picture.len(),
-        "two RGB pictures of one size"
+        "two RGB pictures of the same size"
     );
     let opponent = |p: &[f32]| -> [Plane; 3] {
         let colors: Vec<Color> = p
@@ -44,8 +44,8 @@ pub fn flip_ldr(
     color.into_iter().zip(feature).map(|(c, f)| c.powf(1.0 - f)).collect()
 }
 
-/// FLIP of two pictures in linear RGB of any range: the largest of LDR-FLIP over the exposures at which the
-/// reference can be looked at, tone-mapped as ACES does.
+/// FLIP of two pictures in linear RGB of any range: the largest LDR-FLIP over a range of exposures that suits the reference,
+/// tone-mapped like ACES.
 ///
 /// # Panics
 /// If the pictures are not `width` times `height` RGB triples.
@@ -98,7 +98,7 @@ fn exposures(reference: &[f32]) -> (f64, f64) {
     ((x / brightest).log2(), (x / median.max(1e-12)).log2())
 }
 
-/// Color difference in [0, 1]: filtered by what the eye resolves, compared in a perceptual space.
+/// Colour difference in [0, 1]: filtered by the eye's resolution, compared in a perceptual colour space.
 fn color_difference(test: &[Plane; 3], truth: &[Plane; 3], ppd: f64) -> Vec<f64> {
     /// Exponent, and the two points between which errors are stretched.
     const Q: f64 = 0.7;
@@ -128,7 +128,7 @@ fn resolve(plane: &Plane, channel: usize, ppd: f64) -> Plane {
     const GAUSSIANS: [[(f64, f64); 2]; 3] =
         [[(1.0, 0.0047), (0.0, 1e-5)], [(1.0, 0.0053), (0.0, 1e-5)], [(34.1, 0.04), (13.5, 0.025)]];
     let radius = (3.0 * (0.04 / (2.0 * PI * PI)).sqrt() * ppd).ceil() as i64;
-    // A Gaussian of the distance is a product over the axes; the sum of both is normalised as a whole.
+    // A 2D Gaussian is a product over the axes; the sum of both Gaussians is normalised as a whole.
     let mut total = 0.0;
     let mut sum = Plane { values: vec![0.0; plane.values.len()], ..plane.clone() };
     for (a, b) in GAUSSIANS[channel] {
@@ -146,7 +146,7 @@ fn resolve(plane: &Plane, channel: usize, ppd: f64) -> Plane {
     sum
 }
 
-/// Difference of edges and points in [0, 1].
+/// Difference of edges and points, in [0, 1].
 fn feature_difference(test: &Plane, truth: &Plane, ppd: f64) -> Vec<f64> {
     /// Width of the detector, degrees.
     const WIDTH: f64 = 0.082;
@@ -156,7 +156,7 @@ fn feature_difference(test: &Plane, truth: &Plane, ppd: f64) -> Vec<f64> {
     let across: Vec<f64> = (-radius..=radius).map(|i| gauss(i as f64)).collect();
     let along = |shape: &dyn Fn(f64) -> f64| -> Vec<f64> {
         let raw: Vec<f64> = (-radius..=radius).map(|i| shape(i as f64) * gauss(i as f64)).collect();
-        // Positive weights sum to one and negative ones to minus one, over the whole square.
+        // Over the whole square, the positive weights sum to one and the negative ones to minus one.
         let all: f64 = across.iter().sum();
         let plus: f64 = raw.iter().filter(|v| **v > 0.0).sum::<f64>() * all;
         let minus: f64 = -raw.iter().filter(|v| **v < 0.0).sum::<f64>() * all;
@@ -182,7 +182,7 @@ fn feature_difference(test: &Plane, truth: &Plane, ppd: f64) -> Vec<f64> {
     edges.into_iter().zip(points).map(|(e, p)| (e.max(p) / 2f64.sqrt()).sqrt()).collect()
 }
 
-/// Convolve along one axis, the border repeated outward. Whole rows are added at a time.
+/// Convolve along one axis, with the border pixels repeated outward. Whole rows are added at a time.
 fn convolve(plane: &Plane, kernel: &[f64], along_x: bool) -> Plane {
     let (w, h, radius) = (plane.width, plane.height, kernel.len() / 2);
     let row = |y: usize| &plane.values[y * w..(y + 1) * w];
@@ -203,7 +203,7 @@ fn convolve(plane: &Plane, kernel: &[f64], along_x: bool) -> Plane {
     Plane { values, ..*plane }
 }
 
-/// Linear Rec. 709 to XYZ, the matrix exact for the primaries' published chromaticities.
+/// Linear Rec. 709 to XYZ, computed exactly from the published chromaticities.
 const TO_XYZ: [Color; 3] = [
     [10_135_552.0 / 24_577_794.0, 8_788_810.0 / 24_577_794.0, 4_435_075.0 / 24_577_794.0],
     [2_613_072.0 / 12_288_897.0, 8_788_810.0 / 12_288_897.0, 887_015.0 / 12_288_897.0],
@@ -233,7 +233,7 @@ fn white() -> Color {
     to_xyz([1.0; 3])
 }
 
-/// Linear RGB to an opponent space that is linear in it, so that filtering there is filtering light.
+/// Linear RGB to an opponent space that is linear in RGB, so that filtering there filters light.
 fn to_opponent(rgb: Color) -> Color {
     let (c, w) = (to_xyz(rgb), white());
     let [x, y, z] = [c[0] / w[0], c[1] / w[1], c[2] / w[2]];
@@ -256,12 +256,12 @@ fn to_lab(xyz: Color) -> Color {
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
 
-/// Colors look less colorful where it is dark (Hunt's effect).
+/// Hunt's effect: colours look less colourful where it is dark.
 fn hunt([l, a, b]: Color) -> Color {
     [l, 0.01 * l * a, 0.01 * l * b]
 }
 
-/// City-block distance in lightness, Euclidean in color.
+/// City-block distance in lightness, Euclidean in colour.
 fn hyab(p: Color, q: Color) -> f64 {
     (p[0] - q[0]).abs() + (p[1] - q[1]).hypot(p[2] - q[2])
 }
@@ -270,7 +270,7 @@ fn hyab(p: Color, q: Color) -> f64 {
 mod tests {
     use super::*;
 
-    /// Two pictures by formula, with values up to `scale`.
+    /// Two computed pictures, with values up to `scale`.
     fn pictures(scale: f32) -> (Vec<f32>, Vec<f32>) {
         let (w, h) = (48usize, 32usize);
         let reference = |i: usize, k: usize| {
@@ -308,7 +308,7 @@ mod tests {
 
     #[test]
     fn agrees_with_the_authors_implementation() {
-        // Means of the published evaluator (1.7), which works in single precision, on the same pictures.
+        // Means from the authors' evaluator (1.7), which uses single precision, on the same pictures.
         let (test, truth) = pictures(1.0);
         let ldr = mean(&flip_ldr(&test, &truth, 48, 32, PIXELS_PER_DEGREE));
         assert!((ldr - LDR).abs() < 1e-6, "{ldr} is not {LDR}");
