@@ -1,5 +1,5 @@
-//! Collapses the binary tree into the wide tree: dynamic programming over the surface-area cost chooses which nodes to merge
-//! into one with eight children \[Ylitie17\].
+//! Collapses the binary tree into the wide tree: dynamic programming over the surface-area cost chooses which nodes to
+//! merge into one with eight children \[Ylitie17\].
 
 use std::ops::Deref;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -8,8 +8,8 @@ use super::input::{Input, PrimRef};
 use super::layout::{LANES, LEAF_BLOCKS, WIDTH};
 use super::optimise::BinaryNode;
 
-/// Cost of testing one block of triangles, relative to testing the eight boxes of a node. Tuned with the benchmark. It is lower
-/// than the time of a test, because large leaves also make the tree smaller, which causes fewer cache misses.
+/// Cost of testing one block of triangles, relative to testing the eight boxes of a node. Tuned with the benchmark. It
+/// is lower than the time of a test, because large leaves also make the tree smaller, which causes fewer cache misses.
 const BLOCK_COST: f32 = 0.3;
 /// Cost of testing one solid.
 const SOLID_COST: f32 = 1.0;

@@ -6,7 +6,7 @@ use super::layout::Tree;
 use super::portable;
 use crate::ray::{Hit, Ray};
 
-/// An instruction set that a kernel exists for.
+/// An instruction set with its own kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Isa {
     /// Plain Rust.

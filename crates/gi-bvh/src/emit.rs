@@ -167,7 +167,8 @@ fn write_node(listed: &Listed, nodes: &[BinaryNode], pad: f32) -> Node {
 
 /// For each of eight numbers, the count of larger ones; nearly equal numbers are ordered by position.
 fn ranks(along: [f32; WIDTH]) -> [u32; WIDTH] {
-    // Integers that sort like the floats, with the position in the low bits: gives a permutation, and compares in SIMD lanes.
+    // Integers that sort like the floats, with the position in the low bits: gives a permutation, and compares in SIMD
+    // lanes.
     let key = |s: usize| {
         let bits = along[s].to_bits() as i32;
         (bits ^ ((bits >> 31) as u32 >> 1) as i32) & !7 | s as i32

@@ -11,8 +11,8 @@ pub(super) const LEAF_BLOCKS: usize = 8;
 
 /// Largest depth of nodes that the builder creates; see [`STACK`].
 pub(super) const MAX_DEPTH: u32 = 70;
-/// Entries of a traversal stack. Each level leaves at most seven children waiting, each push writes eight words, and one
-/// entry is the sentinel.
+/// Entries of a traversal stack. Each level leaves at most seven children waiting, each push writes eight words, and
+/// one entry is the sentinel.
 pub(super) const STACK: usize = 512;
 const _: () = assert!(MAX_DEPTH as usize * (WIDTH - 1) + WIDTH + 1 < STACK);
 
@@ -102,8 +102,8 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// Check what the kernels rely on, and return the depth. Every word must point inside its array, and children must come after
-    /// their parents, so that a traversal ends and the stack is large enough.
+    /// Check what the kernels rely on, and return the depth. Every word must point inside its array, and children must
+    /// come after their parents, so that a traversal ends and the stack is large enough.
     pub(super) fn checked_depth(&self) -> u32 {
         assert!(!self.nodes.is_empty() && !self.blocks.is_empty());
         let mut depth = vec![1u32; self.nodes.len()];

@@ -1,10 +1,11 @@
 //! Ray tracing: an 8-wide bounding volume hierarchy with full-precision boxes over blocks of four triangles.
 //! It is the only crate of the project with unsafe code, which the vector kernels need.
 //!
-//! The build splits by the binned surface-area heuristic (`sah`), cuts large triangles and reinserts subtrees (`optimise`),
-//! collapses to eight children by dynamic programming (`collapse`) and writes the tree (`emit`). A kernel for the current
-//! processor traverses it (`dispatch`). Triangles are watertight: no ray passes through a shared edge. Every box is padded by
-//! a tiny fraction of the scene's size, more than the rounding errors of the box and triangle tests.
+//! The build splits by the binned surface-area heuristic (`sah`), cuts large triangles and reinserts subtrees
+//! (`optimise`), collapses to eight children by dynamic programming (`collapse`) and writes the tree (`emit`). A kernel
+//! for the current processor traverses it (`dispatch`). Triangles are watertight: no ray passes through a shared edge.
+//! Every box is padded by a tiny fraction of the scene's size, more than the rounding errors of the box and triangle
+//! tests.
 //!
 //! Spheres, disks, cylinders and instances are leaves of the same tree; they cost nothing in a scene of triangles only.
 
@@ -46,8 +47,8 @@ use ray::{Hit, Ray};
 use sah::Method;
 use tame::{REACH, Tamed, is_tame};
 
-/// Padding of every box, relative to the largest coordinate. It covers the rounding of the slab and triangle tests for ray
-/// origins within [`REACH`] times that coordinate.
+/// Padding of every box, relative to the largest coordinate. It covers the rounding of the slab and triangle tests for
+/// ray origins within [`REACH`] times that coordinate.
 const PAD: f32 = 1.0 / 1_048_576.0;
 
 /// A triangle to build the tree from.
@@ -119,8 +120,8 @@ pub struct Bvh {
 }
 
 impl Bvh {
-    /// Build a tree; the result does not depend on the number of threads. Primitives that cannot be hit (triangles without area,
-    /// spheres of radius 0) are allowed. A tree without primitives is never hit.
+    /// Build a tree; the result does not depend on the number of threads. Primitives that cannot be hit (triangles
+    /// without area, spheres of radius 0) are allowed. A tree without primitives is never hit.
     pub fn build(triangles: &[Triangle], solids: &[(Solid, u32)]) -> Result<Bvh, BuildError> {
         let bvh = Self::build_by(Method::Cheapest, triangles, solids)?;
         if bvh.depth <= MAX_DEPTH {

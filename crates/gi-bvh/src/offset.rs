@@ -9,9 +9,9 @@ use crate::ray::Ray;
 /// Distance of a ray's origin from its surface, relative to the point's largest coordinate.
 const LIFT: f32 = 1.0 / 262_144.0;
 /// Points closer to the world's origin than this fraction of the scene's largest coordinate are offset as if they were
-/// that far away: their coordinates are tiny, but the rounding error of a large triangle at these points is not. Measured on a
-/// tilted floor through the origin: 1/16 leaves no self-intersection, 1/32 leaves a few in 10^5, and without this limit
-/// every third ray hits its own surface.
+/// that far away: their coordinates are tiny, but the rounding error of a large triangle at these points is not.
+/// Measured on a tilted floor through the origin: 1/16 leaves no self-intersection, 1/32 leaves a few in 10^5, and
+/// without this limit every third ray hits its own surface.
 const CLOSEST: f32 = 1.0 / 16.0;
 
 impl Bvh {
@@ -21,15 +21,15 @@ impl Bvh {
         p.abs().max_element().max(self.reach * (CLOSEST / REACH)) * LIFT
     }
 
-    /// The surface point `p`, moved along its unit geometric normal `ng` to the side of `toward`. A ray from there does not hit
-    /// the surface that it leaves, if `p` was computed from barycentric coordinates.
+    /// The surface point `p`, moved along its unit geometric normal `ng` to the side of `toward`. A ray from there does
+    /// not hit the surface that it leaves, if `p` was computed from barycentric coordinates.
     #[inline]
     pub fn offset_origin(&self, p: Vec3, ng: Vec3, toward: Vec3) -> Vec3 {
         p + ng * self.lift(p).copysign(ng.dot(toward))
     }
 
-    /// The ray from a surface point `p` with geometric normal `ng` to the point `q`, for t in (0, 1). It ends before `q`, by the
-    /// same offset as that of a ray that starts at `q`, so that the surface at `q` does not block it.
+    /// The ray from a surface point `p` with geometric normal `ng` to the point `q`, for t in (0, 1). It ends before
+    /// `q`, by the same offset as that of a ray that starts at `q`, so that the surface at `q` does not block it.
     #[inline]
     pub fn shadow_ray(&self, p: Vec3, ng: Vec3, q: Vec3) -> Ray {
         let o = self.offset_origin(p, ng, q - p);
@@ -39,9 +39,9 @@ impl Bvh {
         Ray { o, tmin: 0.0, d, tmax }
     }
 
-    /// The part of `ray` beyond a surface that it hit at parameter `t`. Origin, direction and end are unchanged, so that a segment
-    /// ends at the intended point however many surfaces it passes. It starts as far beyond the surface as
-    /// [`Bvh::offset_origin`] would, measured along the ray.
+    /// The part of `ray` beyond a surface that it hit at parameter `t`. Origin, direction and end are unchanged, so
+    /// that a segment ends at the intended point however many surfaces it passes. It starts as far beyond the surface
+    /// as [`Bvh::offset_origin`] would, measured along the ray.
     #[inline]
     pub fn beyond(&self, ray: &Ray, t: f32) -> Ray {
         let gap = self.lift(ray.at(t)) / ray.d.abs().max_element();

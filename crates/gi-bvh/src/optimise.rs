@@ -10,8 +10,8 @@ use rayon::prelude::*;
 use super::Triangle;
 use super::input::{Box4, PrimRef};
 
-/// A node of the binary tree, 32 bytes. If `prim_count` is 0, it is an inner node with its children at `first_index` and
-/// `first_index + 1`; otherwise a leaf with `prim_count` references from `first_index` on.
+/// A node of the binary tree, 32 bytes. If `prim_count` is 0, it is an inner node with its children at `first_index`
+/// and `first_index + 1`; otherwise a leaf with `prim_count` references from `first_index` on.
 pub(super) type BinaryNode = obvhs::bvh2::node::Bvh2Node;
 
 /// Zeroed nodes, as many as a binary tree with `leaves` one-reference leaves has.
@@ -19,7 +19,8 @@ pub(super) fn zeroed_nodes(leaves: usize) -> Vec<BinaryNode> {
     Bvh2::zeroed(leaves).nodes
 }
 
-/// Triangles are candidates for splitting if their boxes exceed this multiple of the mean half area: obvhs's own threshold.
+/// Triangles are candidates for splitting if their boxes exceed this multiple of the mean half area: obvhs's own
+/// threshold.
 const LARGE: f32 = 3.0;
 /// Number of summands of a partial sum; fixed, so that the mean does not depend on the number of threads.
 const CHUNK: usize = 1 << 13;
@@ -85,8 +86,8 @@ const REINSERTED: f32 = 0.05;
 /// Number of rounds, each with a smaller fraction: 1, 1/3, 1/5 ... Sixteen rounds give no faster tree.
 const ROUNDS: usize = 6;
 
-/// Move subtrees to better places \[Meister18\], the largest first. The candidates are chosen here, because the optimiser
-/// would only take them from the front of the array.
+/// Move subtrees to better places \[Meister18\], the largest first. The candidates are chosen here, because the
+/// optimiser would only take them from the front of the array.
 pub(super) fn reinsert(nodes: Vec<BinaryNode>) -> Vec<BinaryNode> {
     let all = (1..nodes.len() as u32).into_par_iter().filter(|&i| !is_hole(&nodes[i as usize]));
     let mut ranked: Vec<u64> = all.map(|i| rank(&nodes, i)).collect();

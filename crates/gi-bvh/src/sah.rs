@@ -1,4 +1,5 @@
-//! Builds the binary tree: splits top-down at the cheapest of a few planes per axis, by the surface-area heuristic \[Wald07\].
+//! Builds the binary tree: splits top-down at the cheapest of a few planes per axis, by the surface-area heuristic
+//! \[Wald07\].
 
 use super::bins::{Bins, Extent, Grid, partition};
 use super::input::{Input, PrimRef};

@@ -203,7 +203,8 @@ fn roots(a: f32, b: f32, c: f32, discriminant: f32) -> Option<[f32; 2]> {
     Some([c / q, q / a])
 }
 
-/// The discriminant is computed from the point of the line nearest to the centre \[Haines19\], which keeps precision for distant origins.
+/// The discriminant is computed from the point of the line nearest to the centre \[Haines19\], which keeps precision
+/// for distant origins.
 fn meet_sphere(ray: &Ray, center: Vec3, radius: f32) -> Option<(f32, f32, f32)> {
     let f = ray.o - center;
     let a = ray.d.length_squared();

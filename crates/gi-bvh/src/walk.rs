@@ -2,7 +2,7 @@
 
 use crate::ray::Ray;
 
-/// Smallest magnitude of a direction component: smaller ones are replaced, so that their reciprocal stays finite.
+/// Smaller direction components are replaced by this, so that their reciprocal stays finite.
 pub(super) const SMALLEST_STEP: f32 = 1e-18;
 
 /// The ray's reciprocal direction, octant, and the shear of the watertight triangle test \[Woop13\].
@@ -46,8 +46,8 @@ fn reciprocal(x: f32) -> f32 {
     if x.abs() < SMALLEST_STEP { (1.0 / SMALLEST_STEP).copysign(x) } else { 1.0 / x }
 }
 
-/// The axes in cyclic order, with the largest component of the direction last. Bit k of `larger`: component k is larger than
-/// the next. It is a table because directions are random, so branches on them are mispredicted.
+/// The axes in cyclic order, with the largest component of the direction last. Bit k of `larger`: component k is larger
+/// than the next. It is a table because directions are random, so branches on them are mispredicted.
 #[inline(always)]
 pub(super) fn main_axes(larger: usize) -> [usize; 3] {
     const X: [usize; 3] = [1, 2, 0];

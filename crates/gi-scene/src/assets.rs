@@ -1,4 +1,5 @@
-//! Mesh and picture files that a scene names. All names are collected first; then the files are read in parallel, each once.
+//! Mesh and picture files that a scene names. All names are collected first; then the files are read in parallel, each
+//! once.
 
 use std::collections::HashMap;
 use std::path::PathBuf;

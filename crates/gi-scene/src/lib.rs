@@ -2,8 +2,8 @@
 //! There is no second scene representation: the tree of properties is dropped once the scene is built.
 //!
 //! `document` turns text into typed properties with source positions. `assets` reads meshes and pictures in parallel.
-//! `build` makes materials, shapes and lights; the result is [`Loaded`]. A `diagnostics::Report` collects all errors, so that
-//! the user sees them at once.
+//! `build` makes materials, shapes and lights; the result is [`Loaded`]. A `diagnostics::Report` collects all errors,
+//! so that the user sees them at once.
 #![forbid(unsafe_code)]
 
 mod assets;

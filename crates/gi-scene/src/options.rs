@@ -21,8 +21,8 @@ pub struct Options {
     pub camera: CameraOverride,
 }
 
-/// Camera settings that override the scene's. If the scene has no camera (a bare `.obj`, for example), settings that are
-/// not given are chosen so that the whole scene is visible.
+/// Camera settings that override the scene's. If the scene has no camera (a bare `.obj`, for example), settings that
+/// are not given are chosen so that the whole scene is visible.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CameraOverride {
     /// Position.

@@ -15,7 +15,8 @@ const DEFAULT_SIZE: [usize; 2] = [768, 576];
 const MAX_SIZE: i64 = 1 << 15;
 /// Diagonal of 36 x 24 mm film, to which focal lengths refer, millimetres.
 const FILM_DIAGONAL: f32 = 43.266_615;
-/// Largest standard deviation of a Gaussian filter, pixels: a wider one only blurs, and each sample adds to thousands of pixels.
+/// Largest standard deviation of a Gaussian filter, pixels: a wider one only blurs, and each sample adds to thousands
+/// of pixels.
 const MAX_STDDEV: f32 = 4.0;
 /// Largest absolute value of Mitchell's parameters. They are useful in [0, 1]; far beyond, the weights cancel.
 const MAX_MITCHELL: f32 = 10.0;

@@ -11,8 +11,8 @@ const RANGE: (f32, f32) = (360.0, 830.0);
 /// Step of the quadrature, nanometres. The matching curves change over tens of nanometres.
 const STEP: f32 = 1.0;
 
-/// The equal-energy spectrum of value 1 in linear Rec. 709 (Mitsuba's figures, from the tabulated observer). Mitsuba 3 gives
-/// emission this colour if it is a single number.
+/// The equal-energy spectrum of value 1 in linear Rec. 709 (Mitsuba's figures, from the tabulated observer). Mitsuba 3
+/// gives emission this colour if it is a single number.
 pub(crate) const EQUAL_ENERGY: Rgb = Rgb::new(1.204_794, 0.948_291, 0.908_916);
 
 /// A spectrum as given in a scene.

@@ -30,7 +30,8 @@ impl BitmapFile {
         Ok(bitmap)
     }
 
-    /// The file and its options, from a `bitmap`'s properties. (Called twice: when files are collected and when they are used.)
+    /// The file and its options, from a `bitmap`'s properties. (Called twice: when files are collected and when they
+    /// are used.)
     pub(crate) fn of(node: Node<'_>, path: PathBuf) -> BitmapFile {
         let wrap = match node.text("wrap_mode").or(node.text("wrap_mode_u")) {
             Some("mirror") => Wrap::Mirror,

@@ -67,7 +67,8 @@ fn matrix(m: &[f32]) -> Result<Affine3A, String> {
     ))
 }
 
-/// A vector's direction and length. Lengths within rounding of one become one, so that a normalised vector is not changed.
+/// A vector's direction and length. Lengths within rounding of one become one, so that a normalised vector is not
+/// changed.
 pub(crate) fn unit(v: Vec3) -> (Vec3, f32) {
     const ROUNDING: f32 = 1e-6;
     let length = v.length();

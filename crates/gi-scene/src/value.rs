@@ -4,12 +4,12 @@ use gi_core::math::Rgb;
 use gi_core::texture::srgb_to_linear;
 use glam::Vec3;
 
-/// Longest list of numbers. It bounds the memory that one attribute can request, and no matrix or measured spectrum comes
-/// near it.
+/// Longest list of numbers. It bounds the memory that one attribute can request, and no matrix or measured spectrum
+/// comes near it.
 const MAX_NUMBERS: usize = 1 << 16;
 
-/// Largest number in a scene. Products of a few such numbers are still finite where it matters, and no real length or radiance
-/// comes near it.
+/// Largest number in a scene. Products of a few such numbers are still finite where it matters, and no real length or
+/// radiance comes near it.
 pub(crate) const MAX_NUMBER: f32 = 1e15;
 
 /// Split at commas and blanks.

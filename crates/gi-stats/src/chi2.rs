@@ -14,8 +14,8 @@ pub struct Chi2 {
 /// Cells with a smaller expected count are pooled.
 const LEAST_EXPECTED: f64 = 5.0;
 
-/// Pearson's test that `observed` counts were drawn in proportion to `expected`. These are expected counts, so their sum must
-/// be the number of draws, except for integration error and regions that the density does not cover.
+/// Pearson's test that `observed` counts were drawn in proportion to `expected`. These are expected counts, so their
+/// sum must be the number of draws, except for integration error and regions that the density does not cover.
 ///
 /// # Errors
 /// A count in a cell with expectation zero is impossible; the index of the cell is returned.

@@ -1,5 +1,5 @@
-//! FLIP: the difference that a viewer perceives when flipping between two pictures \[Andersson20\], and its extension to
-//! high dynamic range \[Andersson21\]. 0 means no difference, 1 is the largest.
+//! FLIP: the difference that a viewer perceives when flipping between two pictures \[Andersson20\], and its extension
+//! to high dynamic range \[Andersson21\]. 0 means no difference, 1 is the largest.
 
 use std::f64::consts::PI;
 
@@ -44,8 +44,8 @@ pub fn flip_ldr(
     color.into_iter().zip(feature).map(|(c, f)| c.powf(1.0 - f)).collect()
 }
 
-/// FLIP of two pictures in linear RGB of any range: the largest LDR-FLIP over a range of exposures that suits the reference,
-/// tone-mapped like ACES.
+/// FLIP of two pictures in linear RGB of any range: the largest LDR-FLIP over a range of exposures that suits the
+/// reference, tone-mapped like ACES.
 ///
 /// # Panics
 /// If the pictures are not `width` times `height` RGB triples.

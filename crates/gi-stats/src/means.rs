@@ -1,7 +1,8 @@
 use crate::running::Running;
 use crate::special::{beta_i, normal_two_sided};
 
-/// p-value of the hypothesis that two means are equal. The variances are those of the means, and must be known accurately.
+/// p-value of the hypothesis that two means are equal. The variances are those of the means, and must be known
+/// accurately.
 pub fn z_test(mean_a: f64, variance_a: f64, mean_b: f64, variance_b: f64) -> f64 {
     let sigma = (variance_a + variance_b).sqrt();
     if sigma == 0.0 {

@@ -92,7 +92,8 @@ mod tests {
 
     #[test]
     fn agrees_with_numpy() {
-        // The test pictures are the same single-precision formulas; the errors are computed from their definitions in double precision.
+        // Expected values: computed with numpy in double precision from the definitions of the errors, on the same
+        // pictures.
         let value = |i: u32, k: u32| (i * 7919 + k * 104_729) % 1009;
         let truth: Vec<f32> = (0..3072).map(|i| 0.004 * value(i, 1) as f32).collect();
         let picture: Vec<f32> =

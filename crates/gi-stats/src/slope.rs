@@ -1,7 +1,7 @@
 //! Convergence rate of an error.
 
-/// Least-squares line through points on logarithmic axes: its slope, and ln y at ln x = 0. `None` if there are fewer than two
-/// points, if all have the same x, or if a coordinate is not positive.
+/// Least-squares line through points on logarithmic axes: its slope, and ln y at ln x = 0. `None` if there are fewer
+/// than two points, if all have the same x, or if a coordinate is not positive.
 pub fn log_log_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let logs: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
     if logs.iter().any(|(x, y)| !(x.is_finite() && y.is_finite())) {

@@ -5,9 +5,9 @@ use crate::metrics::finite_pixels;
 /// Bias and variance of an estimator, for each value of the picture and for the whole picture.
 ///
 /// For K pictures with mean m and variance s^2, and a reference r, the expectation of (m - r)^2 is bias^2 + s^2 / K. So
-/// s^2 / K is subtracted, and also the variance of the reference if it is known. The estimate of bias^2 is then unbiased; it
-/// may be negative if the bias is close to zero. bias^2 + s^2 is exactly the mean squared error of the pictures, minus the
-/// reference's variance.
+/// s^2 / K is subtracted, and also the variance of the reference if it is known. The estimate of bias^2 is then
+/// unbiased; it may be negative if the bias is close to zero. bias^2 + s^2 is exactly the mean squared error of the
+/// pictures, minus the reference's variance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Split {
     /// Mean of the pictures minus the reference, for each value; 0 at excluded pixels.
@@ -16,8 +16,8 @@ pub struct Split {
     pub variance: Vec<f64>,
     /// Estimate of bias^2, averaged over the picture.
     pub mean_bias_sq: f64,
-    /// Standard error of `mean_bias_sq` by the jackknife over the pictures; needs at least three. It does not include the
-    /// reference's noise.
+    /// Standard error of `mean_bias_sq` by the jackknife over the pictures; needs at least three. It does not include
+    /// the reference's noise.
     pub mean_bias_sq_error: Option<f64>,
     /// Variance of one picture, averaged over the picture.
     pub mean_variance: f64,
@@ -70,8 +70,8 @@ pub fn split(
     })
 }
 
-/// Sums over all values of the mean of d_i d_j over all pairs i != j, which equals (m - r)^2 - s^2 / K: for all pictures, and
-/// without each one.
+/// Sums over all values of the mean of d_i d_j over all pairs i != j, which equals (m - r)^2 - s^2 / K: for all
+/// pictures, and without each one.
 struct Products {
     whole: f64,
     without: Vec<f64>,

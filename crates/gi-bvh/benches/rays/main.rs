@@ -1,11 +1,11 @@
 //! Traces single rays through generated meshes: compares this tree with others, as ratios from one run.
 //!
-//! `cargo bench -p gi-bvh --bench rays -- [MESH [RAYS]]`. With `--features embree` and `EMBREE_LIB=path[:path]`, it also
-//! runs Embree 3 or 4, and the ratios are then relative to Embree.
+//! `cargo bench -p gi-bvh --bench rays -- [MESH [RAYS]]`. With `--features embree` and `EMBREE_LIB=path[:path]`, it
+//! also runs Embree 3 or 4, and the ratios are then relative to Embree.
 //!
-//! For each chunk of rays, all tracers run in turn. Before its timed run, each tracer traces the neighbouring chunk, so that
-//! its own data is in the caches. Of several rounds, the smallest thread time counts. The reported ratio is the median of
-//! the ratios of all chunks.
+//! For each chunk of rays, all tracers run in turn. Before its timed run, each tracer traces the neighbouring chunk, so
+//! that its own data is in the caches. Of several rounds, the smallest thread time counts. The reported ratio is the
+//! median of the ratios of all chunks.
 
 #[cfg(feature = "embree")]
 mod embree;
@@ -204,7 +204,7 @@ fn compare(tracers: &mut [Tracer], rays: &Rays) -> Vec<usize> {
     count
 }
 
-/// The smallest seconds for each chunk, tracer and set of rays.
+/// Smallest time in seconds for each chunk, tracer and set of rays.
 fn time(tracers: &mut [Tracer], rays: &Rays) -> Vec<Vec<[f64; 3]>> {
     let chunk = CHUNK.min(rays.primary.len());
     let chunks = rays.primary.len() / chunk;

@@ -93,7 +93,8 @@ pub(super) unsafe fn push<const ANY: bool>(
     let mut top = 0;
     for order in node.order {
         let slot = (order >> wide.order_shift) as usize % WIDTH;
-        // SAFETY: at most eight entries are written. The entry of a child that is not hit is overwritten by the next one.
+        // SAFETY: at most eight entries are written. The entry of a child that is not hit is overwritten by the next
+        // one.
         unsafe {
             *words.add(top) = node.child[slot];
             *dists.add(top) = near[slot];

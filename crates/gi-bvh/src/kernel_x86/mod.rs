@@ -99,7 +99,8 @@ macro_rules! trace {
                     } else {
                         let (first, count) = leaf_range(word);
                         for k in first..first + count {
-                            // SAFETY: `Tree::checked_depth` has checked that every leaf word is a valid range of `blocks`.
+                            // SAFETY: `Tree::checked_depth` has checked that every leaf word is a valid range of
+                            // `blocks`.
                             let block = unsafe { tree.blocks.get_unchecked(k) };
                             any |= $triangles::<ANY>(block, &shear, &mut hit);
                             if ANY && any {
@@ -111,7 +112,8 @@ macro_rules! trace {
                         break;
                     }
                 }
-                // SAFETY: the sentinel at the bottom has an entry distance that is never beyond a hit, so the loop stops there.
+                // SAFETY: the sentinel at the bottom has an entry distance that is never beyond a hit, so the loop
+                // stops there.
                 word = unsafe {
                     loop {
                         top -= 1;

@@ -137,7 +137,8 @@ fn bounces_leave_the_triangle_they_start_on() {
     }
 }
 
-/// A tilted floor through the world's origin: the coordinates vanish there, but the rounding error of the point does not.
+/// A tilted floor through the world's origin: the coordinates vanish there, but the rounding error of the point does
+/// not.
 #[test]
 fn bounces_leave_a_tilted_floor_at_the_origin() {
     let turn = glam::Quat::from_rotation_z(0.3) * glam::Quat::from_rotation_x(0.7);

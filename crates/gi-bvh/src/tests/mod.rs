@@ -67,7 +67,8 @@ fn icosphere(levels: u32) -> Vec<Triangle> {
         triangles.push([Vec3::X * sign(0), Vec3::Y * sign(1), Vec3::Z * sign(2)]);
     }
     for _ in 0..levels {
-        // The sum of two corners does not depend on their order, so the triangles on both sides of an edge get the same point.
+        // The sum of two corners does not depend on their order, so the triangles on both sides of an edge get the same
+        // point.
         let middle = |a: Vec3, b: Vec3| (a + b).normalize();
         let cut = |t: &[Vec3; 3]| {
             let [a, b, c] = [middle(t[0], t[1]), middle(t[1], t[2]), middle(t[2], t[0])];

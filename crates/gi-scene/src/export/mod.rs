@@ -213,7 +213,8 @@ impl<'a> Exporter<'a> {
         xml.close();
     }
 
-    /// Write a file that the scene needs and return its name as used in the XML. `write` returns only the cause of a failure.
+    /// Write a file that the scene needs and return its name as used in the XML. `write` returns only the cause of a
+    /// failure.
     fn side_file(
         &mut self,
         extension: &str,

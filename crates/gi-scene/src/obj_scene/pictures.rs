@@ -96,7 +96,8 @@ fn arguments<'a>(option: &str, most: usize, mut rest: &'a str) -> (Vec<&'a str>,
     (words, rest)
 }
 
-/// Possible interpretations, the most likely first: names may contain blanks, look like options, or have comments after them.
+/// Possible interpretations, the most likely first: names may contain blanks, look like options, or have comments after
+/// them.
 fn readings(text: &str) -> Vec<Mapping<'_>> {
     let options = mapping(text);
     let with_name = |name| Mapping { name, ..mapping(text) };

@@ -15,7 +15,8 @@ const DEFAULT_IOR: f32 = 1.5;
 const DEFAULT_DIFFUSE: Rgb = Rgb::grey(0.5);
 
 impl Reader<'_> {
-    /// `illum` 3 and 5 are mirrors; 4, 6, 7 and 9 are glass; otherwise Phong where `Ks` > 0. All surfaces are two-sided.
+    /// `illum` 3 and 5 are mirrors; 4, 6, 7 and 9 are glass; otherwise Phong where `Ks` > 0. All surfaces are
+    /// two-sided.
     pub(super) fn material(&mut self, entry: &Entry) -> usize {
         let id = (!entry.name.is_empty()).then(|| entry.name.clone());
         let specular = entry.specular.unwrap_or(Rgb::BLACK);

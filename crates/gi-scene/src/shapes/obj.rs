@@ -16,8 +16,8 @@ const ABSENT: u32 = u32::MAX;
 pub(crate) struct Contents {
     /// The arguments of each `mtllib` statement, in order: one name or several.
     pub(crate) libraries: Vec<String>,
-    /// One mesh per material name, in order of first use; the name is `""` before the first `usemtl`. A mesh has no normals
-    /// unless all its corners have one.
+    /// One mesh per material name, in order of first use; the name is `""` before the first `usemtl`. A mesh has no
+    /// normals unless all its corners have one.
     pub(crate) meshes: Vec<(String, Mesh)>,
     /// Whether Mitsuba 3 reads the file like we do: it refuses negative indices.
     pub(crate) portable: bool,

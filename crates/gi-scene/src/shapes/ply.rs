@@ -167,7 +167,8 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The number of elements to allocate. Every element takes at least one byte, so a false count cannot exhaust the memory.
+    /// The number of elements to allocate. Every element takes at least one byte, so a false count cannot exhaust the
+    /// memory.
     fn at_most(&self, count: u64) -> Result<usize, String> {
         let left = match self {
             Source::Text(_, len) => *len,

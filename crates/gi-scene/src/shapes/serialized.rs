@@ -10,8 +10,8 @@ use crate::bytes::{Bytes, TRUNCATED};
 
 /// The first number of each mesh.
 const MAGIC: u16 = 0x041c;
-/// Largest inflated mesh: twenty million vertices with all their attributes. Real files are smaller, and a machine with a few
-/// gigabytes can still hold it.
+/// Largest inflated mesh: twenty million vertices with all their attributes. Real files are smaller, and a machine with
+/// a few gigabytes can still hold it.
 const MAX_INFLATED: u64 = 1 << 31;
 /// Number of bytes inflated at a time, so that memory grows with the actual data and not with a claimed count.
 const CHUNK: usize = 1 << 20;

@@ -16,8 +16,8 @@ pub(crate) fn face_the_normals(mesh: &mut Mesh) {
     }
 }
 
-/// Replace invalid vertex normals (zero, or not finite) by the mean normal of the adjacent faces, on the side of the other
-/// normals of these faces. Returns the number of replaced normals.
+/// Replace invalid vertex normals (zero, or not finite) by the mean normal of the adjacent faces, on the side of the
+/// other normals of these faces. Returns the number of replaced normals.
 pub(crate) fn replace_bad_normals(mesh: &mut Mesh) -> usize {
     const SHORTEST: f32 = 1e-6; // valid normals have unit length here
     let bad: Vec<bool> =

@@ -19,7 +19,8 @@ use sun::Moment;
 
 /// Size of the sky's picture. Its finest feature, the glow around the sun, is a few degrees wide.
 const SIZE: [usize; 2] = [512, 256];
-/// Integral of the luminosity curve over nanometres. The model's radiance contains this factor; ours and Mitsuba's do not.
+/// Integral of the luminosity curve over nanometres. The model's radiance contains this factor; ours and Mitsuba's do
+/// not.
 const LUMINOSITY_INTEGRAL: f32 = 106.750_26;
 /// Smallest angular radius of the sun: a sun of zero size would have infinite radiance.
 const SMALLEST_RADIUS: f32 = 1e-4;

@@ -66,9 +66,9 @@ const OUTSIDE: [f32; 3] = [24388.0, 22190.0, 20857.0];
 
 /// Vertical optical depth of the whole atmosphere, for turbidity 1 to 10.
 ///
-/// Fitted to the solar radiance of \[Hosek13\] as Mitsuba 3.9.1 computes it in RGB. Above 10 degrees of elevation, the error
-/// is at most 1.1 % for turbidities up to 6, and 3.5 % up to 10. Within a few degrees of the horizon, one number per channel
-/// no longer describes the absorption, and only the order of magnitude is right.
+/// Fitted to the solar radiance of \[Hosek13\] as Mitsuba 3.9.1 computes it in RGB. Above 10 degrees of elevation, the
+/// error is at most 1.1 % for turbidities up to 6, and 3.5 % up to 10. Within a few degrees of the horizon, one number
+/// per channel no longer describes the absorption, and only the order of magnitude is right.
 const DEPTH: [[f32; 3]; 10] = [
     [0.0685, 0.1385, 0.3127],
     [0.0779, 0.1488, 0.3225],
