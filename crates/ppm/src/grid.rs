@@ -1,8 +1,9 @@
 //! The photons of one pass in a grid.
 //!
-//! Photons are sorted into cubic cells. If their bounding box has few cells compared to the number of photons, the cells form an
-//! array, and the cells of a row along x are adjacent. Otherwise cells are hashed, and several may share a bucket. The build runs in
-//! parallel. The order is the same for any number of threads: by cell, and within a cell by path.
+//! Photons are sorted into cubic cells. If their bounding box has few cells compared to the number of photons, the
+//! cells form an array, and the cells of a row along x are adjacent. Otherwise cells are hashed, and several may share
+//! a bucket. The build runs in parallel. The order is the same for any number of threads: by cell, and within a cell by
+//! path.
 
 mod build;
 
@@ -92,7 +93,10 @@ impl Grid {
         layout: Layout,
     ) -> Self {
         let n = chunks.iter().map(Vec::len).sum::<usize>();
-        assert!(u32::try_from(n).is_ok(), "a pass of {n} photons is more than are counted here");
+        assert!(
+            u32::try_from(n).is_ok(),
+            "a pass of {n} photons exceeds the range of the grid's 32-bit indices"
+        );
         let empty = || vec![0.0; n];
         let mut grid = Grid {
             origin,
@@ -107,12 +111,12 @@ impl Grid {
         grid
     }
 
-    /// How many photons there are.
+    /// Number of photons.
     pub fn len(&self) -> usize {
         self.arrivals.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no photons.
     pub fn is_empty(&self) -> bool {
         self.arrivals.is_empty()
     }
@@ -138,7 +142,7 @@ impl Grid {
                     }
                 }
             }
-            // More cells than photons: scan all photons.
+            // The query covers more cells than there are photons: scan all photons.
             Layout::Hashed { .. } if extent.x * extent.y * extent.z >= self.len() as u64 => {
                 self.scan(0..self.len(), p, radius, visit);
             }
@@ -148,8 +152,8 @@ impl Grid {
                         for x in low.x..=high.x {
                             let cell = IVec3::new(x, y, z);
                             let bucket = self.layout.bucket(cell);
-                            // Other cells share the bucket, perhaps ones that this query visits too: of each visit
-                            // only the photons of its own cell count.
+                            // Other cells share the bucket, and this query may visit those too. So in each visit, only
+                            // the photons of the visited cell count.
                             let own = |at, a: &Arrival, d| {
                                 if self.cell_of(at) == cell {
                                     visit(at, a, d);
@@ -202,7 +206,7 @@ impl Grid {
         }
     }
 
-    /// The cell that a point lies in, wherever it is.
+    /// The cell that contains a point; its coordinates are outside the grid if the point is outside the box.
     #[inline]
     fn cell_at(&self, p: Vec3) -> IVec3 {
         ((p - self.origin) * self.inverse_cell).floor().as_ivec3()
@@ -222,7 +226,7 @@ fn bounds(chunks: &[Vec<Photon>]) -> Bounds {
     if bounds.is_empty() { Bounds::of([Vec3::ZERO]) } else { bounds }
 }
 
-/// Side of a cell, no smaller than floats can count, and the last cell along each axis.
+/// The side of a cell, large enough for floats to distinguish cells, and the last cell along each axis.
 fn cells(bounds: Bounds, cell: f32) -> (f32, IVec3) {
     let extent = bounds.extent();
     let cell = cell.max(extent.max_element() / MOST_CELLS).max(f32::MIN_POSITIVE);
@@ -235,7 +239,8 @@ mod tests {
     use gi_core::math::Rgb;
     use gi_core::rng::Pcg;
 
-    /// Photons on the walls of the unit cube and in a cluster, in uneven chunks; power is the photon's number.
+    /// Photons on the walls of the unit cube and in a cluster, in chunks of different sizes; the power is the photon's
+    /// index.
     fn photons(n: usize) -> Vec<Vec<Photon>> {
         let mut rng = Pcg::new(5, 1);
         let mut chunks = vec![Vec::new()];
@@ -270,7 +275,7 @@ mod tests {
         chunks.iter().flatten().filter(near).map(|q| q.arrival.power.r as u32).collect()
     }
 
-    /// Queries in and round the box of the photons, of radii from far below to far above a cell.
+    /// Test queries in and around the box of the photons, with radii from far below to far above the cell size.
     fn assert_finds_each_once(name: &str, grid: &Grid, chunks: &[Vec<Photon>]) {
         let mut rng = Pcg::new(9, 2);
         let mut total = 0;
@@ -279,7 +284,7 @@ mod tests {
             match case % 4 {
                 0 => p = p * 0.02 + Vec3::new(0.4, 0.0, 0.7),
                 1 => p[case % 3] = 1.0,
-                // Outside of the box, and still within reach of photons.
+                // Outside the box, but within reach of photons.
                 2 => p[case % 3] = 1.02,
                 _ => {}
             }
@@ -292,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn a_query_is_a_linear_scan_as_a_multiset() {
+    fn a_query_finds_the_same_photons_as_a_linear_scan() {
         let chunks = photons(6000);
         for cell in [0.5, 0.08, 0.01, 0.001] {
             let grid = Grid::build(&chunks, cell);
@@ -312,7 +317,8 @@ mod tests {
             let grid = Grid::with_layout(&chunks, bounds(&chunks).min, cell, last, layout);
             assert_finds_each_once(&format!("{} buckets", 1 << bits), &grid, &chunks);
         }
-        // With 16 buckets the 27 cells of a query must share some: without the check photons would count twice.
+        // With 16 buckets, some of the 27 cells of a query share a bucket: without the check, photons would count
+        // twice.
         let layout = Layout::Hashed { bits: 4 };
         let mut buckets: Vec<usize> = (0..27)
             .map(|k| layout.bucket(IVec3::new(4 + k % 3, 4 + k / 3 % 3, 4 + k / 9)))
