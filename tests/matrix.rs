@@ -1,36 +1,36 @@
-//! The agreement matrix: scenes that combine surfaces, maps, media, lights and places, in all programs that can reach their
-//! light. `cargo test matrix -- --nocapture` prints it.
+//! The agreement matrix: scenes that combine surfaces, maps, media, lights and places, rendered by all programs that
+//! can reach their light. `cargo test matrix -- --nocapture` prints it.
 //!
-//! Each scene is seen by the path tracer, the reference, and by every program named. Unbiased programs are held to it by a
-//! t-test. The others are held to within their method's bias: blur over a disc for photons, the accuracy of a cache, the
-//! error of a cut.
+//! Each scene is rendered by the path tracer, as the reference, and by every program that is listed. Unbiased programs
+//! are compared with it by a t-test. The others may differ by their method's bias: blur over a disc for photons, the
+//! accuracy of a cache, the error of a cut.
 
 use gi_core::film::{Film, Show};
 use gi_core::walk::focused;
 use gi_stats::{Running, welch_t_test};
 use gi_tests::{World, mean_and_variance};
 
-/// Probability below which a deviation is no chance. Seeds are fixed: a pass stays a pass.
+/// Probability below which a deviation is not due to chance. Seeds are fixed, so a test that passes keeps passing.
 const ALPHA: f64 = 1e-3;
-/// Digits that floats leave.
+/// Relative rounding error of floats.
 const ROUNDING: f64 = 1e-5;
 
-/// A scene, and how far programs may be from the reference.
+/// A scene, and the allowed differences from the reference.
 struct Row {
     name: &'static str,
     body: String,
-    /// What it is compared with.
+    /// The reference.
     truth: Truth,
-    /// Programs that are compared, with the bias that they may have, relative.
+    /// The programs to compare, each with its allowed relative bias.
     programs: Vec<(Program, f64)>,
 }
 
-/// What a scene's mean is compared with.
+/// The reference value of a scene's mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Truth {
-    /// A value that is known.
+    /// A known value.
     Exact(f64),
-    /// An unbiased program that reaches all of its light.
+    /// The result of an unbiased program that reaches all of its light.
     Of(Program),
 }
 
@@ -96,8 +96,9 @@ impl Program {
     }
 }
 
-/// What the photons' blur, the caches' interpolation and the cuts may do to the mean of a picture. Measured on the plain
-/// room they are within 1 %, 1 % and 0.5 %; a fault of the kinds that the matrix is for is several times as large.
+/// Allowed bias in the mean of a picture, from the blur of photons, the interpolation of caches and the error of cuts.
+/// In the plain room, the measured values are below 1 %, 1 % and 0.5 %. The errors that the matrix is meant to find are
+/// several times as large.
 const ALL: [(Program, f64); 8] = [
     (Light, 0.0),
     (Irrcache, 0.02),
@@ -116,7 +117,7 @@ fn camera(place: &str) -> String {
     )
 }
 
-/// A rectangle of half side `half` that faces up or down at height `y`.
+/// A rectangle with half side `half` that faces up or down at height `y`.
 fn sheet(half: f32, y: f32, up: bool, place: &str, inner: &str) -> String {
     let angle = if up { -90 } else { 90 };
     format!(
@@ -126,7 +127,7 @@ fn sheet(half: f32, y: f32, up: bool, place: &str, inner: &str) -> String {
 
 const GREY: &str = r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf>"#;
 
-/// A closed room with a lamp under the ceiling, and what else `rest` puts in; `place` moves all.
+/// A closed room with a lamp under the ceiling, and `rest` inside; `place` transforms everything.
 fn room_at(place: &str, rest: &str) -> String {
     let lamp = r#"<bsdf type="diffuse"><rgb name="reflectance" value="0"/></bsdf><emitter type="area"><rgb name="radiance" value="5"/></emitter>"#;
     format!(
@@ -140,7 +141,7 @@ fn room(rest: &str) -> String {
     room_at("", rest)
 }
 
-/// A floor under the lamp whose normals a map bends.
+/// A floor under the lamp with a normal map or bump map.
 fn bent(map: &str, inner: &str) -> String {
     let bsdf = match map {
         "height" => format!(
@@ -153,7 +154,7 @@ fn bent(map: &str, inner: &str) -> String {
     sheet(1.9, -1.2, true, "", &bsdf)
 }
 
-/// A row without light tracing, where few of its paths are seen.
+/// A row without light tracing, because only few of its paths reach the eye.
 fn but_light(mut row: Row) -> Row {
     row.programs.retain(|(program, _)| *program != Light);
     row
@@ -178,14 +179,15 @@ fn stacks() -> Vec<Row> {
         row("three null sheets before the lamp", stack(3, r#"<bsdf type="null"/>"#), &ALL),
         row("ten masks before the lamp", stack(10, mask), &ALL),
         row("lattice before the lamp", stack(1, lattice), &ALL),
-        // Light tracing does not see what panes mirror.
+        // Light tracing does not find the light that panes reflect.
         but_light(row("two panes before the lamp", stack(2, pane), &ALL)),
     ]
 }
 
 fn maps() -> Vec<Row> {
     let metal = r#"<bsdf type="roughconductor"><string name="material" value="none"/><float name="alpha" value="0.3"/></bsdf>"#;
-    // Radiance records know of a bent lobe's shadowing the mean alone, photons blur over the waves of the map.
+    // Radiance records include only the mean shadowing of a lobe with a normal map; photons blur over the waves of the
+    // map.
     let loose = |p: Program, bias: f64| match p {
         Radcache => 0.06,
         Photonmap => 0.05,
@@ -219,7 +221,8 @@ fn places() -> Vec<Row> {
     ]
 }
 
-/// A ball that scatters light in even light of 1: what it does not absorb comes back, so that it cannot be seen.
+/// A ball that scatters light, in constant light of 1: with albedo 1 all light comes out again, so the ball is
+/// invisible.
 fn media() -> Vec<Row> {
     let ball = |shape: &str| {
         format!(
@@ -245,8 +248,8 @@ fn media() -> Vec<Row> {
     ]
 }
 
-/// Pictures of a program, each with a seed of its own. Pixels of one picture share their photons, records or virtual
-/// lights, so that only pictures tell how far a mean varies.
+/// Number of pictures of a program, each with its own seed. Pixels of one picture share their photons, records or
+/// virtual lights, so the variance of a mean is estimated from several pictures.
 const SEEDS: u32 = 6;
 
 /// Means of the pictures of a program.
@@ -254,7 +257,8 @@ fn means(program: Program, world: &World, effort: u32) -> Vec<f64> {
     (0..SEEDS).map(|k| mean_and_variance(&program.render(world, effort, 70 + k)).0).collect()
 }
 
-/// Two halves of a hall, parted by a wall without thickness of this height out of 2; the lamp is in the other half.
+/// Two halves of a hall, separated by a wall without thickness. The hall is 2 high, and the wall is `wall` high; the
+/// lamp is in the other half.
 fn hall(wall: f32) -> String {
     let white = r#"<bsdf type="twosided"><bsdf type="diffuse"><rgb name="reflectance" value="0.7"/></bsdf></bsdf>"#;
     let side = |x: f32, y: f32, turn: &str, place: &str| {
@@ -280,7 +284,8 @@ fn hall(wall: f32) -> String {
     .concat()
 }
 
-/// Little light comes round the wall, from photons and records that are near and see another place.
+/// Little light comes around the wall. Photons and records on the other side are near, but they receive different
+/// light.
 fn slits() -> Vec<Row> {
     let programs = vec![
         (Light, 0.0),
@@ -294,7 +299,7 @@ fn slits() -> Vec<Row> {
     vec![Row { name: "slit above a wall", body: hall(1.9), truth: Truth::Of(Path), programs }]
 }
 
-/// A house in the sun, and a small ring on wide ground: edges, and light that goes astray.
+/// A house in the sun, and a small ball on wide ground: edges, and light that misses the visible part.
 fn outdoors() -> Vec<Row> {
     let sky = r#"<emitter type="constant"><rgb name="radiance" value="0.3"/></emitter>
         <emitter type="directional"><vector name="direction" x="0.4" y="-1" z="-0.3"/><rgb name="irradiance" value="2"/></emitter>"#;
@@ -319,12 +324,13 @@ fn outdoors() -> Vec<Row> {
     let row = |name, body| Row { name, body, truth: Truth::Of(Path), programs: ALL.to_vec() };
     vec![
         row("a house in the sun", scene(8.0, &thing("cube", 0.7, 0.7))),
-        // Of a hundred light paths from the sky one comes near the eye.
+        // Of a hundred light paths from the sky, only one comes near the eye.
         but_light(row("a small ball on wide ground", scene(40.0, &thing("sphere", 0.4, 0.4)))),
     ]
 }
 
-/// A lamp in a glass bulb behind the eye: paths from the eye find it rarely, and the programs that stand on them say so.
+/// A lamp in a glass bulb behind the eye. Paths from the eye rarely find it; programs that depend on such paths print a
+/// warning.
 fn bulbs() -> Vec<Row> {
     let bulb = r#"<shape type="sphere"><float name="radius" value="0.3"/><point name="center" x="0" y="1.2" z="1.5"/><bsdf type="dielectric"/></shape>
         <shape type="sphere"><float name="radius" value="0.02"/><point name="center" x="0" y="1.2" z="1.5"/><bsdf type="diffuse"/><emitter type="area"><rgb name="radiance" value="2000"/></emitter></shape>"#;
@@ -360,7 +366,8 @@ fn check(rows: Vec<Row>, effort: u32) {
             if (ratio - 1.0).abs() <= bias + ROUNDING {
                 continue;
             }
-            // Moved toward the reference by what bias may do, the rest must be chance.
+            // Allow for the bias first: move the mean toward the reference by it. The rest of the difference must be
+            // due to chance.
             let by = (bias * reference.mean()).copysign(1.0 - ratio);
             let moved: Running = values.into_iter().map(|v| v + by).collect();
             if welch_t_test(&moved, &reference) < ALPHA {
@@ -371,8 +378,8 @@ fn check(rows: Vec<Row>, effort: u32) {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// What the quick tests leave to the slow one: radcache where nothing is glossy, which is irrcache there to the bit, and
-/// volumetric paths where they are paths.
+/// Skip what only the slow test needs: radcache without glossy surfaces, where it equals irrcache bit for bit, and
+/// volumetric paths without media, where they equal paths.
 fn quick(mut rows: Vec<Row>) -> Vec<Row> {
     for row in &mut rows {
         let (glossy, sheets) = (row.name.contains("metal"), row.name.contains("null sheets"));
@@ -397,7 +404,7 @@ fn all_programs_agree_wherever_a_scene_lies_and_however_large_it_is() {
 }
 
 #[test]
-fn a_medium_is_inside_however_its_boundary_is_wound() {
+fn a_medium_is_inside_for_any_winding_of_its_boundary() {
     check(media(), 1);
 }
 
@@ -411,7 +418,7 @@ fn no_light_leaks_through_a_wall_without_thickness() {
     let world = World::of_xml(&hall(2.0));
     for program in [Path, Light, Irrcache, Radcache, Photonmap, Ppm, InstantRadiosity, Lightcuts] {
         let mean = mean_and_variance(&program.render(&world, 1, 5)).0;
-        // The lit half has 0.7.
+        // In the lit half, the mean is 0.7.
         assert!(mean < 5e-4, "{program:?}: {mean}");
     }
 }

@@ -1,4 +1,4 @@
-//! Progressive photon mapping against the truth and against itself.
+//! Compares progressive photon mapping with the path tracer and with itself.
 
 use gi_core::camera::CameraSpec;
 use gi_core::eye::PathLimits;
@@ -30,8 +30,8 @@ fn channel(film: &Film, name: &str) -> Vec<f64> {
     film.layers().channel(name).expect("a layer").iter().map(|v| f64::from(*v)).collect()
 }
 
-/// Mean squared difference of a layer of two pictures over the mean square of the second, less what the second's noise
-/// adds as it is known for the whole.
+/// Mean squared difference of a layer of two pictures, divided by the mean square of the second, minus the noise of the
+/// second, which is known for all light.
 fn relative_mse(film: &Film, reference: &Film, layer: &str) -> f64 {
     let (mut difference, mut square, mut noise) = (0.0, 0.0, 0.0);
     for c in ["R", "G", "B"] {
@@ -45,8 +45,8 @@ fn relative_mse(film: &Film, reference: &Film, layer: &str) -> f64 {
     (difference - noise) / square
 }
 
-/// The inside of a unit sphere of albedo one half round a point light of intensity pi: every scattering of its light
-/// adds half of what the one before did, and all of it is 1, everywhere.
+/// The inside of a unit sphere of albedo one half around a point light of intensity pi: each scattering of its light
+/// adds half as much as the one before, so indirect radiance is 1 everywhere.
 fn sphere_world() -> World {
     let shape = Shape { flip_normals: true, ..Shape::new("sphere", sphere(Vec3::ZERO, 1.0), 0) };
     let intensity = Rgb::grey(std::f32::consts::PI);
@@ -62,9 +62,9 @@ fn sphere_world() -> World {
 }
 
 #[test]
-fn a_lit_sphere_reads_one_in_the_mean_and_half_less_a_bounce_fewer() {
-    // A ball of radius r round a point of a sphere cuts off a cap of area pi r^2, whatever r: no bias at all. Photons are
-    // shared by pixels, so that the error of a picture's mean is known from seeds only.
+fn the_mean_of_a_lit_sphere_is_one_and_follows_the_geometric_series_with_max_depth() {
+    // A ball of radius r around a point of a sphere contains a cap of area pi r^2 for any r, so there is no bias at
+    // all. Pixels share photons, so the error of a picture's mean is estimated from seeds only.
     let world = sphere_world();
     let depths = [(None, 1.0), (Some(3), 0.75), (Some(2), 0.5)];
     for (k, method) in METHODS.into_iter().chain(METHODS).enumerate() {
@@ -81,8 +81,8 @@ fn a_lit_sphere_reads_one_in_the_mean_and_half_less_a_bounce_fewer() {
 }
 
 #[test]
-fn without_bias_the_error_falls_with_the_photons_that_stay() {
-    // In the sphere all error is noise: N^alpha photons carry it [slide 39], so MSE ~ passes^(-alpha).
+fn without_bias_the_error_falls_with_the_kept_photons() {
+    // In the sphere, the error is only noise. It depends on N^alpha photons [slide 39], so MSE ~ passes^(-alpha).
     let world = sphere_world();
     for alpha in [0.5, 0.8] {
         let params = Params { alpha, initial_radius: 0.15, ..with(Method::Sppm, 300) };
@@ -100,11 +100,11 @@ fn without_bias_the_error_falls_with_the_photons_that_stay() {
 }
 
 #[test]
-fn all_methods_agree_with_the_path_tracer_layer_by_layer_and_passes_bring_them_nearer() {
+fn all_methods_agree_with_the_path_tracer_in_each_layer_and_more_passes_reduce_the_error() {
     let world = World::load("cornell-spheres.xml", [32, 32], &[]);
     let reference = world.render::<PathTracer>(&Default::default(), 2048, 5, Show::All);
     for method in METHODS {
-        // What mirrors and glass show is frozen noise where hit points are found once: many of them.
+        // If hit points are found once, the noise in mirrors and glass is fixed, so use many hit points.
         let params = Params { hit_points: 64, ..with(method, 8192) };
         let error =
             |passes| relative_mse(&render(&world, &params, passes, 1, Show::All), &reference, "");
@@ -127,7 +127,7 @@ fn every_layer_has_the_same_bits_at_1_2_and_4_threads() {
     for method in METHODS {
         let bits = |threads: usize, seed: u32| -> Vec<(String, Vec<u32>)> {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            // More photons than one task walks.
+            // Use more photons than a single task traces.
             let film = pool
                 .expect("threads")
                 .install(|| render(&world, &with(method, 9000), 3, seed, Show::All));
@@ -136,7 +136,7 @@ fn every_layer_has_the_same_bits_at_1_2_and_4_threads() {
         };
         let one = bits(1, 7);
         assert!(bits(2, 7) == one && bits(4, 7) == one, "{method:?}");
-        assert!(bits(2, 8) != one, "{method:?}: the seed does nothing");
+        assert!(bits(2, 8) != one, "{method:?}: another seed gives the same picture");
     }
 }
 
@@ -162,7 +162,8 @@ fn a_scene_ten_times_as_large_gives_the_same_picture() {
         let picture =
             |scale| channel(&render(&read(scale), &with(method, 2000), 4, 3, Show::All), "G");
         let (one, other) = (picture(1.0), picture(10.0));
-        // The same random numbers: only rounding differs, but a path that it turns aside is another path.
+        // The random numbers are the same, so only rounding differs. A path that rounding diverts becomes a different
+        // path.
         let far =
             one.iter().zip(&other).filter(|(a, b)| (*a - *b).abs() > 1e-3 * a.abs().max(0.01));
         let far = far.count();
@@ -171,8 +172,8 @@ fn a_scene_ten_times_as_large_gives_the_same_picture() {
 }
 
 #[test]
-fn the_film_holds_what_the_statistics_say() {
-    // With hit points that do not move and a box filter, the film's photon light is tau / (pi R^2 n) [slides 41, 42].
+fn the_film_agrees_with_the_statistics() {
+    // With fixed hit points and a box filter, the film's light from photons is tau / (pi R^2 n) [slides 41, 42].
     let world = sphere_world();
     let params = Params { trace_pixels: vec![[5, 6]], ..with(Method::Ppm, 900) };
     let (technique, film) = world.run::<Ppm>(&params, 9, 1, Show::All);
@@ -191,7 +192,7 @@ fn the_film_holds_what_the_statistics_say() {
 }
 
 #[test]
-fn what_is_kept_does_not_grow_with_the_passes() {
+fn memory_does_not_grow_with_the_passes() {
     let world = sphere_world();
     for method in METHODS {
         let kept = |passes| {
@@ -203,8 +204,8 @@ fn what_is_kept_does_not_grow_with_the_passes() {
 }
 
 #[test]
-fn hit_points_that_are_found_once_do_not_answer_for_gloss() {
-    // The silver ball is followed by rays: in every pass anew by sppm; once and for all, to one point, by ppm.
+fn hit_points_that_are_found_once_miss_most_glossy_reflections() {
+    // Rays follow the silver ball's reflection: in each pass anew with sppm, but only once, to one point, with ppm.
     let world = World::load("cornell-glossy.xml", [32, 32], &[]);
     let reference = world.render::<PathTracer>(&Default::default(), 1024, 5, Show::All);
     let error = |method| {
@@ -216,11 +217,11 @@ fn hit_points_that_are_found_once_do_not_answer_for_gloss() {
 }
 
 #[test]
-fn a_caustic_comes_out_as_light_tracing_has_it_and_passes_bring_it_nearer() {
+fn a_caustic_agrees_with_light_tracing_and_more_passes_reduce_the_error() {
     let world = World::load("ring.xml", [32, 32], &[]);
     let light = pathtrace::Params { mode: Mode::Light, ..Default::default() };
     let reference = world.render::<PathTracer>(&light, 1024, 5, Show::Caustic);
-    // Light tracing does not see what the ring mirrors: the table alone counts.
+    // Light tracing does not find the light that the ring reflects, so only the table is compared.
     let table: Vec<bool> = channel(&reference, "N.Y").into_iter().map(|n| n > 0.9999).collect();
     let of_table = |film: &Film| -> Vec<f64> {
         let g = channel(film, "G").into_iter().zip(&table);
@@ -228,7 +229,7 @@ fn a_caustic_comes_out_as_light_tracing_has_it_and_passes_bring_it_nearer() {
     };
     let truth = of_table(&reference);
     for method in METHODS {
-        // The caustic's edge is finer than a pixel: one hit point would be one sample of it.
+        // The edge of the caustic is finer than a pixel, so one hit point per pixel is not enough.
         let params = Params { initial_radius: 0.02, hit_points: 32, ..with(method, 16384) };
         let [first, .., last] = [2, 8, 32].map(|passes| {
             let film = of_table(&render(&world, &params, passes, 2, Show::Caustic));
@@ -236,14 +237,14 @@ fn a_caustic_comes_out_as_light_tracing_has_it_and_passes_bring_it_nearer() {
             let ratio = film.iter().sum::<f64>() / truth.iter().sum::<f64>();
             (error / truth.iter().map(|v| v * v).sum::<f64>(), ratio)
         });
-        // The disc reaches over the ring's foot and into its wall: some light is counted that is not there.
+        // The disc extends over the foot of the ring and into its wall, so some wrong light is counted there.
         assert!(last.0 < 0.5 * first.0 && last.0 < 0.1, "{method:?}: {first:?}, {last:?}");
         assert!((last.1 - 1.0).abs() < 0.06, "{method:?}: {last:?}");
     }
 }
 
 #[test]
-fn coats_too_sharp_for_photons_are_followed_and_nothing_is_lost_or_counted_twice() {
+fn rays_follow_coats_too_sharp_for_photons_and_no_light_is_lost_or_counted_twice() {
     let roughness = |alpha| Roughness {
         distribution: Distribution::Ggx,
         alpha_u: Texture::grey(alpha),
@@ -272,7 +273,7 @@ fn coats_too_sharp_for_photons_are_followed_and_nothing_is_lost_or_counted_twice
 }
 
 #[test]
-fn light_through_glass_onto_what_is_seen_through_glass_is_found() {
+fn light_through_glass_onto_surfaces_seen_through_glass_is_found() {
     // A large lamp, so that the path tracer finds it too.
     let world = World::load("torus-in-glass.xml", [24, 24], &[("lamp", "0.9")]);
     let reference = world.render::<PathTracer>(&Default::default(), 1024, 5, Show::Caustic);
@@ -283,11 +284,12 @@ fn light_through_glass_onto_what_is_seen_through_glass_is_found() {
         .collect();
     let p = z_test(truth, variance, means.mean(), means.variance_of_mean());
     assert!(p > ALPHA, "{truth} against {}: p = {p:.1e}", means.mean());
-    // And it is known well enough: the square of the index, or a kind counted twice, would be far outside.
+    // The uncertainty is small enough to detect a factor of the squared index, or light that is counted twice.
     assert!(variance + means.variance_of_mean() < (0.05 * truth).powi(2));
 }
 
-/// Squared error over the table of the ring's caustic after 8, 32, 128 and 512 passes: its slope over passes.
+/// The slope of the squared error over the table with the ring's caustic against passes, from 8, 32, 128 and 512
+/// passes.
 fn slope_on_the_caustic(world: &World, reference: &Film, alpha: f64, seed: u32) -> f64 {
     let (truth, normal) = (channel(reference, "G"), channel(reference, "N.Y"));
     let noise = channel(reference, "Variance.G");
@@ -311,15 +313,16 @@ fn slope_on_the_caustic(world: &World, reference: &Film, alpha: f64, seed: u32) 
 
 #[test]
 #[ignore = "slow: thousands of passes"]
-fn on_a_caustic_the_error_falls_as_the_theory_says() {
+fn on_a_caustic_the_error_falls_as_in_theory() {
     let world = World::load("ring.xml", [48, 48], &[]);
     let light = pathtrace::Params { mode: Mode::Light, ..Default::default() };
     let reference = world.render::<PathTracer>(&light, 8192, 5, Show::Caustic);
     let slope = |alpha| -> Running {
         (0..4).map(|seed| slope_on_the_caustic(&world, &reference, alpha, seed)).collect()
     };
-    // Noise falls like passes^(-alpha), the square of the bias like passes^(2 alpha - 2): the slower one is seen in the
-    // end. At alpha = 2/3 they are alike [Knaus11, 4]. The law holds in the limit; after 512 passes it is a tenth off.
+    // Noise falls like passes^(-alpha), the squared bias like passes^(2 alpha - 2). The slower one dominates in the
+    // end. At alpha = 2/3 both fall equally fast [Knaus11, 4]. The law holds in the limit; after 512 passes, the slope
+    // still differs by a tenth.
     for (alpha, expected) in [(0.5, -0.5), (0.6, -0.6), (2.0 / 3.0, -2.0 / 3.0)] {
         let slopes = slope(alpha);
         let error = 3.0 * slopes.variance_of_mean().sqrt();
@@ -327,13 +330,17 @@ fn on_a_caustic_the_error_falls_as_the_theory_says() {
         assert!((slopes.mean() - expected).abs() < 0.1 + error, "{alpha}: {}", slopes.mean());
     }
     let [middle, large] = [0.7, 0.95].map(|alpha| slope(alpha).mean());
-    assert!(middle < large, "a radius that hardly shrinks keeps its bias: {middle}, {large}");
+    assert!(
+        middle < large,
+        "the bias should remain if the radius hardly shrinks: {middle}, {large}"
+    );
 }
 
 #[test]
 fn under_a_roof_on_ground_to_the_horizon_it_agrees_with_the_path_tracer() {
-    // A roof of 4 m over 400 m of ground, seen from below: all of its light comes over the ground, most of which matters
-    // nothing. Blind photons hit it a few times in a million, and discs relative to the scene are wider than it.
+    // A roof of 4 m over 400 m of ground, seen from below. All of its light comes from the ground, and most of the
+    // ground does not matter. Photons that are not aimed hit the roof a few times in a million, and discs relative to
+    // the scene are wider than it.
     let square = |half: f32, y: f32| {
         let at = |x, z| Vec3::new(x * half, y, z * half);
         polygon(&[at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)])
@@ -351,7 +358,7 @@ fn under_a_roof_on_ground_to_the_horizon_it_agrees_with_the_path_tracer() {
     let world = World::new(parts, &camera);
     let truth = world.render::<PathTracer>(&Default::default(), 256, 5, Show::Indirect);
     let (truth, variance) = mean_and_variance(&truth);
-    // A radius for each pixel, and one for all.
+    // Methods with a radius per pixel, and with one for all.
     for method in [Method::Sppm, Method::Ppa] {
         let of = |seed| {
             mean_and_variance(&render(&world, &with(method, 20_000), 8, seed, Show::Indirect)).0
@@ -365,7 +372,7 @@ fn under_a_roof_on_ground_to_the_horizon_it_agrees_with_the_path_tracer() {
 }
 
 #[test]
-fn a_lobe_of_the_usual_roughness_of_one_tenth_is_not_left_to_a_handful_of_photons() {
+fn rays_follow_a_lobe_of_roughness_one_tenth_instead_of_gathering_few_photons() {
     // A metal floor in a room under a wide lamp.
     let square = |half: f32, y: f32| {
         let at = |x, z| Vec3::new(x * half, y, z * half);
@@ -400,7 +407,7 @@ fn a_lobe_of_the_usual_roughness_of_one_tenth_is_not_left_to_a_handful_of_photon
 
 #[test]
 fn indirect_light_is_right_along_the_edges_of_boxes_in_the_sun() {
-    // Boxes of which no point is far from an edge, on ground that is lit too.
+    // Boxes on which no point is far from an edge, on ground that is lit too.
     let square = |half: f32, y: f32| {
         let at = |x, z| Vec3::new(x * half, y, z * half);
         polygon(&[at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)])

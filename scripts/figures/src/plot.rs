@@ -1,4 +1,4 @@
-//! Curves from the columns of tables.
+//! Draws curves from the columns of tables.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -15,25 +15,25 @@ use crate::svg::FONT;
 pub(crate) struct Args {
     /// The drawing to write (.svg)
     out: PathBuf,
-    /// What stands above it
+    /// Title above the drawing
     #[arg(long)]
     title: String,
-    /// Name and unit of the axis to the right
+    /// Name and unit of the horizontal axis
     #[arg(long)]
     x: String,
-    /// Name and unit of the axis upwards
+    /// Name and unit of the vertical axis
     #[arg(long)]
     y: String,
-    /// Axes with equal steps for equal factors
+    /// Axes with a logarithmic scale
     #[arg(long, value_enum, default_value_t = Log::None)]
     log: Log,
-    /// Write each curve's slope of log y over log x, fitted over its points, behind its name
+    /// Add the fitted slope of log y over log x to each curve's name
     #[arg(long)]
     slopes: bool,
-    /// A level line: NAME=Y
+    /// A horizontal line: NAME=Y
     #[arg(long, value_name = "NAME=Y")]
     level: Vec<String>,
-    /// Marks without lines between them
+    /// Draw points without lines between them
     #[arg(long)]
     scatter: bool,
     /// Curves: name, table, and the columns of both axes
@@ -49,7 +49,7 @@ enum Log {
     Xy,
 }
 
-/// Where a curve's numbers stand.
+/// The table and columns of a curve.
 #[derive(Clone, Debug)]
 struct Source {
     name: String,
@@ -70,7 +70,7 @@ impl FromStr for Source {
     }
 }
 
-/// A curve with its numbers.
+/// A curve with its points.
 struct Curve {
     name: String,
     points: Vec<(f64, f64)>,
@@ -82,7 +82,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let curves: Vec<Curve> =
         args.curves.iter().map(|s| curve(s, [log_x, log_y])).collect::<Result<_, _>>()?;
     let levels = args.level.iter().map(|text| level(text)).collect::<anyhow::Result<Vec<_>>>()?;
-    // Less than a decade has no marks of its own on a logarithmic axis.
+    // A logarithmic axis of less than a decade would have no tick marks, so such an axis is linear.
     let x_range = range(&curves, &[], log_x, 0);
     let y_range = range(&curves, &levels, log_y, 1);
     let long = |r: &std::ops::Range<f64>| r.end >= 8.0 * r.start;
@@ -104,7 +104,8 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     std::fs::write(&args.out, picture).with_context(|| args.out.display().to_string())
 }
 
-/// Read two columns of a table; what an axis cannot show (an empty field, nothing and less on a logarithmic one) is left out.
+/// Read two columns of a table. Rows that an axis cannot show (an empty field, or a number that is not positive on a
+/// logarithmic axis) are skipped.
 fn curve(source: &Source, log: [bool; 2]) -> anyhow::Result<Curve> {
     let text = std::fs::read_to_string(&source.table)
         .with_context(|| source.table.display().to_string())?;
@@ -129,7 +130,7 @@ fn curve(source: &Source, log: [bool; 2]) -> anyhow::Result<Curve> {
     Ok(Curve { name: source.name.clone(), points })
 }
 
-/// The fields of every column, by its name.
+/// The fields of every column, by column name.
 fn columns<'t>(text: &'t str, path: &Path) -> anyhow::Result<HashMap<&'t str, Vec<&'t str>>> {
     let mut lines = text.lines().filter(|l| !l.starts_with('#') && !l.is_empty());
     let names: Vec<&str> = lines.next().context("an empty table")?.split(',').collect();
@@ -155,7 +156,7 @@ fn level(text: &str) -> anyhow::Result<(String, f64)> {
     Ok((name.into(), y.parse().with_context(|| format!("--level {text}"))?))
 }
 
-/// From the least to the largest number of an axis, with some room.
+/// The range of an axis: from the smallest to the largest number, with a margin.
 fn range(
     curves: &[Curve],
     levels: &[(String, f64)],
@@ -172,12 +173,13 @@ fn range(
         return low / room..high * room;
     }
     let room = (0.05 * (high - low)).max(1e-6 * high.abs().max(1e-30));
-    // Numbers that are all on one side of nothing are drawn from nothing on.
+    // If all numbers are non-negative and the smallest is close to zero, start the axis at zero.
     let low = if low >= 0.0 && low < 0.5 * high { 0.0 } else { low - room };
     low..high + room
 }
 
-/// Seven colours that colour-blind eyes tell apart \[Okabe & Ito\]; marks and dashes tell the curves apart in print.
+/// Seven colours that colour-blind readers can distinguish \[Okabe & Ito\]. Marks and dashes distinguish the curves in
+/// grey print.
 const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -188,7 +190,7 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 0, 0),
 ];
 
-/// Numbers as few digits tell them.
+/// Format a number with few digits.
 fn label(v: &f64) -> String {
     let size = v.abs();
     if size != 0.0 && !(1e-3..1e5).contains(&size) {
@@ -198,7 +200,7 @@ fn label(v: &f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
-/// The mark of a curve: a disc, a triangle, a cross, a ring, in turn.
+/// The marks of curves, in turn: a disc, a triangle, a cross, a ring.
 macro_rules! mark {
     ($curve:expr, $at:expr, $size:expr, $colour:expr) => {
         match $curve % 4 {
@@ -238,7 +240,7 @@ fn corner(
     best.map_or(SeriesLabelPosition::UpperRight, |(position, _)| position)
 }
 
-/// What a drawing shows.
+/// The content of a drawing.
 struct Shown<'a> {
     args: &'a Args,
     curves: &'a [Curve],
@@ -289,7 +291,7 @@ impl Shown<'_> {
                     let line = LineSeries::new(c.points.iter().copied(), colour.stroke_width(2));
                     chart.draw_series(line)?;
                 }
-                // Of many points every few are marked.
+                // If there are many points, mark only some of them.
                 let every = c.points.len().div_ceil(if args.scatter { 4000 } else { 24 });
                 let size = if args.scatter { 1 } else { 4 };
                 let marked = c.points.iter().copied().step_by(every.max(1));

@@ -1,4 +1,4 @@
-//! Buildings under sun and sky: light that comes in from outside and goes on.
+//! Buildings under sun and sky: light comes in from outside and is scattered further.
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 
@@ -11,12 +11,12 @@ use crate::xml::{
     two_sided,
 };
 
-/// A cuboid from its middle on the ground, its half width and half depth, and its heights.
+/// A cuboid on the ground: its centre, half width and half depth, and the heights of bottom and top.
 fn block(x: f32, z: f32, half: [f32; 2], from: f32, to: f32) -> Mesh {
     Mesh::cuboid(Vec3::new(x - half[0], from, z - half[1]), Vec3::new(x + half[0], to, z + half[1]))
 }
 
-/// A level rectangle seen from above.
+/// A horizontal rectangle that faces up.
 fn plate(x: [f32; 2], z: [f32; 2], y: f32) -> Mesh {
     let corners = [[x[0], z[0]], [x[0], z[1]], [x[1], z[1]], [x[1], z[0]]];
     Mesh::quad(corners.map(|[x, z]| Vec3::new(x, y, z)))
@@ -90,12 +90,12 @@ pub(crate) fn pavilion() -> SceneFile {
     SceneFile { name: "pavilion", xml, meshes }
 }
 
-/// Where the pool lies: its range along x and along z.
+/// Ranges of the pool along x and along z.
 const POOL: [[f32; 2]; 2] = [[-7.0, -2.6], [2.8, 7.2]];
-/// Where the plinth lies.
+/// Ranges of the plinth along x and along z.
 const PLINTH: [[f32; 2]; 2] = [[-9.0, 8.0], [-4.6, 8.0]];
 
-/// The plinth's floor round the pool, and its sides.
+/// The plinth's floor around the pool, and its sides.
 fn plinth() -> Mesh {
     let ([x0, x1], [z0, z1]) = (PLINTH[0], PLINTH[1]);
     let [[px0, px1], [pz0, pz1]] = POOL;
@@ -119,12 +119,12 @@ fn plinth() -> Mesh {
 /// Half side of the garden.
 const GARDEN: f32 = 26.0;
 
-/// The lawn round the plinth.
+/// The lawn around the plinth.
 fn ground() -> Mesh {
     plate([-GARDEN, GARDEN], [-GARDEN, GARDEN], -1.2)
 }
 
-/// A hedge round the garden, higher than the eye, so that the scene needs no more ground.
+/// A hedge around the garden, higher than the eye, so that the ground may end behind it.
 fn hedge() -> Mesh {
     let side = |x: f32, z: f32, half: [f32; 2]| block(x, z, half, -1.2, 2.4);
     [-GARDEN, GARDEN].into_iter().fold(Mesh::default(), |m, at| {
@@ -157,14 +157,14 @@ fn columns() -> Mesh {
     stands.fold(Mesh::default(), |m, p| m.with(&column.clone().moved(p)))
 }
 
-/// Seats before the onyx.
+/// Stools in front of the onyx.
 fn stools() -> Mesh {
     [-0.9, 0.3, 1.5]
         .into_iter()
         .fold(Mesh::default(), |m, x| m.with(&block(x, 1.1, [0.4, 0.35], 0.22, 0.42)))
 }
 
-/// A pane from one point of the floor to another, up to the roof.
+/// A vertical pane between two points of the floor, up to the roof.
 fn upright([ax, az]: [f32; 2], [bx, bz]: [f32; 2]) -> [Vec3; 4] {
     [[ax, 0.0, az], [bx, 0.0, bz], [bx, 3.1, bz], [ax, 3.1, az]].map(Vec3::from_array)
 }
@@ -234,11 +234,11 @@ pub(crate) fn colonnade() -> SceneFile {
     SceneFile { name: "colonnade", xml, meshes }
 }
 
-/// Half width of the atrium, of the building, and half its length.
+/// Half width of the atrium and of the building, and half length.
 const IN: f32 = 2.6;
 const OUT: f32 = 5.2;
 const LONG: f32 = 9.6;
-/// Height of a storey, and bays of a side.
+/// Height of a storey, and number of bays per side.
 const STOREY: f32 = 3.6;
 const BAYS: usize = 6;
 
@@ -247,12 +247,12 @@ fn cloth(rgb: [f32; 3]) -> String {
     two_sided(&format!("<bsdf type=\"diffuse\">\n    {}\n</bsdf>\n", color("reflectance", rgb)))
 }
 
-/// Where the columns of a side stand along z.
+/// Positions of a side's columns along z.
 fn bay(k: usize) -> f32 {
     2.0 * LONG * (k as f32 / BAYS as f32 - 0.5)
 }
 
-/// Walls behind the galleries and at both ends.
+/// Walls behind the galleries, and at both ends.
 fn walls() -> Mesh {
     let high = 2.0 * STOREY + 0.4;
     let sides = block(-OUT - 0.1, 0.0, [0.1, LONG], 0.0, high).with(&block(

@@ -1,4 +1,4 @@
-//! Under the sky.
+//! Scenes under the sky.
 
 use glam::{Vec2, Vec3};
 

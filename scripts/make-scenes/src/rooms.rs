@@ -1,4 +1,4 @@
-//! Rooms with lamps: caustics, and many lights.
+//! Rooms with lamps: scenes of caustics, and of many lights.
 
 use glam::{Vec2, Vec3};
 
@@ -12,7 +12,7 @@ use crate::xml::{
 /// A glowing ball in a glass shell: all light reaches the room through glass [slides 35, 38].
 pub(crate) fn bulb() -> SceneFile {
     let center = Vec3::new(0.0, 1.0, 0.0);
-    // Two spheres with glass between them: inside the inner one the index drops back to that of air.
+    // Two spheres with glass between them: inside the inner sphere, the index is that of air.
     let shell = "<bsdf type=\"dielectric\">\n    <float name=\"int_ior\" value=\"1\"/>\n    <float name=\"ext_ior\" value=\"1.5\"/>\n</bsdf>\n";
     let body = [
         comment("Materials"),
@@ -46,8 +46,8 @@ pub(crate) fn bulb() -> SceneFile {
     SceneFile { name: "bulb", xml, meshes }
 }
 
-/// A wall lamp: a glowing ball in a glass bulb in a polished shade. What leaves it was mirrored or refracted, and so is most of
-/// what the eye sees of the shade [slides 43 to 46].
+/// A wall lamp: a glowing ball in a glass bulb in a polished shade. All light that leaves it was reflected or
+/// refracted, and so was most of what the eye sees of the shade [slides 43 to 46].
 pub(crate) fn lamp() -> SceneFile {
     let center = Vec3::new(0.0, 1.35, 0.45);
     let body = [
@@ -129,12 +129,12 @@ pub(crate) fn ring() -> SceneFile {
     SceneFile { name: "ring", xml, meshes }
 }
 
-/// Numbers of lights whose lamps stand in the repository.
+/// Numbers of lights whose lamps are stored in the repository.
 const GALLERY_LIGHTS: [u32; 4] = [4, 64, 1024, 16_384];
 /// The hall's half width, height and half length.
 const HALL: Vec3 = Vec3::new(4.0, 3.5, 8.0);
 
-/// A hall under any number of lamps of the same power together: `-D lights=1024`.
+/// A hall under any number of lamps with the same total power: `-D lights=1024`.
 pub(crate) fn gallery() -> SceneFile {
     let body = [
         default("lights", GALLERY_LIGHTS[1]),
@@ -171,7 +171,7 @@ pub(crate) fn gallery() -> SceneFile {
         Vec3::new(h.x, 0.0, h.z),
         Vec3::new(h.x, 0.0, -h.z),
     ]);
-    // The inside of a box: its outside turned round, without the floor.
+    // The inside of a box, without the floor: its outside with normals flipped.
     let wall =
         |a: Vec3, b: Vec3| Mesh::quad([a, b, Vec3::new(b.x, h.y, b.z), Vec3::new(a.x, h.y, a.z)]);
     let c = [
@@ -224,7 +224,7 @@ pub(crate) fn gallery() -> SceneFile {
     SceneFile { name: "gallery", xml, meshes }
 }
 
-/// `n` square lamps spread evenly under the ceiling, together always of the same area.
+/// `n` square lamps spread evenly under the ceiling; their total area is always the same.
 pub(crate) fn gallery_lights(n: u32) -> (String, Mesh) {
     /// Area of all lamps, square metres.
     const AREA: f32 = 1.0;
@@ -235,7 +235,7 @@ pub(crate) fn gallery_lights(n: u32) -> (String, Mesh) {
     let mut mesh = Mesh::default();
     for k in 0..n {
         let (row, column) = (k / columns, k % columns);
-        // The last row may be shorter than the others: spread what it has.
+        // The last row may have fewer lamps than the others: spread these.
         let in_row = columns.min(n - row * columns);
         let x = wide * ((column as f32 + 0.5) / in_row as f32 - 0.5);
         let z = long * ((row as f32 + 0.5) / rows as f32 - 0.5);
