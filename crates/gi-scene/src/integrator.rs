@@ -1,4 +1,4 @@
-//! The scene's integrator. Our programs replace it; a warning names what of it would change the picture.
+//! The scene's integrator. Our programs replace it; a warning names the settings that would change the picture.
 
 use crate::diagnostics::Report;
 use crate::document::{Class, Document, Node, Value};

@@ -1,4 +1,4 @@
-//! BSDFs: drawn as their density says, weighed as f says, reciprocal, and never making light.
+//! Tests of BSDFs: sampled with their density, weights consistent with f, reciprocal, and conserving energy.
 
 use gi_core::bsdf::{Bsdf, Toward, Transport};
 use gi_core::geometry::{Geometry, Mesh, Shape, Surface};
@@ -38,7 +38,7 @@ fn plastic(nonlinear: bool, roughness: Option<Roughness>) -> Material {
     Material::Plastic { eta: 1.49, diffuse, specular: white(), nonlinear, roughness }
 }
 
-/// Name, table of materials whose last is the one to test, and whether its albedo must be one.
+/// Name, table of materials (the last is the one to test), and whether its albedo must be one.
 fn materials() -> Vec<(&'static str, Vec<Material>, bool)> {
     use Distribution::{Beckmann, Ggx};
     let diffuse = Material::Diffuse { reflectance: Texture::grey(0.8) };
@@ -53,7 +53,7 @@ fn materials() -> Vec<(&'static str, Vec<Material>, bool)> {
         inner: 0,
         normals: BentNormals::default(),
     };
-    // Half of what sees the floor sees the back of such a normal.
+    // From half of the directions above the floor, the back of such a normal is visible.
     let steep = |inner, flipped| Material::NormalMap {
         map: Texture::Constant(Rgb::new(0.95, 0.4, 0.6)),
         inner,
@@ -152,7 +152,7 @@ pub(crate) fn floor(materials: Vec<Material>) -> (Scene, Surface) {
     (scene, surface)
 }
 
-/// Directions to look from: high, grazing, and from below.
+/// Viewing directions: high, grazing, and from below.
 fn views() -> [Vec3; 4] {
     [
         Vec3::new(0.1, 0.2, 1.0),
@@ -178,11 +178,11 @@ fn each_of(transport: Transport, test: &mut impl FnMut(&str, &Bsdf, Vec3, bool))
 }
 
 #[test]
-fn directions_are_drawn_as_the_density_says() {
+fn directions_are_sampled_with_the_density() {
     let mut seed = 100;
     let mut test = |name: &str, bsdf: &Bsdf, wo: Vec3, _| {
         seed += 1;
-        // Delta samples have no density: they are counted as not drawn, and their share is left out of it.
+        // Delta samples have no density: they count as not sampled, and their fraction is not part of the density.
         let mut delta = 0u32;
         let mut total = 0u32;
         let draw = |r: &mut Pcg| {
@@ -194,7 +194,7 @@ fn directions_are_drawn_as_the_density_says() {
         check(name, seed, draw, |wi| bsdf.pdf_w(wo, wi));
     };
     each_of(Transport::Radiance, &mut test);
-    // Other materials draw the same directions on light paths.
+    // Other materials sample the same directions on light paths.
     each_of(Transport::Power, &mut |name: &str, bsdf: &Bsdf, wo, whole| {
         if name.contains("map") {
             test(name, bsdf, wo, whole);
@@ -203,7 +203,7 @@ fn directions_are_drawn_as_the_density_says() {
 }
 
 #[test]
-fn samples_are_weighed_as_f_and_the_density_say() {
+fn weights_of_samples_agree_with_f_and_the_density() {
     let mut rng = Pcg::new(5, 5);
     let mut test = |name: &str, bsdf: &Bsdf, wo: Vec3, _| {
         for _ in 0..2000 {
@@ -232,13 +232,13 @@ fn samples_are_weighed_as_f_and_the_density_say() {
 fn reflection_is_reciprocal() {
     let mut rng = Pcg::new(6, 6);
     for (name, table, _) in materials() {
-        // A bent normal is reciprocal only in the bent frame, and refraction up to the squared index.
+        // A bent normal is reciprocal only in the bent frame, and refraction only up to the squared index.
         if name.starts_with("normal map") {
             continue;
         }
         let (scene, surface) = floor(table);
         for _ in 0..500 {
-            // At grazing angles the half vector has few digits.
+            // At grazing angles, the half vector is inaccurate.
             let [wo, wi] =
                 [0; 2].map(|_| (warp::hemisphere(rng.next_2d()) + 0.05 * Vec3::Z).normalize());
             let f = |a: Vec3, b: Vec3| scene.bsdf(&surface, a, Transport::Radiance).f(a, b);
@@ -252,15 +252,16 @@ fn reflection_is_reciprocal() {
     }
 }
 
-/// Symptom: light tracing was 9 % dark over a normal map, photons were too bright.
+/// Regression: over a normal map, light tracing was 9 % too dark, and photons were too bright.
 #[test]
-fn light_paths_over_bent_normals_carry_what_eye_paths_carry() {
+fn light_paths_over_bent_normals_agree_with_eye_paths() {
     let mut rng = Pcg::new(6, 7);
     for (name, table, _) in materials().into_iter().filter(|(name, ..)| name.contains("map")) {
         let (scene, surface) = floor(table);
         let mut lit = 0;
         for _ in 0..2000 {
-            // Both sides: a bent normal may see what the surface hides. At grazing angles there are few digits.
+            // Test both sides, because a bent normal may face a direction below the surface. At grazing angles, values
+            // are inaccurate.
             let [eye, light] = [0; 2].map(|_| {
                 let d = warp::sphere(rng.next_2d());
                 (d + 0.05 * Vec3::Z.copysign(d)).normalize()
@@ -274,14 +275,14 @@ fn light_paths_over_bent_normals_carry_what_eye_paths_carry() {
             );
             lit += u32::from(there > 0.0);
         }
-        assert!(lit > 100 || name.contains("mirror"), "{name}: {lit} pairs see each other");
+        assert!(lit > 100 || name.contains("mirror"), "{name}: {lit} pairs scatter light");
     }
 }
 
-/// Symptom: caustics of mirrors with a normal map had another brightness in light tracing.
+/// Regression: caustics of mirrors with a normal map had a different brightness in light tracing.
 #[test]
-fn light_paths_over_a_mirror_with_bent_normals_carry_what_eye_paths_carry() {
-    // The integral over both directions of what is reflected, times the cosines and some function of both directions.
+fn light_paths_over_a_mirror_with_bent_normals_agree_with_eye_paths() {
+    // The integral over both directions of the reflected light, times the cosines and some function of both directions.
     let weight = |eye: Vec3, light: Vec3| (2.0 + eye.x) * (1.5 + light.y);
     let (_, table, _) =
         materials().into_iter().find(|(name, ..)| name.ends_with("of a mirror")).expect("a mirror");
@@ -338,7 +339,7 @@ fn refraction_is_reciprocal(material: Material, eta: f32) {
         let (above, below) = (warp::hemisphere(rng.next_2d()), -warp::hemisphere(rng.next_2d()));
         let power = |a, b| scene.bsdf(&surface, a, Transport::Power).f(a, b).r;
         let radiance = |a, b| scene.bsdf(&surface, a, Transport::Radiance).f(a, b).r;
-        // f(wo, wi) / eta_i^2 = f(wi, wo) / eta_o^2 [Veach97, 5.2], and power is radiance turned round.
+        // f(wo, wi) / eta_i^2 = f(wi, wo) / eta_o^2 [Veach97, 5.2]; for power, the directions are exchanged.
         let (down, up) = (radiance(above, below), radiance(below, above));
         assert!((down * eta * eta - up).abs() <= 1e-3 * up + 1e-5, "{down} {up}");
         assert!((power(above, below) - up).abs() <= 1e-3 * up + 1e-5);
@@ -362,14 +363,14 @@ fn light_through_a_sheet_is_the_same_from_either_end() {
 }
 
 #[test]
-fn no_material_makes_light_and_smooth_glass_loses_none() {
+fn no_material_creates_light_and_smooth_glass_loses_none() {
     let mut rng = Pcg::new(8, 8);
     each(|name, bsdf, wo, whole| {
         let n = 20_000;
         let mut sum = 0.0f64;
         for _ in 0..n {
             if let Some(s) = bsdf.sample(wo, rng.next_f32(), rng.next_2d()) {
-                // Radiance is squeezed by refraction; the power that leaves is not.
+                // Refraction changes radiance by the squared index, but not the total power that leaves.
                 sum += f64::from(s.weight.max() * s.eta * s.eta);
             }
         }
@@ -381,10 +382,10 @@ fn no_material_makes_light_and_smooth_glass_loses_none() {
     });
 }
 
-/// A box round the point at `distance` along `d`, and points in it, that one among them.
+/// A box around the point at `distance` along `d`, and points inside it, including that point.
 fn box_along(d: Vec3, distance: f32, rng: &mut Pcg) -> (Bounds, Vec<Vec3>) {
     let unit = |rng: &mut Pcg| Vec3::from_array([0; 3].map(|_| rng.next_f32()));
-    // Flat ones, small ones, and such that hold the origin.
+    // The boxes are flat, small, or large enough to contain the origin.
     let size = distance * 10f32.powf(3.5 * rng.next_f32() - 3.0);
     let extent = unit(rng).map(|u| if u < 0.3 { 0.0 } else { u * size });
     let min = d * distance - extent * unit(rng);
@@ -403,7 +404,7 @@ fn no_direction_into_a_box_scatters_more_than_its_bound() {
         let (scene, surface) = floor(materials);
         for _ in 0..4000 {
             let wo = warp::sphere(rng.next_2d());
-            // Grazing ones too.
+            // Also test grazing directions.
             let flatten = if rng.next_f32() < 0.3 { 0.02 } else { 1.0 };
             let wo = Vec3::new(wo.x, wo.y, wo.z * flatten).normalize();
             let transport =
@@ -413,7 +414,7 @@ fn no_direction_into_a_box_scatters_more_than_its_bound() {
             let d = drawn.filter(|_| rng.next_f32() < 0.7).unwrap_or(warp::sphere(rng.next_2d()));
             let distance = 10f32.powf(4.0 * rng.next_f32() - 2.0);
             let (bounds, points) = box_along(d, distance, &mut rng);
-            // Seen from somewhere that costs digits.
+            // Also test with an origin that makes the coordinates inaccurate.
             let p = Vec3::new(0.3, 0.1, 0.0) * if rng.next_f32() < 0.5 { 0.0 } else { distance };
             let moved = Bounds { min: bounds.min + p, max: bounds.max + p };
             let bound = bsdf.bound(wo, &Toward::new(p, &moved));
@@ -426,7 +427,7 @@ fn no_direction_into_a_box_scatters_more_than_its_bound() {
                     let holds = value.r <= most.r && value.g <= most.g && value.b <= most.b;
                     assert!(
                         holds,
-                        "{name}: {value:?} above {most:?}, wo {wo}, wi {wi}, {bounds:?}"
+                        "{name}: {value:?} is above the bound {most:?}, wo {wo}, wi {wi}, {bounds:?}"
                     );
                     cases += 1;
                     tight += u32::from(value.max() > 0.5 * most.max());
@@ -434,11 +435,11 @@ fn no_direction_into_a_box_scatters_more_than_its_bound() {
             }
         }
     }
-    // A bound that is never reached would hold too.
+    // A bound that is far too large would pass too, so require cases near the bound.
     assert!(tight > cases / 8, "{tight} of {cases} within a factor of two");
 }
 
-/// Lobes that leave floats few digits.
+/// Sharp lobes, which are inaccurate in single precision.
 fn sharp_materials() -> Vec<(&'static str, Vec<Material>, bool)> {
     use Distribution::{Beckmann, Ggx};
     let mut all = Vec::new();

@@ -220,7 +220,7 @@ mod tests {
                 assert_eq!((b.positions.len(), b.normals.len(), b.uvs.len()), (5, 5, 5));
                 assert_eq!(b.uvs[0], Vec2::new(31.5, 32.5));
                 assert_eq!(b.triangles, [[0, 1, 2], [3, 4, 0]]);
-                assert!(parse(&bytes, 2).unwrap_err().contains("holds 2 meshes"));
+                assert!(parse(&bytes, 2).unwrap_err().contains("contains 2 meshes"));
             }
         }
     }

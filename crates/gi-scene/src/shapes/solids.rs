@@ -80,7 +80,7 @@ pub(crate) fn sphere(node: Node<'_>, to_world: &Affine3A) -> Option<(Geometry, b
         return Some((Geometry::Mesh(squeezed_sphere(&m)), false));
     }
     let mirrored = mirrors(&m);
-    // A right-handed frame. In Mitsuba, u of a mirrored sphere runs the other way round.
+    // A right-handed frame. In Mitsuba, u of a mirrored sphere runs in the opposite direction.
     let axes = Frame { s: x, t: z.cross(x), n: z };
     let (center, radius) = (m.translation.into(), radius * size[0]);
     Some((Geometry::Sphere { center, radius, axes }, mirrored))
