@@ -5,6 +5,7 @@
 
 mod buildings;
 mod cornell;
+mod gallery;
 mod glass;
 mod media;
 mod mesh;
@@ -54,7 +55,7 @@ fn main() -> anyhow::Result<()> {
         rooms::ring(),
         glass::torus_in_glass(),
         glass::pool(),
-        rooms::gallery(),
+        gallery::gallery(),
         outdoors::patio(),
         buildings::pavilion(),
         buildings::colonnade(),
@@ -69,7 +70,7 @@ fn main() -> anyhow::Result<()> {
         write_meshes(&folder, &scene.meshes)?;
     }
     if let Some(n) = lights {
-        write_meshes(&folder, &[rooms::gallery_lights(n)])?;
+        write_meshes(&folder, &[gallery::gallery_lights(n)])?;
     }
     Ok(())
 }

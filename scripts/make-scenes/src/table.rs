@@ -55,6 +55,26 @@ pub(crate) fn cognac() -> SceneFile {
     let wall = Mesh::quad(
         [[-6.0, 0.0], [6.0, 0.0], [6.0, 6.0], [-6.0, 6.0]].map(|[x, y]| Vec3::new(x, y, -4.0)),
     );
+    let camera = Camera {
+        origin: Vec3::new(0.9, 2.1, 3.9),
+        target: Vec3::new(0.28, 0.52, 0.0),
+        fov: 32.0,
+        size: [512, 512],
+    };
+    let meshes = vec![
+        ("cognac-glass".into(), glass_mesh),
+        ("cognac-inside".into(), Mesh::lathe(&down, SEGMENTS)),
+        ("cognac-surface".into(), Mesh::lathe(&top, SEGMENTS)),
+        ("cognac-table".into(), table),
+        ("cognac-wall".into(), wall),
+        ("cognac-lamp".into(), lamp(Vec3::new(-2.4, 2.9, -0.9), Vec3::new(0.0, 0.7, 0.0), 0.12)),
+    ];
+    let xml = xml::scene("A snifter of cognac on a table: the caustic.", &camera, &body());
+    SceneFile { name: "cognac", xml, meshes }
+}
+
+/// The scene file after the camera.
+fn body() -> Vec<String> {
     // Either a tint at the boundary of the cognac, for programs that do not support media, or absorption along the way.
     let tint = "<rgb name=\"specular_transmittance\" value=\"$tint\"/>";
     let amber = "    <medium type=\"homogeneous\" id=\"amber\">\n        <rgb name=\"sigma_t\" value=\"$absorption\"/>\n        \
@@ -65,7 +85,7 @@ pub(crate) fn cognac() -> SceneFile {
              <float name=\"ext_ior\" value=\"{ext}\"/>\n    {tint}\n</bsdf>\n"
         )
     };
-    let body = [
+    vec![
         // Two of these tints have the effect of this absorption over a length of 0.4.
         comment("The cognac's colour: a tint at its boundary, which all programs know, or with -D tint=1,1,1 -D absorption=0.36,2.08,6.37 by the length of the way"),
         default("tint", "0.93, 0.66, 0.28"),
@@ -87,23 +107,7 @@ pub(crate) fn cognac() -> SceneFile {
         mesh("cognac-wall", "wall", None),
         mesh("cognac-lamp", "black", Some([640.0, 580.0, 490.0])),
         "    <emitter type=\"constant\">\n        <rgb name=\"radiance\" value=\"0.12, 0.13, 0.15\"/>\n    </emitter>\n".into(),
-    ];
-    let camera = Camera {
-        origin: Vec3::new(0.9, 2.1, 3.9),
-        target: Vec3::new(0.28, 0.52, 0.0),
-        fov: 32.0,
-        size: [512, 512],
-    };
-    let meshes = vec![
-        ("cognac-glass".into(), glass_mesh),
-        ("cognac-inside".into(), Mesh::lathe(&down, SEGMENTS)),
-        ("cognac-surface".into(), Mesh::lathe(&top, SEGMENTS)),
-        ("cognac-table".into(), table),
-        ("cognac-wall".into(), wall),
-        ("cognac-lamp".into(), lamp(Vec3::new(-2.4, 2.9, -0.9), Vec3::new(0.0, 0.7, 0.0), 0.12)),
-    ];
-    let xml = xml::scene("A snifter of cognac on a table: the caustic.", &camera, &body);
-    SceneFile { name: "cognac", xml, meshes }
+    ]
 }
 
 /// A square lamp with half side `half` at `p` that faces `target`.
