@@ -3,7 +3,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
 use super::{Child, Class, Document, Object, ObjectId, Target};
-use crate::diagnostics::{Report, Span, suggestion};
+use crate::diagnostics::{Report, Span};
 use crate::files;
 use crate::hash::Hash;
 use crate::value;
@@ -13,6 +13,7 @@ use substitute::Element;
 mod comments;
 mod defines;
 mod properties;
+mod references;
 mod substitute;
 
 /// Largest depth of nested includes (Mitsuba's limit).
@@ -24,9 +25,6 @@ const MAX_INCLUDES: usize = 1000;
 const MAX_NESTING: usize = 64;
 /// Largest number of XML nodes in one file. It bounds the memory, and is far above any real scene.
 const MAX_NODES: u32 = 1 << 24;
-
-/// Number of dangling references that get a suggestion. Each suggestion compares the reference with all ids.
-const MAX_PROPOSALS: usize = 20;
 
 /// Texture plugins that may be written as a `<spectrum>`.
 const TEXTURES: [&str; 3] = ["bitmap", "checkerboard", "scale"];
@@ -263,61 +261,5 @@ impl<'r> Parser<'r> {
             return self.report.error(element.span, "`path` needs `value`", "");
         };
         self.doc.search.push(self.doc.objects[parent].folder.join(&value.value));
-    }
-
-    fn alias(&mut self, element: &Element) {
-        let (Some(id), Some(new)) = (element.get("id"), element.get("as")) else {
-            return self.report.error(element.span, "`alias` needs `id` and `as`", "");
-        };
-        self.aliases.push((id.value.clone(), new.value.clone(), id.span));
-    }
-
-    fn reference(&mut self, element: &Element, parent: ObjectId) {
-        let Some(id) = element.get("id") else {
-            return self.report.error(element.span, "`ref` needs `id`", "");
-        };
-        let name = value::snake_case(element.text("name").unwrap_or_default());
-        let child = Child {
-            name,
-            span: id.span,
-            target: Target::Ref(id.value.clone()),
-            used: Cell::new(false),
-        };
-        self.doc.objects[parent].children.push(child);
-    }
-
-    /// Resolve aliases and report references to ids that do not exist.
-    fn check_references(&mut self) {
-        for (id, new, span) in std::mem::take(&mut self.aliases) {
-            match self.doc.ids.get(&id).copied() {
-                Some(object) => drop(self.doc.ids.insert(new, object)),
-                None => self.unknown_id(&id, span, 0),
-            }
-        }
-        let mut missing = Vec::new();
-        for (o, object) in self.doc.objects.iter().enumerate() {
-            for (c, child) in object.children.iter().enumerate() {
-                if let Target::Ref(id) = &child.target
-                    && !self.doc.ids.contains_key(id)
-                {
-                    missing.push((o, c));
-                    self.unknown_id(id, child.span, missing.len());
-                }
-            }
-        }
-        for (o, c) in missing {
-            self.doc.objects[o].children[c].target = Target::Missing;
-        }
-    }
-
-    /// Report a reference to an unknown id; `before` is the number of such errors so far.
-    fn unknown_id(&self, id: &str, span: Span, before: usize) {
-        let message = format!("nothing has the id `{id}`");
-        let help = (before < MAX_PROPOSALS).then(|| {
-            let mut known: Vec<&str> = self.doc.ids.keys().map(String::as_str).collect();
-            known.sort_unstable();
-            suggestion(id, known)
-        });
-        self.report.error_help(span, message, "referred to here", help.flatten());
     }
 }

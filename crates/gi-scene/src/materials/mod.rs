@@ -4,13 +4,14 @@ mod approximate;
 pub(crate) mod ior;
 mod parameters;
 mod principled;
+mod wrappers;
 
 use gi_core::material::{BentNormals, Distribution, Material, Roughness};
 use gi_core::math::Rgb;
 use gi_core::texture::Texture;
 
 use crate::builder::Builder;
-use crate::document::{Class, Meaning, Node};
+use crate::document::{Meaning, Node};
 
 /// The supported plugins.
 const KNOWN: [&str; 24] = [
@@ -244,69 +245,5 @@ impl Builder<'_> {
         let alpha_u = self.alpha(node, "alpha_u", alpha.clone());
         let alpha_v = self.alpha(node, "alpha_v", alpha);
         Some(Roughness { distribution, alpha_u, alpha_v })
-    }
-
-    /// A BSDF that transmits light already has two sides. A mask around an opaque BSDF swaps places with `twosided`,
-    /// which must be innermost in Mitsuba 3.
-    fn twosided(&mut self, node: Node<'_>) -> Option<Material> {
-        let children = node.children(Class::Bsdf);
-        let sides: Vec<usize> = children.iter().map(|n| self.material(*n)).collect();
-        let (front, back) = match sides.as_slice() {
-            [both] => (*both, *both),
-            [front, back] => (*front, *back),
-            other => {
-                node.error(format!("`twosided` has {} bsdfs", other.len()), "expected one or two");
-                return None;
-            }
-        };
-        if !self.transmits[front] && !self.transmits[back] {
-            return Some(Material::TwoSided { front, back });
-        }
-        match self.parts.materials[front].clone() {
-            Material::Mask { opacity, inner } if front == back && !self.transmits[inner] => {
-                let solid = Material::TwoSided { front: inner, back: inner };
-                Some(Material::Mask { opacity, inner: self.push_material(solid, None) })
-            }
-            inside => {
-                node.warn("`twosided` around a bsdf that transmits light is ignored");
-                Some(inside)
-            }
-        }
-    }
-
-    fn blend(&mut self, node: Node<'_>) -> Option<Material> {
-        let weight = self.share(node, "weight", 0.5);
-        match node.children(Class::Bsdf).as_slice() {
-            [a, b] => {
-                let (first, second) = (self.material(*a), self.material(*b));
-                Some(Material::Blend { weight, first, second })
-            }
-            other => {
-                node.error(format!("`blendbsdf` has {} bsdfs", other.len()), "expected two");
-                None
-            }
-        }
-    }
-
-    fn only_child(&mut self, node: Node<'_>) -> Option<usize> {
-        match node.children(Class::Bsdf).as_slice() {
-            [inner] => Some(self.material(*inner)),
-            other => {
-                let message = format!("`{}` has {} bsdfs", node.plugin(), other.len());
-                node.error(message, "expected one");
-                None
-            }
-        }
-    }
-
-    fn only_texture(&mut self, node: Node<'_>) -> Option<Texture> {
-        match node.children(Class::Texture).as_slice() {
-            [texture] => self.texture_object(*texture, 0),
-            other => {
-                let message = format!("`{}` has {} textures", node.plugin(), other.len());
-                node.error(message, "expected one");
-                None
-            }
-        }
     }
 }
