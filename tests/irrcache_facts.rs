@@ -1,5 +1,8 @@
 //! Compares irradiance caching with the path tracer and with itself.
 
+mod leaks;
+mod saved;
+
 use gi_core::camera::CameraSpec;
 use gi_core::eye::PathLimits;
 use gi_core::film::{Film, Show};
@@ -188,49 +191,6 @@ fn scaling_the_scene_changes_neither_picture_nor_number_of_records() {
     }
 }
 
-/// A closed box, divided by a wall without thickness, with a lamp in one half. The camera looks in through the ceiling.
-fn divided_box() -> World {
-    let wall =
-        [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(y, z)| Vec3::new(0.0, y, z));
-    let lamp =
-        [(-0.8, -0.3), (-0.2, -0.3), (-0.2, 0.3), (-0.8, 0.3)].map(|(x, z)| Vec3::new(x, 0.9, z));
-    let emission = Some(Texture::Constant(Rgb::WHITE));
-    let shapes = vec![
-        Shape::new("box", cube_inside(), 0),
-        Shape::new("wall", polygon(&wall), 1),
-        Shape { emission, ..Shape::new("lamp", polygon(&lamp), 0) },
-    ];
-    let materials = vec![grey(0.7), Material::TwoSided { front: 0, back: 0 }];
-    let parts = SceneParts { shapes, materials, ..SceneParts::default() };
-    let mut camera =
-        CameraSpec::look_at(Vec3::new(0.0, 4.0, 0.0), Vec3::ZERO, Vec3::Z, 0.42, [64, 64]);
-    camera.near = 3.2; // inside the box, whose ceiling is 3 away
-    World::new(parts, &camera)
-}
-
-#[test]
-fn light_leaks_under_a_thin_wall_only_without_the_guard() {
-    let world = divided_box();
-    for error in CONTROLS {
-        let leak = |leak_guard: bool| {
-            let reach = ReachOptions { leak_guard, ..defaults() };
-            let params = Params { error, reach, rays: 300, accuracy: 0.8, ..Params::default() };
-            let film = render(&world, &params, 4, 1, Show::Indirect);
-            let radiance = film.radiance();
-            let of = |dark: bool| {
-                let pixels = (0..64 * 64).filter(|i| ((i % 64) < 32) == dark);
-                pixels.map(|i| f64::from(radiance[i].g)).sum::<f64>()
-            };
-            // Which half is dark depends on the orientation of the camera.
-            let (a, b) = (of(true), of(false));
-            a.min(b) / a.max(b)
-        };
-        let (guarded, open) = (leak(true), leak(false));
-        assert_eq!(guarded, 0.0, "{error:?}: fraction of light that leaks with the guard");
-        assert!(open > 0.0, "{error:?}: nothing leaks even without the guard");
-    }
-}
-
 #[test]
 fn picture_and_cache_have_the_same_bits_for_any_number_of_threads() {
     let bits = |threads: usize, bounces: Option<u32>| {
@@ -251,67 +211,6 @@ fn picture_and_cache_have_the_same_bits_for_any_number_of_threads() {
             assert!(bits(threads, bounces) == one, "{threads} threads, bounces {bounces:?}");
         }
     }
-}
-
-#[test]
-fn a_saved_cache_gives_the_same_picture_and_helps_another_view() {
-    for bounces in [None, Some(2)] {
-        let world = World::load("cornell-box.xml", [40, 40], &[]);
-        let params = Params { bounces, rays: 100, ..Params::default() };
-        let (fresh, film) = world.run::<IrradianceCaching>(&params, 2, 7, Show::All);
-        let folder = Folder::make();
-        let again = Params { files: saved(&folder, &fresh.saved()), ..params.clone() };
-        let (read, second) = world.run::<IrradianceCaching>(&again, 2, 7, Show::All);
-        assert_eq!(film.layers().channels, second.layers().channels);
-        assert_eq!(statistic(&read, "records_made"), 0.0);
-        // A view from the side: records of the first view are reused.
-        let camera = CameraSpec::look_at(
-            Vec3::new(200.0, 273.0, -750.0),
-            Vec3::new(278.0, 273.0, 0.0),
-            Vec3::Y,
-            0.65,
-            [40, 40],
-        );
-        let side = World { camera: gi_core::camera::Camera::new(&camera), ..world };
-        let (alone, _) = side.run::<IrradianceCaching>(&params, 1, 7, Show::All);
-        let (helped, _) = side.run::<IrradianceCaching>(&again, 1, 7, Show::All);
-        let (alone, helped) =
-            (statistic(&alone, "records_made"), statistic(&helped, "records_made"));
-        assert!(
-            helped < 0.5 * alone,
-            "{helped} new records with the saved cache, {alone} without it"
-        );
-    }
-}
-
-/// Save a cache to a file, and return options that read it.
-fn saved(folder: &Folder, cache: &SavedCache) -> CacheFiles {
-    let path = folder.path().join("a.cache");
-    std::fs::write(&path, cache.to_bytes()).expect("written");
-    CacheFiles { cache_in: Some(path), ..CacheFiles::default() }
-}
-
-fn statistic(technique: &IrradianceCaching, name: &str) -> f64 {
-    let all = technique.statistics();
-    all.iter().find(|(n, _)| n == name).unwrap_or_else(|| panic!("no {name}")).1
-}
-
-#[test]
-fn a_cache_of_another_world_or_of_other_settings_is_refused() {
-    let world = World::load("cornell-box.xml", [8, 8], &[]);
-    let params = Params { rays: 20, ..Params::default() };
-    let (made, _) = world.run::<IrradianceCaching>(&params, 1, 7, Show::All);
-    let folder = Folder::make();
-    let refusal = |cache: SavedCache, params: Params| {
-        let setting = world.setting(1, Show::All);
-        let params = Params { files: saved(&folder, &cache), ..params };
-        IrradianceCaching::prepare(setting, &params).err().expect("a refusal")
-    };
-    let other = SavedCache { world: 99, ..made.saved() };
-    assert!(refusal(other, params.clone()).contains("another scene"));
-    let finer = Params { accuracy: 0.05, ..params };
-    let text = refusal(made.saved(), finer);
-    assert!(text.contains("--accuracy 0.1") && text.contains("--accuracy 0.05"), "{text}");
 }
 
 #[test]
@@ -338,26 +237,4 @@ fn an_empty_world_and_one_without_light_are_black() {
             assert!(film.radiance().iter().all(|c| c.is_black()), "{error:?}");
         }
     }
-}
-
-#[test]
-fn records_of_open_ground_are_not_used_in_the_court() {
-    // The ground extends 400 m around a court of 8 m. Records far outside hit almost no surfaces, so their harmonic
-    // mean distance is huge, and they could be used everywhere. The test checks that they do not replace the court's
-    // own records.
-    let world = World::load("patio.xml", [24, 18], &[("sun", "0")]);
-    let truth = world.render::<PathTracer>(&pathtrace::Params::default(), 1024, 9, Show::Indirect);
-    let (truth, noise) = mean_and_variance(&truth);
-    let reach = ReachOptions { min_spacing: 0.5, ..defaults() };
-    let params = Params { reach, ..Params::default() };
-    let of = |seed| mean_and_variance(&render(&world, &params, 64, seed, Show::Indirect)).0;
-    let (mean, error) = mean_and_error(&[1, 2, 3, 4].map(of));
-    // The bound includes half a per cent for interpolation in corners, where light changes faster than records can
-    // follow.
-    let off = (mean / truth - 1.0).abs();
-    let noise = (noise.sqrt() / truth).hypot(error / truth);
-    assert!(
-        off < 0.005 + 4.0 * noise,
-        "{mean} against {truth}: relative difference {off:.4} +- {noise:.4}"
-    );
 }

@@ -1,5 +1,8 @@
 //! Compares progressive photon mapping with the path tracer and with itself.
 
+mod caustic;
+mod hard_scenes;
+
 use gi_core::camera::CameraSpec;
 use gi_core::eye::PathLimits;
 use gi_core::film::{Film, Show};
@@ -217,33 +220,6 @@ fn hit_points_that_are_found_once_miss_most_glossy_reflections() {
 }
 
 #[test]
-fn a_caustic_agrees_with_light_tracing_and_more_passes_reduce_the_error() {
-    let world = World::load("ring.xml", [32, 32], &[]);
-    let light = pathtrace::Params { mode: Mode::Light, ..Default::default() };
-    let reference = world.render::<PathTracer>(&light, 1024, 5, Show::Caustic);
-    // Light tracing does not find the light that the ring reflects, so only the table is compared.
-    let table: Vec<bool> = channel(&reference, "N.Y").into_iter().map(|n| n > 0.9999).collect();
-    let of_table = |film: &Film| -> Vec<f64> {
-        let g = channel(film, "G").into_iter().zip(&table);
-        g.filter(|(_, table)| **table).map(|(v, _)| v).collect()
-    };
-    let truth = of_table(&reference);
-    for method in METHODS {
-        // The edge of the caustic is finer than a pixel, so one hit point per pixel is not enough.
-        let params = Params { initial_radius: 0.02, hit_points: 32, ..with(method, 16384) };
-        let [first, .., last] = [2, 8, 32].map(|passes| {
-            let film = of_table(&render(&world, &params, passes, 2, Show::Caustic));
-            let error = film.iter().zip(&truth).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
-            let ratio = film.iter().sum::<f64>() / truth.iter().sum::<f64>();
-            (error / truth.iter().map(|v| v * v).sum::<f64>(), ratio)
-        });
-        // The disc extends over the foot of the ring and into its wall, so some wrong light is counted there.
-        assert!(last.0 < 0.5 * first.0 && last.0 < 0.1, "{method:?}: {first:?}, {last:?}");
-        assert!((last.1 - 1.0).abs() < 0.06, "{method:?}: {last:?}");
-    }
-}
-
-#[test]
 fn rays_follow_coats_too_sharp_for_photons_and_no_light_is_lost_or_counted_twice() {
     let roughness = |alpha| Roughness {
         distribution: Distribution::Ggx,
@@ -286,158 +262,4 @@ fn light_through_glass_onto_surfaces_seen_through_glass_is_found() {
     assert!(p > ALPHA, "{truth} against {}: p = {p:.1e}", means.mean());
     // The uncertainty is small enough to detect a factor of the squared index, or light that is counted twice.
     assert!(variance + means.variance_of_mean() < (0.05 * truth).powi(2));
-}
-
-/// The slope of the squared error over the table with the ring's caustic against passes, from 8, 32, 128 and 512
-/// passes.
-fn slope_on_the_caustic(world: &World, reference: &Film, alpha: f64, seed: u32) -> f64 {
-    let (truth, normal) = (channel(reference, "G"), channel(reference, "N.Y"));
-    let noise = channel(reference, "Variance.G");
-    let params = Params { alpha, initial_radius: 0.006, ..with(Method::Sppm, 16384) };
-    let (mut technique, mut film) = world.run::<Ppm>(&params, 0, seed, Show::Caustic);
-    let mut points = Vec::new();
-    for pass in 0..512u32 {
-        technique.pass(pass, &mut film);
-        if [8, 32, 128, 512].contains(&(pass + 1)) {
-            let picture = channel(&film, "G");
-            let of_table = (0..truth.len()).filter(|&i| normal[i] > 0.9999);
-            let error: f64 = of_table.map(|i| (picture[i] - truth[i]).powi(2) - noise[i]).sum();
-            points.push((f64::from(pass + 1).ln(), error.ln()));
-        }
-    }
-    let n = points.len() as f64;
-    let mean = points.iter().fold((0.0, 0.0), |m, p| (m.0 + p.0 / n, m.1 + p.1 / n));
-    let product: f64 = points.iter().map(|p| (p.0 - mean.0) * (p.1 - mean.1)).sum();
-    product / points.iter().map(|p| (p.0 - mean.0).powi(2)).sum::<f64>()
-}
-
-#[test]
-#[ignore = "slow: thousands of passes"]
-fn on_a_caustic_the_error_falls_as_in_theory() {
-    let world = World::load("ring.xml", [48, 48], &[]);
-    let light = pathtrace::Params { mode: Mode::Light, ..Default::default() };
-    let reference = world.render::<PathTracer>(&light, 8192, 5, Show::Caustic);
-    let slope = |alpha| -> Running {
-        (0..4).map(|seed| slope_on_the_caustic(&world, &reference, alpha, seed)).collect()
-    };
-    // Noise falls like passes^(-alpha), the squared bias like passes^(2 alpha - 2). The slower one dominates in the
-    // end. At alpha = 2/3 both fall equally fast [Knaus11, 4]. The law holds in the limit; after 512 passes, the slope
-    // still differs by a tenth.
-    for (alpha, expected) in [(0.5, -0.5), (0.6, -0.6), (2.0 / 3.0, -2.0 / 3.0)] {
-        let slopes = slope(alpha);
-        let error = 3.0 * slopes.variance_of_mean().sqrt();
-        println!("alpha {alpha}: {} +- {error}", slopes.mean());
-        assert!((slopes.mean() - expected).abs() < 0.1 + error, "{alpha}: {}", slopes.mean());
-    }
-    let [middle, large] = [0.7, 0.95].map(|alpha| slope(alpha).mean());
-    assert!(
-        middle < large,
-        "the bias should remain if the radius hardly shrinks: {middle}, {large}"
-    );
-}
-
-#[test]
-fn under_a_roof_on_ground_to_the_horizon_it_agrees_with_the_path_tracer() {
-    // A roof of 4 m over 400 m of ground, seen from below. All of its light comes from the ground, and most of the
-    // ground does not matter. Photons that are not aimed hit the roof a few times in a million, and discs relative to
-    // the scene are wider than it.
-    let square = |half: f32, y: f32| {
-        let at = |x, z| Vec3::new(x * half, y, z * half);
-        polygon(&[at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)])
-    };
-    let shapes =
-        vec![Shape::new("ground", square(200.0, 0.0), 1), Shape::new("roof", square(2.0, 2.0), 1)];
-    let parts = SceneParts {
-        shapes,
-        materials: vec![grey(0.5), both_sides()],
-        lights: vec![LightSource::Constant { radiance: Rgb::WHITE }],
-        ..SceneParts::default()
-    };
-    let eye = Vec3::new(0.3, 0.2, 0.2);
-    let camera = CameraSpec::look_at(eye, Vec3::new(0.0, 2.0, 0.0), Vec3::Z, 1.0, [16, 16]);
-    let world = World::new(parts, &camera);
-    let truth = world.render::<PathTracer>(&Default::default(), 256, 5, Show::Indirect);
-    let (truth, variance) = mean_and_variance(&truth);
-    // Methods with a radius per pixel, and with one for all.
-    for method in [Method::Sppm, Method::Ppa] {
-        let of = |seed| {
-            mean_and_variance(&render(&world, &with(method, 20_000), 8, seed, Show::Indirect)).0
-        };
-        let means: Running = (0..16).map(of).collect();
-        let error = means.variance_of_mean().sqrt();
-        assert!(error < 0.02 * truth, "{method:?}: +- {error} of {truth}");
-        let p = z_test(means.mean(), error * error, truth, variance);
-        assert!(p > ALPHA / 2.0, "{method:?}: {} +- {error} of {truth}, p = {p:.1e}", means.mean());
-    }
-}
-
-#[test]
-fn rays_follow_a_lobe_of_roughness_one_tenth_instead_of_gathering_few_photons() {
-    // A metal floor in a room under a wide lamp.
-    let square = |half: f32, y: f32| {
-        let at = |x, z| Vec3::new(x * half, y, z * half);
-        polygon(&[at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)])
-    };
-    let tenth = Texture::grey(0.1);
-    let (distribution, alpha_u, alpha_v) = (Distribution::Ggx, tenth.clone(), tenth);
-    let metal = Material::Conductor {
-        eta: Rgb::BLACK,
-        k: Rgb::WHITE,
-        reflectance: Texture::grey(0.9),
-        roughness: Some(Roughness { distribution, alpha_u, alpha_v }),
-    };
-    let emission = Some(Texture::grey(5.0));
-    let shapes = vec![
-        Shape::new("room", cube_inside(), 1),
-        Shape::new("floor", square(1.0, -0.99), 2),
-        Shape { emission, ..Shape::new("lamp", square(0.5, 0.99), 1) },
-    ];
-    let materials = vec![grey(0.6), both_sides(), metal];
-    let eye = Vec3::new(0.0, 0.2, 0.9);
-    let camera = CameraSpec::look_at(eye, Vec3::new(0.0, -0.9, 0.0), Vec3::Y, 1.2, [24, 24]);
-    let world = World::new(SceneParts { shapes, materials, ..SceneParts::default() }, &camera);
-    let reference = world.render::<PathTracer>(&Default::default(), 512, 5, Show::Indirect);
-    let error = |params: &Params| {
-        relative_mse(&render(&world, params, 16, 1, Show::Indirect), &reference, "Indirect.")
-    };
-    let gathered = Params { min_roughness: 0.1, ..Params::default() };
-    let [followed, gathered] = [Params::default(), gathered].map(|params| error(&params));
-    assert!(followed < 0.5 * gathered, "{followed} against {gathered}");
-}
-
-#[test]
-fn indirect_light_is_right_along_the_edges_of_boxes_in_the_sun() {
-    // Boxes on which no point is far from an edge, on ground that is lit too.
-    let square = |half: f32, y: f32| {
-        let at = |x, z| Vec3::new(x * half, y, z * half);
-        polygon(&[at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)])
-    };
-    let mut shapes = vec![Shape::new("ground", square(4.0, 0.0), 1)];
-    for (x, z) in [(-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)] {
-        let Geometry::Mesh(mut mesh) = cube_inside() else { unreachable!("a mesh") };
-        let (size, place) = (Vec3::new(0.2, 0.4, 0.2), Vec3::new(x, 0.4, z));
-        mesh.transform(&Affine3A::from_scale_rotation_translation(size, Quat::IDENTITY, place));
-        shapes.push(Shape::new("box", Geometry::Mesh(mesh), 1));
-    }
-    let direction = Vec3::new(0.5, -1.0, 0.3).normalize();
-    let sun = LightSource::Directional { direction, irradiance: Rgb::grey(3.0) };
-    let parts = SceneParts {
-        shapes,
-        materials: vec![grey(0.6), both_sides()],
-        lights: vec![sun],
-        ..SceneParts::default()
-    };
-    let eye = Vec3::new(1.2, 1.1, 1.6);
-    let camera = CameraSpec::look_at(eye, Vec3::new(0.0, 0.3, 0.0), Vec3::Y, 0.7, [32, 32]);
-    let world = World::new(parts, &camera);
-    let truth = world.render::<PathTracer>(&Default::default(), 512, 5, Show::Indirect);
-    let (truth, variance) = mean_and_variance(&truth);
-    let of = |seed| {
-        mean_and_variance(&render(&world, &with(Method::Sppm, 8192), 24, seed, Show::Indirect)).0
-    };
-    let means: Running = (0..8).map(of).collect();
-    let error = (means.variance_of_mean() + variance).sqrt() / truth;
-    let ratio = means.mean() / truth;
-    assert!(error < 0.01, "+- {error}");
-    assert!((ratio - 1.0).abs() < 0.01 + 2.0 * error, "{ratio} +- {error}");
 }

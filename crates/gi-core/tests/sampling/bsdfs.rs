@@ -1,10 +1,11 @@
 //! Tests of BSDFs: sampled with their density, weights consistent with f, reciprocal, and conserving energy.
 
+mod bounds;
+mod materials;
+
 use gi_core::bsdf::{Bsdf, Toward, Transport};
 use gi_core::geometry::{Geometry, Mesh, Shape, Surface};
-use gi_core::material::{
-    BentNormals, Distribution, Material, Principled, PrincipledThin, Roughness,
-};
+use gi_core::material::{Distribution, Material, Principled, PrincipledThin};
 use gi_core::math::{Bounds, Rgb};
 use gi_core::ray::Ray;
 use gi_core::rng::Pcg;
@@ -14,125 +15,8 @@ use gi_core::warp;
 use glam::{Vec2, Vec3};
 
 use crate::grid::check;
-use crate::principled::{self, principled, sheet};
-
-fn rough(distribution: Distribution, u: f32, v: f32) -> Option<Roughness> {
-    Some(Roughness { distribution, alpha_u: Texture::grey(u), alpha_v: Texture::grey(v) })
-}
-
-fn white() -> Texture {
-    Texture::grey(1.0)
-}
-
-fn metal(roughness: Option<Roughness>) -> Material {
-    let (eta, k) = (Rgb::new(0.2, 0.9, 1.1), Rgb::new(3.9, 2.4, 2.2));
-    Material::Conductor { eta, k, reflectance: white(), roughness }
-}
-
-fn glass(roughness: Option<Roughness>) -> Material {
-    Material::Dielectric { eta: 1.5, reflectance: white(), transmittance: white(), roughness }
-}
-
-fn plastic(nonlinear: bool, roughness: Option<Roughness>) -> Material {
-    let diffuse = Texture::Constant(Rgb::new(0.7, 0.4, 0.1));
-    Material::Plastic { eta: 1.49, diffuse, specular: white(), nonlinear, roughness }
-}
-
-/// Name, table of materials (the last is the one to test), and whether its albedo must be one.
-fn materials() -> Vec<(&'static str, Vec<Material>, bool)> {
-    use Distribution::{Beckmann, Ggx};
-    let diffuse = Material::Diffuse { reflectance: Texture::grey(0.8) };
-    let phong = |exponent| Material::Phong {
-        diffuse: Texture::grey(0.3),
-        specular: Texture::grey(0.5),
-        exponent: Texture::grey(exponent),
-    };
-    let mask = |inner| Material::Mask { opacity: Texture::grey(0.7), inner };
-    let bump = Material::NormalMap {
-        map: Texture::Constant(Rgb::new(0.6, 0.45, 0.95)),
-        inner: 0,
-        normals: BentNormals::default(),
-    };
-    // From half of the directions above the floor, the back of such a normal is visible.
-    let steep = |inner, flipped| Material::NormalMap {
-        map: Texture::Constant(Rgb::new(0.95, 0.4, 0.6)),
-        inner,
-        normals: BentNormals { flipped, shadowed: true },
-    };
-    let blend = Material::Blend { weight: Texture::grey(0.4), first: 0, second: 1 };
-    let metal_2 = metal(rough(Ggx, 0.2, 0.2));
-    let mut all = vec![
-        ("diffuse", vec![diffuse.clone()], false),
-        (
-            "diffuse, two-sided",
-            vec![diffuse.clone(), Material::TwoSided { front: 0, back: 0 }],
-            false,
-        ),
-        (
-            "Oren-Nayar",
-            vec![Material::RoughDiffuse {
-                reflectance: Texture::grey(0.8),
-                alpha: Texture::grey(0.4),
-            }],
-            false,
-        ),
-        ("conductor", vec![metal(None)], false),
-        ("GGX conductor 0.1", vec![metal(rough(Ggx, 0.1, 0.1))], false),
-        ("GGX conductor 0.5", vec![metal(rough(Ggx, 0.5, 0.5))], false),
-        ("GGX conductor 0.4, 0.1", vec![metal(rough(Ggx, 0.4, 0.1))], false),
-        ("Beckmann conductor 0.3", vec![metal(rough(Beckmann, 0.3, 0.3))], false),
-        ("Beckmann conductor 0.15, 0.5", vec![metal(rough(Beckmann, 0.15, 0.5))], false),
-        ("dielectric", vec![glass(None)], true),
-        ("GGX dielectric 0.3", vec![glass(rough(Ggx, 0.3, 0.3))], false),
-        ("Beckmann dielectric 0.2", vec![glass(rough(Beckmann, 0.2, 0.2))], false),
-        (
-            "pane",
-            vec![Material::ThinDielectric {
-                eta: 1.5,
-                reflectance: white(),
-                transmittance: white(),
-            }],
-            true,
-        ),
-        ("plastic", vec![plastic(false, None)], false),
-        ("plastic, nonlinear", vec![plastic(true, None)], false),
-        ("GGX plastic 0.2", vec![plastic(true, rough(Ggx, 0.2, 0.2))], false),
-        ("Beckmann plastic 0.1", vec![plastic(false, rough(Beckmann, 0.1, 0.1))], false),
-        ("phong 10", vec![phong(10.0)], false),
-        ("phong 200", vec![phong(200.0)], false),
-        ("null", vec![Material::Null], true),
-        ("mask", vec![diffuse.clone(), mask(0)], false),
-        ("normal map", vec![diffuse.clone(), bump], false),
-        ("normal map, steep", vec![diffuse.clone(), steep(0, true)], false),
-        ("normal map, steep, not flipped", vec![diffuse.clone(), steep(0, false)], false),
-        (
-            "normal map, steep, not flipped, two-sided",
-            vec![diffuse.clone(), steep(0, false), Material::TwoSided { front: 1, back: 1 }],
-            false,
-        ),
-        ("normal map, steep, of metal", vec![metal_2.clone(), steep(0, true)], false),
-        ("normal map, steep, of a mirror", vec![metal(None), steep(0, true)], false),
-        (
-            "normal map, steep, of a blend, two-sided",
-            vec![
-                plastic(true, rough(Ggx, 0.3, 0.3)),
-                metal_2.clone(),
-                blend.clone(),
-                steep(2, true),
-                Material::TwoSided { front: 3, back: 3 },
-            ],
-            false,
-        ),
-        ("blend", vec![diffuse.clone(), metal_2.clone(), blend.clone()], false),
-        (
-            "masked blend, two-sided",
-            vec![diffuse, metal_2, blend, mask(2), Material::TwoSided { front: 3, back: 3 }],
-            false,
-        ),
-    ];
-    all.extend(principled::materials());
-    all
-}
+use crate::principled::{principled, sheet};
+use materials::{glass, materials, metal, rough};
 
 /// A floor with the last of the materials, seen from above.
 pub(crate) fn floor(materials: Vec<Material>) -> (Scene, Surface) {
@@ -380,76 +264,4 @@ fn no_material_creates_light_and_smooth_glass_loses_none() {
             assert!((albedo - 1.0).abs() < 1e-3, "{name}: albedo {albedo}");
         }
     });
-}
-
-/// A box around the point at `distance` along `d`, and points inside it, including that point.
-fn box_along(d: Vec3, distance: f32, rng: &mut Pcg) -> (Bounds, Vec<Vec3>) {
-    let unit = |rng: &mut Pcg| Vec3::from_array([0; 3].map(|_| rng.next_f32()));
-    // The boxes are flat, small, or large enough to contain the origin.
-    let size = distance * 10f32.powf(3.5 * rng.next_f32() - 3.0);
-    let extent = unit(rng).map(|u| if u < 0.3 { 0.0 } else { u * size });
-    let min = d * distance - extent * unit(rng);
-    let bounds = Bounds { min, max: min + extent };
-    let inside = |p: Vec3| p.clamp(bounds.min, bounds.max);
-    let mut points = vec![inside(d * distance), inside(Vec3::ZERO)];
-    points.extend((0..8).map(|_| bounds.min + extent * unit(rng)));
-    (bounds, points)
-}
-
-#[test]
-fn no_direction_into_a_box_scatters_more_than_its_bound() {
-    let mut rng = Pcg::new(11, 4);
-    let (mut cases, mut tight) = (0u32, 0u32);
-    for (name, materials, _) in materials().into_iter().chain(sharp_materials()) {
-        let (scene, surface) = floor(materials);
-        for _ in 0..4000 {
-            let wo = warp::sphere(rng.next_2d());
-            // Also test grazing directions.
-            let flatten = if rng.next_f32() < 0.3 { 0.02 } else { 1.0 };
-            let wo = Vec3::new(wo.x, wo.y, wo.z * flatten).normalize();
-            let transport =
-                if rng.next_f32() < 0.5 { Transport::Radiance } else { Transport::Power };
-            let bsdf = scene.bsdf(&surface, wo, transport);
-            let drawn = bsdf.sample(wo, rng.next_f32(), rng.next_2d()).map(|s| s.wi);
-            let d = drawn.filter(|_| rng.next_f32() < 0.7).unwrap_or(warp::sphere(rng.next_2d()));
-            let distance = 10f32.powf(4.0 * rng.next_f32() - 2.0);
-            let (bounds, points) = box_along(d, distance, &mut rng);
-            // Also test with an origin that makes the coordinates inaccurate.
-            let p = Vec3::new(0.3, 0.1, 0.0) * if rng.next_f32() < 0.5 { 0.0 } else { distance };
-            let moved = Bounds { min: bounds.min + p, max: bounds.max + p };
-            let bound = bsdf.bound(wo, &Toward::new(p, &moved));
-            for q in points {
-                let Some(wi) = ((q + p).clamp(moved.min, moved.max) - p).try_normalize() else {
-                    continue;
-                };
-                for (value, most) in [(bsdf.f(wo, wi), bound.f), (bsdf.f_cos(wo, wi), bound.f_cos)]
-                {
-                    let holds = value.r <= most.r && value.g <= most.g && value.b <= most.b;
-                    assert!(
-                        holds,
-                        "{name}: {value:?} is above the bound {most:?}, wo {wo}, wi {wi}, {bounds:?}"
-                    );
-                    cases += 1;
-                    tight += u32::from(value.max() > 0.5 * most.max());
-                }
-            }
-        }
-    }
-    // A bound that is far too large would pass too, so require cases near the bound.
-    assert!(tight > cases / 8, "{tight} of {cases} within a factor of two");
-}
-
-/// Sharp lobes, which are inaccurate in single precision.
-fn sharp_materials() -> Vec<(&'static str, Vec<Material>, bool)> {
-    use Distribution::{Beckmann, Ggx};
-    let mut all = Vec::new();
-    for (name, alpha_u, alpha_v) in
-        [("0.001", 0.001, 0.001), ("0.02", 0.02, 0.02), ("0.9, 0.05", 0.9, 0.05), ("1.3", 1.3, 1.3)]
-    {
-        for distribution in [Ggx, Beckmann] {
-            all.push((name, vec![metal(rough(distribution, alpha_u, alpha_v))], false));
-            all.push((name, vec![glass(rough(distribution, alpha_u, alpha_v))], false));
-        }
-    }
-    all
 }
