@@ -1,6 +1,9 @@
 //! Invalid numbers: each one is refused, or corrected with a warning.
 
+mod camera;
+#[path = "../common/mod.rs"]
 mod common;
+mod meshes;
 
 use common::{Folder, scene};
 use gi_core::texture::Texture;
@@ -36,36 +39,6 @@ fn pfm(texels: &[[f32; 3]]) -> Vec<u8> {
 
 const SENSOR: &str = "<sensor type='perspective'/>";
 const NAN: [f32; 3] = [1.0, f32::NAN, 1.0];
-
-#[test]
-fn a_size_from_the_command_line_gives_no_false_warnings_about_the_film() {
-    let scenes = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
-    let mut count = 0;
-    for entry in std::fs::read_dir(scenes).unwrap() {
-        let path = entry.unwrap().path();
-        if path.extension().is_none_or(|e| e != "xml") {
-            continue;
-        }
-        let options = Options { size: Some([32, 20]), ..Options::default() };
-        let loaded = load(&path, &options).unwrap();
-        assert_eq!(loaded.camera.size, [32, 20]);
-        let plain = load(&path, &Options::default()).unwrap();
-        assert_eq!(loaded.warnings, plain.warnings);
-        assert!(loaded.warnings.iter().all(|w| !w.contains("hdrfilm")), "{:?}", loaded.warnings);
-        count += 1;
-    }
-    assert!(count > 0);
-}
-
-#[test]
-fn a_size_from_the_command_line_does_not_hide_errors_of_the_film() {
-    let folder = Folder::new();
-    let text = "<scene version='3.0.0'><sensor type='perspective'><film type='hdrfilm'>
-        <integer name='width' value='0'/></film></sensor><shape type='sphere'/></scene>";
-    let options = Options { size: Some([8, 8]), ..Options::default() };
-    let shown = load(&folder.write("a.xml", text), &options).unwrap_err().to_string();
-    assert!(shown.contains("a film of 0 x 576"), "{shown}");
-}
 
 #[test]
 fn a_texel_that_is_not_finite_is_named_with_its_file() {
@@ -227,174 +200,6 @@ fn parameters_of_cameras_and_skies_outside_their_range_are_refused() {
     let sky = |inner: &str| format!("<emitter type='sunsky'>{inner}</emitter>");
     refused(&sky(&float("albedo", "1.5")), "albedo is 1.5", "0 to 1");
     refused(&sky(&float("sun_radius_scale", "-1")), "sun_radius_scale -1", "0 or more");
-}
-
-fn with_camera(camera: CameraOverride) -> Result<gi_scene::Loaded, String> {
-    let folder = Folder::new();
-    let path = folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    let options = Options { camera, ..Options::default() };
-    load(&path, &options).map_err(|e| e.to_string())
-}
-
-#[test]
-fn an_invalid_camera_on_the_command_line_is_refused() {
-    let none = CameraOverride::default();
-    for fov in [0.0, -5.0, 180.0, f32::NAN] {
-        let shown = with_camera(CameraOverride { fov: Some(fov), ..none }).unwrap_err();
-        assert!(shown.contains("--fov"), "{shown}");
-    }
-    for bad in [Vec3::splat(f32::NAN), Vec3::splat(f32::INFINITY), Vec3::splat(1e13)] {
-        for camera in [
-            CameraOverride { origin: Some(bad), ..none },
-            CameraOverride { target: Some(bad), ..none },
-            CameraOverride { up: Some(bad), ..none },
-        ] {
-            assert!(with_camera(camera).unwrap_err().contains("expected finite numbers"));
-        }
-    }
-    let narrow = CameraOverride { fov: Some(1e-38), ..none };
-    assert!(with_camera(narrow).unwrap_err().contains("a wider --fov"));
-    let same = CameraOverride { origin: Some(Vec3::ONE), target: Some(Vec3::ONE), ..none };
-    assert!(with_camera(same).unwrap_err().contains("looks at itself"));
-    assert!(with_camera(CameraOverride { up: Some(Vec3::ZERO), ..none }).is_err());
-    let along = CameraOverride { up: Some(Vec3::Z), ..none };
-    assert!(with_camera(along).unwrap_err().contains("is parallel to the view"));
-    let above = CameraOverride { origin: Some(Vec3::Y), target: Some(Vec3::ZERO), ..none };
-    let seen = with_camera(above).unwrap();
-    assert!(seen.warnings[0].contains("looks along y"), "{:?}", seen.warnings);
-    assert!(seen.camera.to_world.is_finite());
-}
-
-#[test]
-fn the_command_line_moves_turns_and_zooms_the_camera_of_a_scene() {
-    let folder = Folder::new();
-    // A mirrored and scaled sensor, as exporters write them.
-    let text = "<scene version='3.0.0'><sensor type='perspective'><float name='fov' value='30'/>
-        <transform name='to_world'><scale x='-2' y='2' z='2'/>
-        <lookat origin='1 2 5' target='0 0 0' up='0 1 0'/></transform></sensor>
-        <shape type='sphere'/></scene>";
-    let path = folder.write("a.xml", text);
-    let seen =
-        |camera| load(&path, &Options { camera, ..Options::default() }).map_err(|e| e.to_string());
-    let none = CameraOverride::default();
-    let own = seen(none).unwrap().camera;
-    let near = |a: Affine3A, b: Affine3A| assert!(a.abs_diff_eq(b, 1e-5), "{a} is not {b}");
-    // Repeating the scene's own values changes nothing.
-    let [origin, target] = [Vec3::new(1.0, 2.0, 5.0), Vec3::ZERO].map(Some);
-    let same = CameraOverride { origin, target, up: Some(Vec3::Y), fov: Some(30.0) };
-    let same = seen(same).unwrap().camera;
-    near(same.to_world, own.to_world);
-    assert_eq!(same.projection, own.projection);
-    // An origin alone keeps the directions; a target alone keeps the position.
-    let moved = seen(CameraOverride { origin: Some(Vec3::ONE), ..none }).unwrap().camera.to_world;
-    near(moved, Affine3A { translation: Vec3::ONE.into(), ..own.to_world });
-    let turned = seen(CameraOverride { target: Some(Vec3::X), ..none }).unwrap().camera.to_world;
-    assert_eq!(turned.translation, own.to_world.translation);
-    let view = Vec3::from(turned.matrix3.z_axis).normalize();
-    assert!(view.abs_diff_eq(Vec3::new(0.0, -2.0, -5.0).normalize(), 1e-6), "{view}");
-    assert!((turned.matrix3.determinant() - own.to_world.matrix3.determinant()).abs() < 1e-4);
-    let here = CameraOverride { target: Some(Vec3::new(1.0, 2.0, 5.0)), ..none };
-    assert!(seen(here).unwrap_err().contains("is the position of the camera"));
-    assert!(seen(CameraOverride { fov: Some(200.0), ..none }).unwrap_err().contains("--fov"));
-}
-
-#[test]
-fn a_camera_moved_to_look_straight_down_needs_no_other_up() {
-    let folder = Folder::new();
-    let text = "<scene version='3.0.0'><sensor type='perspective'>
-        <transform name='to_world'><lookat origin='0 1 5' target='0 1 0' up='0 1 0'/></transform></sensor>
-        <shape type='sphere'/></scene>";
-    let path = folder.write("a.xml", text);
-    let camera = CameraOverride {
-        origin: Some(Vec3::new(0.0, 9.0, 0.0)),
-        target: Some(Vec3::ZERO),
-        ..CameraOverride::default()
-    };
-    let loaded = load(&path, &Options { camera, ..Options::default() }).unwrap();
-    let axes = loaded.camera.to_world.matrix3;
-    assert!(Vec3::from(axes.z_axis).abs_diff_eq(Vec3::NEG_Y, 1e-6), "{axes}");
-    // The old viewing direction is up in the picture.
-    assert!(Vec3::from(axes.y_axis).abs_diff_eq(Vec3::NEG_Z, 1e-6), "{axes}");
-    assert!(loaded.warnings.iter().any(|w| w.contains("--up changes that")));
-    // The same up direction is an error if the command line gives it.
-    let camera = CameraOverride { up: Some(Vec3::Y), ..camera };
-    let refused = load(&path, &Options { camera, ..Options::default() }).unwrap_err().to_string();
-    assert!(refused.contains("--up 0,1,0 is parallel to the view"), "{refused}");
-}
-
-#[test]
-fn the_normals_of_a_mirrored_cylinder_point_outward() {
-    let flipped = |x: &str| {
-        let body = format!(
-            "<shape type='cylinder'><transform name='to_world'><scale value='{x} 1 1'/>\
-             </transform></shape>"
-        );
-        scene(&body).parts.shapes[0].flip_normals
-    };
-    assert_eq!([flipped("1"), flipped("-1")], [false, false]);
-}
-
-fn mesh(name: &str, text: &str) -> Result<gi_scene::Loaded, String> {
-    let folder = Folder::new();
-    folder.write(name, text);
-    let (kind, _) = name.rsplit_once('.').map(|(_, k)| (k, ())).unwrap();
-    let body =
-        format!("{SENSOR}<shape type='{kind}'><string name='filename' value='{name}'/></shape>");
-    folder.scene("3.0.0", &body).map_err(|e| folder.strip(&e.to_string()))
-}
-
-#[test]
-fn invalid_normals_are_replaced_by_face_normals_with_a_warning() {
-    let obj = |n: &str| format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn {n}\nf 1//1 2//1 3//2\n");
-    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
-        property float z\nproperty float nx\nproperty float ny\nproperty float nz\nelement face 1\n\
-        property list uchar int vertex_indices\nend_header\n\
-        0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 nan 0 0\n3 0 1 2\n";
-    let meshes = [("m.obj", obj("0 0 0")), ("m.obj", obj("nan 0 1")), ("m.ply", ply.to_owned())];
-    for (name, text) in meshes {
-        let loaded = mesh(name, &text).unwrap();
-        assert!(loaded.warnings[0].contains("1 normals are zero"), "{:?}", loaded.warnings);
-        let gi_core::geometry::Geometry::Mesh(mesh) = &loaded.parts.shapes[0].geometry else {
-            panic!()
-        };
-        assert_eq!(mesh.normals, [Vec3::Z; 3]);
-    }
-}
-
-#[test]
-fn texture_coordinates_that_are_not_finite_are_refused() {
-    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt nan 0\nf 1/1 2/1 3/1\n";
-    let shown = mesh("m.obj", obj).unwrap_err();
-    assert!(shown.contains("line 4: a texture coordinate is not finite"), "{shown}");
-    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
-        property float z\nproperty float u\nproperty float v\nelement face 1\n\
-        property list uchar int vertex_indices\nend_header\n\
-        0 0 0 0 0\n1 0 0 inf 0\n0 1 0 0 0\n3 0 1 2\n";
-    let shown = mesh("m.ply", ply).unwrap_err();
-    assert!(shown.contains("texture coordinate 1 is not finite"), "{shown}");
-}
-
-#[test]
-fn vertices_so_far_away_that_areas_overflow_are_refused() {
-    let shown = mesh("m.obj", "v 0 0 0\nv 1e30 0 0\nv 0 1 0\nf 1 2 3\n").unwrap_err();
-    assert!(shown.contains("line 2: a vertex is too far away"), "{shown}");
-}
-
-#[test]
-fn shapes_without_area_give_a_warning() {
-    let warnings = |kind: &str, scale: &str| {
-        let body = format!(
-            "{SENSOR}<shape type='{kind}' id='it'><transform name='to_world'>\
-             <scale value='{scale}'/></transform></shape>"
-        );
-        scene(&body).warnings
-    };
-    for kind in ["rectangle", "cube", "disk"] {
-        let shown = warnings(kind, "0");
-        assert!(shown[0].contains("`it` has no area"), "{kind} {shown:?}");
-    }
-    assert!(warnings("cube", "1 1 0")[0].contains("`it` is flat"));
-    assert!(warnings("rectangle", "1 1 0").is_empty());
 }
 
 #[test]
