@@ -1,4 +1,4 @@
-# Everything that can be done to the project, by name.
+# Targets for building, testing and documenting the project.
 CARGO ?= cargo
 
 .PHONY: all build test test-slow lint ci scenes bench figures compare install man
@@ -33,11 +33,11 @@ install: man
 test:
 	$(CARGO) test --workspace
 
-# The slow ones too: hundreds of millions of rays, seed sweeps.
+# Slow tests too: hundreds of millions of rays, many seeds.
 test-slow:
 	$(CARGO) test --workspace --release -- --include-ignored
 
-# Style, lints, documentation, and who may name whom.
+# Style, lints, documentation, and the dependency rules.
 lint:
 	$(CARGO) fmt --all -- --check
 	$(CARGO) clippy --workspace --all-targets -- -D warnings
@@ -46,13 +46,14 @@ lint:
 
 ci: test lint
 
-# Write scenes/ anew from the generator.
+# Write scenes/ again with the generator.
 scenes:
 	$(CARGO) run --release -p make-scenes -- scenes
 
-# Rays a second against obvhs, and against Embree where EMBREE_LIB names its library; photons found a second against
-# the lecture's layout and kiddo; photons and pixels of progressive passes a second; points connected with virtual point
-# lights against bare shadow rays; cuts against all lights, from 10 to a million.
+# Benchmarks: rays per second against obvhs, and against Embree if EMBREE_LIB is the path of its library; photon
+# searches per second against the lecture's layout and kiddo; photons and pixels per second of progressive passes;
+# connections per second with virtual point lights against only their shadow rays; cuts against all lights, from 10 to a
+# million.
 bench:
 	$(CARGO) bench -p ppm --bench passes
 	$(CARGO) bench -p gi-bvh --bench rays $(if $(EMBREE_LIB),--features embree) -- $(BENCH_ARGS)
@@ -60,12 +61,12 @@ bench:
 	$(CARGO) bench -p vpl --bench connections
 	$(CARGO) bench -p lightcuts --bench scaling
 
-# The techniques side by side, COMPARE_TIME each: out/compare/index.html.
+# Compare the techniques, COMPARE_TIME each: out/compare/index.html.
 COMPARE_TIME ?= 10s
 COMPARE_SCENE ?= scenes/cornell-spheres.xml
 COMPARE_ARGS ?=
 compare: build
 	target/release/compare $(COMPARE_SCENE) --time $(COMPARE_TIME) -o out/compare $(COMPARE_ARGS)
 
-# The lecture's figures: one rule a slide.
+# The lecture's figures: one rule per slide.
 include scripts/figures.mk

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Hold the arrows of the design: who may depend on whom, and where each outside package may be named.
+# Checks the dependency rules of the design: which crate may depend on which, and where each outside package may be
+# named.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 fail=0
@@ -7,7 +8,7 @@ complain() { echo "check-arrows: $*" >&2; fail=1; }
 
 techniques="pathtrace irrcache radcache photonmap ppm instant-radiosity lightcuts"
 
-# Packages of the project that a manifest's section names.
+# Prints the project's packages that a section of a manifest names.
 names() { # manifest section
     awk -v section="[$2]" '$0 == section { on = 1; next } /^\[/ { on = 0 } on' "$1" |
         grep -oE '^(gi-[a-z]+|lightcache|vpl|compare|pathtrace|irrcache|radcache|photonmap|ppm|instant-radiosity|lightcuts)\b' || true
@@ -29,7 +30,7 @@ allow gi-cli gi-core gi-scene
 allow vpl gi-core
 allow lightcache gi-core
 for technique in $techniques; do
-    # The library names gi-core and one of the two that techniques share; the program names gi-cli besides.
+    # The library may name gi-core and one of the two crates that techniques share; the program may also name gi-cli.
     case $technique in
         irrcache | radcache) allow "$technique" gi-core gi-cli lightcache ;;
         instant-radiosity | lightcuts) allow "$technique" gi-core gi-cli vpl ;;
@@ -39,7 +40,7 @@ for technique in $techniques; do
         complain "$technique: only main.rs may name gi_cli"
     fi
 done
-# It runs the techniques as programs and names none of them.
+# compare runs the techniques as programs and names none of their crates.
 allow compare gi-core gi-stats gi-cli
 if grep -rlE '\bgi_cli\b' crates/compare/src | grep -v '/main\.rs$'; then
     complain "compare: only main.rs may name gi_cli"
@@ -58,7 +59,7 @@ only roxmltree 'gi-scene/src/document'
 only annotate_snippets 'gi-scene/src/diagnostics'
 only exr 'gi-core/src/image_io/'
 only image 'gi-core/src/image_io/'
-# Options are stated in params.rs of the techniques, and in options.rs where several techniques share them.
+# Options are declared in params.rs of each technique, or in options.rs if several techniques share them.
 only clap 'gi-cli/src/|/src/main\.rs|/src/params\.rs|gi-core/src/options\.rs|lightcache/src/options\.rs|vpl/src/options\.rs'
 only indicatif 'gi-cli/src/progress'
 only signal_hook 'gi-cli/src/stop'
@@ -67,15 +68,15 @@ only tev_client 'gi-cli/src/display'
 only humantime 'gi-cli/src/identity'
 only clap_complete 'gi-cli/src/help'
 only clap_mangen 'gi-cli/src/help'
-# Statistics are written by gi-cli and read by compare, whose page and --json are JSON as well.
+# gi-cli writes statistics as JSON, and compare reads them; compare's page and --json are JSON too.
 only serde_json 'gi-cli/src/|compare/src/'
-# Pictures are coloured in Rust by canvas, in a page by a table that it carries.
+# Pictures are coloured in Rust by canvas, and on compare's page by a table.
 only colorous 'gi-core/src/canvas|compare/src/page/'
 only flate2 'gi-scene/src/|compare/src/planes'
 only base64 'compare/src/planes'
 only half 'compare/src/planes'
 
-# Unsafe code is in gi-bvh alone. The compiler forbids it elsewhere, in every crate that takes the workspace's lints.
+# Only gi-bvh may contain unsafe code. The workspace's lints make the compiler forbid it in all other crates.
 if grep -rnw unsafe crates tests scripts --include='*.rs' | grep -v '^crates/gi-bvh/'; then
     complain "unsafe code outside of gi-bvh"
 fi

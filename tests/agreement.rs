@@ -1,4 +1,4 @@
-//! Techniques against each other.
+//! Compares techniques with each other.
 
 use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk, GatherRay, PathLimits};
 use gi_core::film::{Film, Show};
@@ -15,7 +15,7 @@ use gi_stats::{sidak, z_test};
 use gi_tests::World;
 use pathtrace::{Mode, Params, PathTracer};
 
-/// Mean and variance of the mean over blocks of the picture, per channel.
+/// Mean and variance of the mean for blocks of the picture, per channel.
 pub(crate) fn blocks(film: &Film, side: usize) -> Vec<(f64, f64)> {
     let layers = film.layers();
     let (w, h) = (layers.width, layers.height);
@@ -42,7 +42,7 @@ pub(crate) fn blocks(film: &Film, side: usize) -> Vec<(f64, f64)> {
     out
 }
 
-/// Check that two unbiased estimates of one picture agree in every block.
+/// Check that two unbiased estimates of the same picture agree in every block.
 fn assert_agree(name: &str, a: &Film, b: &Film, side: usize) {
     let (a, b) = (blocks(a, side), blocks(b, side));
     let level = sidak(1e-3, a.len());
@@ -73,7 +73,7 @@ fn paths_from_the_eye_and_from_the_lights_agree_in_the_cornell_box() {
 
 #[test]
 fn paths_from_the_eye_and_from_the_lights_agree_on_a_caustic() {
-    // Rays from the eye find the small lamp rarely: fewer of them would not know their own variance.
+    // Rays from the eye rarely find the small lamp, so many are needed to estimate their variance.
     let world = World::load("ring.xml", [24, 24], &[]);
     let [eye, light] = both_ends(&world, [8192, 2048], Show::Caustic);
     let caustic: f64 = blocks(&light, 24)[0].0;
@@ -81,9 +81,9 @@ fn paths_from_the_eye_and_from_the_lights_agree_on_a_caustic() {
     assert_agree("the ring's caustic", &eye, &light, 8);
 }
 
-/// A technique that answers at every vertex by one nested path: what [`gi_core::eye`] makes of right answers must be
-/// right.
-fn answered_by_nested_paths(world: &World, whole: bool, passes: u32) -> Film {
+/// A technique that supplies an estimate at every vertex from one nested path. If the estimates are right,
+/// [`gi_core::eye`] must give the right picture.
+fn estimated_by_nested_paths(world: &World, whole: bool, passes: u32) -> Film {
     let (scene, camera) = (&world.scene, &world.camera);
     let setting = Setting {
         scene,
@@ -149,13 +149,14 @@ fn nested_estimate(
 }
 
 #[test]
-fn paths_that_are_answered_for_agree_with_those_that_go_on() {
+fn paths_with_supplied_estimates_agree_with_plain_paths() {
     let roughness = |alpha| Roughness {
         distribution: Distribution::Ggx,
         alpha_u: Texture::grey(alpha),
         alpha_v: Texture::grey(alpha),
     };
-    // The diffuse part of Phong's model is answered for exactly, that of a coat nearly: coats are answered for whole.
+    // For the diffuse part of Phong's model, the estimate is exact; for that of a coat, only nearly. So for coats, the
+    // estimate covers all lobes.
     for (name, whole) in [("phong", false), ("smooth coats", true), ("rough coats", true)] {
         let world = World::load_with("cornell-spheres.xml", [24, 24], &[], |parts, _| {
             for material in &mut parts.materials {
@@ -173,7 +174,7 @@ fn paths_that_are_answered_for_agree_with_those_that_go_on() {
             }
         });
         let [path, _] = both_ends(&world, [256, 1], Show::All);
-        let answered = answered_by_nested_paths(&world, whole, 256);
+        let answered = estimated_by_nested_paths(&world, whole, 256);
         assert_agree(name, &path, &answered, 8);
     }
 }

@@ -1,36 +1,36 @@
-//! The one test binary of what crosses crates.
+//! The test binary for everything that involves several crates.
 
-/// Techniques against each other and against the reference.
+/// Compares techniques with each other and with the reference.
 mod agreement;
 /// Scenes with known answers, for every technique that can render them.
 mod analytic;
-/// The same bits for any number of threads.
+/// Pictures are the same, bit for bit, for any number of threads.
 mod determinism;
-/// What the dipole of translucent solids is held to.
+/// Checks the dipole of translucent solids.
 mod dipole;
 /// Values at the end of a range.
 mod ends_of_ranges;
-/// What instant radiosity is held to.
+/// Checks instant radiosity.
 mod instant_radiosity_facts;
-/// What irradiance caching is held to.
+/// Checks irradiance caching.
 mod irrcache_facts;
-/// What lightcuts are held to.
+/// Checks lightcuts.
 mod lightcuts_facts;
-/// All programs against each other on scenes that combine surfaces, maps, media, lights and places.
+/// Compares all programs on scenes that combine surfaces, maps, media, lights and places.
 mod matrix;
-/// What light in participating media is held to.
+/// Checks light in participating media.
 mod media;
 /// Paths from the lights in participating media.
 mod media_light;
-/// What the programs' options say of themselves.
+/// Checks the help of the programs' options.
 mod options;
-/// Photon mapping.
+/// Checks photon mapping.
 mod photonmap;
-/// What progressive photon mapping is held to.
+/// Checks progressive photon mapping.
 mod ppm_facts;
-/// What radiance caching is held to.
+/// Checks radiance caching.
 mod radcache_facts;
-/// Scenes put together at random.
+/// Compares paths from both ends on random scenes.
 mod random_scenes;
 /// Small lamps near surfaces and behind glass.
 mod small_lamps;

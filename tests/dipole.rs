@@ -1,4 +1,4 @@
-//! What the dipole of translucent solids is held to: what diffusion says in closed form.
+//! Compares the dipole of translucent solids with closed forms of diffusion theory.
 
 use std::f64::consts::PI;
 
@@ -18,7 +18,7 @@ use gi_tests::{ALPHA, World, cube_inside, mean_and_variance, sphere};
 use glam::Vec3;
 use photonmap::{Params, PhotonMapping, Subsurface};
 
-/// Index of all bodies here.
+/// Index of refraction of all solids here.
 const ETA: f64 = 1.5;
 
 fn polish() -> Material {
@@ -39,12 +39,12 @@ fn solid(geometry: Geometry) -> Shape {
 }
 
 fn params(volume_photons: usize) -> Params {
-    // No surface here can hold a photon of another map.
+    // No surface here can store a photon of another map.
     let (photons, caustic_photons, subsurface) = (1, 0, Subsurface::Dipole);
     Params { photons, caustic_photons, volume_photons, subsurface, ..Params::default() }
 }
 
-/// Fresnel reflectance of the index [`ETA`] from outside.
+/// Fresnel reflectance for the index [`ETA`] from outside.
 fn fresnel(cos: f64) -> f64 {
     let t = (1.0 - (1.0 - cos * cos) / (ETA * ETA)).sqrt();
     let s = (cos - ETA * t) / (cos + ETA * t);
@@ -52,14 +52,15 @@ fn fresnel(cos: f64) -> f64 {
     0.5 * (s * s + p * p)
 }
 
-/// Share of diffuse light that enters from outside.
+/// Fraction of diffuse light that enters from outside.
 fn enters() -> f64 {
     let n = 20_000;
     let at = |k: i32| (f64::from(k) + 0.5) / f64::from(n);
     (0..n).map(|k| 2.0 * (1.0 - fresnel(at(k))) * at(k)).sum::<f64>() / f64::from(n)
 }
 
-/// (1 + F) / (1 - F), F the share of diffuse light that is reflected inward: 1 - F = (1 - F outside) / eta^2.
+/// (1 + F) / (1 - F), where F is the fraction of diffuse light that is reflected inward: 1 - F = (1 - F outside) /
+/// eta^2.
 fn boundary() -> f64 {
     let leaves = enters() / (ETA * ETA);
     (2.0 - leaves) / leaves
@@ -76,8 +77,9 @@ fn mean_of_seeds(world: &World, photons: usize, seeds: u32) -> (f64, f64) {
 }
 
 #[test]
-fn a_plane_under_a_distant_light_sends_back_the_dipoles_total_reflectance() {
-    // The top of a flat box of 20 mean free paths: beyond them lies exp(-7.7) of what is thrown back. Seen from 45 degrees.
+fn a_plane_under_a_distant_light_has_the_dipoles_total_reflectance() {
+    // The top of a flat box with sides of 20 mean free paths: the part beyond the box is exp(-7.7) of the reflected
+    // light. Seen at 45 degrees.
     let (half, albedo) = (10.0, 0.8f32);
     let Geometry::Mesh(mut cube) = cube_inside() else { unreachable!("a mesh") };
     for p in &mut cube.positions {
@@ -102,15 +104,15 @@ fn a_plane_under_a_distant_light_sends_back_the_dipoles_total_reflectance() {
     let expected = (1.0 - fresnel(1.0)) * total / PI * (1.0 - fresnel(cos)) / enters();
     let (mean, variance) = mean_of_seeds(&world, 50_000, 12);
     assert!(variance.sqrt() < 0.01 * expected, "noise {:.1e}", variance.sqrt() / expected);
-    // What lies beyond the box, at most.
+    // The light that would be reflected beyond the box is at most 5e-4 of the whole.
     let p = z_test(mean, variance + (5e-4 * expected).powi(2), expected, 0.0);
     assert!(p > ALPHA, "{mean} is not {expected} +- {:.1e} (p = {p:.1e})", variance.sqrt());
 }
 
 #[test]
-fn a_ball_of_albedo_one_in_a_white_furnace_reads_what_the_chords_of_a_sphere_say() {
-    // Of a sphere the piece within a chord r is pi r^2 large: over all of it the dipole adds up to
-    // 1 - z_r / 2 |(z_r, 2)| - z_v / 2 |(z_v, 2)|, which only half-spaces, not balls, have at 1.
+fn a_ball_of_albedo_one_in_a_white_furnace_has_the_integral_of_the_dipole_over_a_sphere() {
+    // On a sphere, the part of the surface within a chord r has the area pi r^2. Over the whole sphere, the dipole
+    // integrates to 1 - z_r / 2 |(z_r, 2)| - z_v / 2 |(z_v, 2)|. It integrates to 1 only for half-spaces.
     let sigma_t = 40.0;
     let parts = SceneParts {
         shapes: vec![solid(sphere(Vec3::ZERO, 1.0))],
@@ -133,9 +135,10 @@ fn a_ball_of_albedo_one_in_a_white_furnace_reads_what_the_chords_of_a_sphere_say
 }
 
 #[test]
-fn a_ball_in_a_shell_of_glass_is_as_bright_as_a_bare_one() {
-    // What the shell throws back enters anew: counted as held in by the ball's own surface too, it would be there twice. What the
-    // ball leaves of 1, see above, is missing once at least, and again in what the shell throws back of it.
+fn a_ball_in_a_glass_shell_is_as_bright_as_a_bare_one() {
+    // The light that the shell reflects inward enters the ball again. If the boundary of the ball counted it as well,
+    // it would be counted twice. The ball returns less than 1 (see the test above): this loss occurs once at least, and
+    // again for the light that the shell reflects back.
     let glass = |eta| Material::Dielectric {
         eta,
         reflectance: Texture::grey(1.0),
@@ -153,7 +156,7 @@ fn a_ball_in_a_shell_of_glass_is_as_bright_as_a_bare_one() {
     let eye = Vec3::new(0.0, 0.0, 3.0);
     let world = World::new(parts, &CameraSpec::look_at(eye, Vec3::ZERO, Vec3::Y, 0.02, [8, 8]));
     let (mean, variance) = mean_of_seeds(&world, 50_000, 12);
-    // z_r and z_v of a surface that reflects little inward.
+    // z_r and z_v for a surface with little internal reflection.
     let missing = 0.5 * (2.0 + 4.0 / 3.0) / 40.0 / 2.0;
     let error = variance.sqrt();
     assert!(error < 0.02, "noise {error:.1e}");
@@ -162,7 +165,7 @@ fn a_ball_in_a_shell_of_glass_is_as_bright_as_a_bare_one() {
 }
 
 #[test]
-fn it_is_refused_where_there_is_no_solid_and_where_the_camera_is_inside_one() {
+fn the_dipole_is_refused_without_solids_and_with_the_camera_or_a_light_inside_one() {
     let lit = |material: Material, eye: f32, lamps: Vec<LightSource>| {
         let parts = SceneParts {
             shapes: vec![solid(sphere(Vec3::ZERO, 1.0))],

@@ -1,11 +1,11 @@
-//! Values at the end of a range: equal indices, no roughness, slivers, lights on walls, mirrored shapes.
+//! Tests values at the end of their range: equal indices, zero roughness, slivers, lights on walls, mirrored shapes.
 
 use gi_core::film::{Film, Show};
 use gi_stats::{Running, welch_t_test};
 use gi_tests::{ALPHA, World, assert_mean, mean_and_variance};
 use pathtrace::{Mode, PathTracer};
 
-/// A ball of some material in even light of 1, seen close.
+/// A ball of the given material in constant light of 1, in close view.
 fn ball(bsdf: &str) -> World {
     World::of_xml(&format!(
         r#"<sensor type="perspective"><float name="fov" value="10"/><transform name="to_world"><lookat origin="0,0,5" target="0,0,0" up="0,1,0"/></transform>
@@ -39,7 +39,7 @@ fn virtual_lights(world: &World) -> [Film; 2] {
 }
 
 #[test]
-fn rough_glass_of_equal_indices_is_not_black_but_cannot_be_seen() {
+fn rough_glass_of_equal_indices_is_invisible_and_not_black() {
     let world = ball(
         r#"<bsdf type="roughdielectric"><float name="int_ior" value="1.3"/><float name="ext_ior" value="1.3"/></bsdf>"#,
     );
@@ -55,7 +55,7 @@ fn a_rough_mirror_without_roughness_is_not_black_in_virtual_lights() {
         let world = ball(&format!(
             r#"<bsdf type="roughconductor"><string name="material" value="none"/><string name="distribution" value="ggx"/><float name="alpha" value="{alpha}"/></bsdf>"#
         ));
-        // The few samples of the narrow lobe leave 0.3 % of noise; 4 % and more were missing.
+        // The few samples of the narrow lobe leave 0.3 % noise. The bug lost 4 % and more.
         for (name, film) in ["virtual lights", "cuts"].into_iter().zip(virtual_lights(&world)) {
             let (mean, _) = mean_and_variance(&film);
             assert!((mean - 1.0).abs() < 0.01, "alpha {alpha}, {name}: {mean}");
@@ -63,7 +63,7 @@ fn a_rough_mirror_without_roughness_is_not_black_in_virtual_lights() {
     }
 }
 
-/// A lamp two long and this wide under the ceiling, of the same power for all widths.
+/// A lamp under the ceiling, two long and `width` wide, with the same power for all widths.
 fn lamp(width: f32) -> World {
     let radiance = 0.5 / width;
     room(&format!(
@@ -72,15 +72,15 @@ fn lamp(width: f32) -> World {
 }
 
 #[test]
-fn a_sliver_of_a_lamp_lights_as_much_as_its_power_says() {
-    // A narrow lamp's light no longer depends on its width.
+fn a_very_narrow_lamp_emits_its_full_power() {
+    // The light of a narrow lamp hardly depends on its width.
     let wide = path(&lamp(1e-2), Mode::Path, 256, Show::All);
     let (expected, _) = mean_and_variance(&wide);
     for (name, mode, passes) in [("eye", Mode::Path, 256), ("light", Mode::Light, 512)] {
         for width in [1e-4, 1e-5, 1e-6] {
             let (mean, _) = mean_and_variance(&path(&lamp(width), mode, passes, Show::All));
             let ratio = mean / expected;
-            // Both ends' noise is 0.4 %; 5 % and more were lost.
+            // The noise of both is 0.4 %. The bug lost 5 % and more.
             assert!((ratio - 1.0).abs() < 0.015, "{width} wide, from the {name}: {ratio}");
         }
     }
@@ -99,7 +99,7 @@ fn a_mirrored_cylinder_shines_outward() {
 }
 
 #[test]
-fn a_point_light_on_a_wall_leaves_no_spike_in_photon_maps() {
+fn a_point_light_on_a_wall_causes_no_bright_spot_in_photon_maps() {
     let world = room(
         r#"<emitter type="point"><point name="position" x="0.3" y="2" z="0.2"/><rgb name="intensity" value="5"/></emitter>"#,
     );
@@ -110,7 +110,7 @@ fn a_point_light_on_a_wall_leaves_no_spike_in_photon_maps() {
     assert!((found / expected - 1.0).abs() < 0.05, "{found} is not {expected}");
 }
 
-/// Symptom: light tracing was 3 % high ten kilometres from the origin.
+/// Regression: light tracing was 3 % too bright ten kilometres from the origin.
 #[test]
 fn light_paths_far_from_the_origin_find_no_more_light() {
     let at = |x: f32| {

@@ -1,4 +1,4 @@
-//! Instant radiosity against the truth and against itself.
+//! Compares instant radiosity with the path tracer and with itself.
 
 use gi_core::eye::PathLimits;
 use gi_core::film::{Film, Show};
@@ -15,7 +15,8 @@ fn render(world: &World, params: &Params, passes: u32, seed: u32, show: Show) ->
     world.render::<InstantRadiosity>(params, passes, seed, show)
 }
 
-/// Means of the blocks of pictures by seed. Pixels of one picture share their lights: only pictures are independent.
+/// Means of the blocks of pictures with different seeds. Pixels of one picture share their lights, so only pictures are
+/// independent.
 fn by_seed(seeds: u32, side: usize, film: impl Fn(u32) -> Film) -> Vec<Vec<f64>> {
     (0..seeds).map(|seed| blocks(&film(seed), side).into_iter().map(|b| b.0).collect()).collect()
 }
@@ -37,12 +38,12 @@ fn path_traced(world: &World, show: Show) -> Vec<Vec<f64>> {
 }
 
 #[test]
-fn with_compensation_it_is_the_path_tracers_picture_in_the_mean() {
+fn with_compensation_the_mean_picture_is_that_of_the_path_tracer() {
     for scene in ["cornell-box.xml", "cornell-glossy.xml", "cornell-spheres.xml"] {
         let world = World::load(scene, [16, 16], &[]);
         let path = path_traced(&world, Show::Indirect);
         for termination in [Termination::Fractional, Termination::Roulette] {
-            // A low bound, so that paths have much to bring back.
+            // A low bound, so that the compensating paths carry much light.
             let bound = BoundOptions::compensated(4.0);
             let params = Params { termination, bound, vpls: 64, ..Params::default() };
             let vpl = by_seed(24, 8, |seed| render(&world, &params, 8, 100 + seed, Show::Indirect));
@@ -52,8 +53,8 @@ fn with_compensation_it_is_the_path_tracers_picture_in_the_mean() {
 }
 
 #[test]
-fn direct_light_from_points_of_lights_is_that_of_sampling_them() {
-    // An area light, and the sun with its sky.
+fn direct_light_from_points_on_lights_is_that_of_sampling_them() {
+    // An area light, and the sun with the sky.
     for (scene, size) in [("cornell-box.xml", [16, 16]), ("patio.xml", [16, 12])] {
         let world = World::load(scene, size, &[]);
         let path = path_traced(&world, Show::Direct);
@@ -65,7 +66,7 @@ fn direct_light_from_points_of_lights_is_that_of_sampling_them() {
 }
 
 #[test]
-fn a_bound_takes_light_from_every_pixel_and_gives_none() {
+fn a_bound_only_removes_light_from_pixels() {
     let world = World::load("cornell-box.xml", [24, 24], &[]);
     let film = |clamp: f32| {
         let bound = BoundOptions::biased(clamp);
@@ -79,14 +80,14 @@ fn a_bound_takes_light_from_every_pixel_and_gives_none() {
         for (a, b) in bounded.radiance().iter().zip(open.radiance()) {
             assert!(a.r <= b.r && a.g <= b.g && a.b <= b.b, "{a:?} above {b:?}");
         }
-        // What is said to be cut off is what is missing.
+        // The light that is reported as cut off must be the light that is missing.
         let (a, b) = (mean(&bounded), mean(&open));
         let said = statistic(&technique, "energy_cut");
         assert!((said - (1.0 - a / b)).abs() < 0.02, "{said} said, {} missing", 1.0 - a / b);
         assert!(said > last);
         last = said;
     }
-    // No bound is a bound beyond all terms.
+    // No bound is the same as a bound above all geometry terms.
     let (_, huge) = film(1e30);
     assert_eq!(huge.layers().channels, open.layers().channels);
 }
@@ -132,7 +133,7 @@ fn a_furnace_cut_at_k_bounces_reads_the_geometric_sum() {
             let error =
                 (means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt();
             let expected = (1.0 - a.powi(depth as i32)) / (1.0 - a);
-            // t with 15 degrees of freedom exceeds 4.1 once in a thousand; floats have seven digits.
+            // t with 15 degrees of freedom exceeds 4.1 once in a thousand cases; floats have seven digits.
             assert!(
                 (mean - expected).abs() < 4.1 * error + 1e-5,
                 "{depth} segments, {termination:?}: {mean} +- {error} is not {expected}"
@@ -142,7 +143,7 @@ fn a_furnace_cut_at_k_bounces_reads_the_geometric_sum() {
 }
 
 #[test]
-fn spheres_have_no_spikes_and_their_blur_shrinks_with_the_number_of_lights() {
+fn spheres_have_no_bright_spots_and_their_blur_shrinks_with_the_number_of_lights() {
     let world = World::load("cornell-glossy.xml", [32, 32], &[]);
     let reference =
         world.render::<PathTracer>(&pathtrace::Params::default(), 1024, 3, Show::Indirect);

@@ -1,4 +1,4 @@
-//! Helpers of the tests that cross crates: scenes with known answers and rendering them, programs and running them.
+//! Helpers of the tests that involve several crates: scenes with known answers, rendering them, and running programs.
 
 pub mod pictures;
 pub mod program;
@@ -16,7 +16,7 @@ use gi_core::texture::Texture;
 use gi_stats::z_test;
 use glam::{Affine3A, Vec3, Vec3A};
 
-/// A scene and its camera; pictures are made with the box filter, so that pixels are independent.
+/// A scene and its camera. Pictures use the box filter, so that pixels are independent.
 pub struct World {
     /// Surfaces and lights.
     pub scene: Scene,
@@ -27,15 +27,15 @@ pub struct World {
 impl World {
     /// A world of `parts` seen through `camera`.
     pub fn new(mut parts: SceneParts, camera: &CameraSpec) -> Self {
-        // As programs do.
+        // The camera moves with the scene, as in the programs.
         let mut camera = camera.clone();
         camera.to_world.translation += Vec3A::from(parts.recentre());
         let scene = Scene::new(parts).expect("a valid scene");
         World { scene, camera: Camera::new(&camera) }
     }
 
-    /// The world of a Mitsuba 3 scene, of which `body` is all but the outermost tags. Beside it lie the pictures of
-    /// [`pictures`].
+    /// The world of a Mitsuba 3 scene; `body` is everything inside the outermost tags. The pictures of [`pictures`] are
+    /// in the same folder.
     pub fn of_xml(body: &str) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("scene.xml");
@@ -47,12 +47,12 @@ impl World {
         World::new(loaded.parts, &loaded.camera)
     }
 
-    /// A scene file's world, its picture scaled to `size`.
+    /// The world of a scene file, with its picture scaled to `size`.
     pub fn load(path: &str, size: [usize; 2], defines: &[(&str, &str)]) -> Self {
         Self::load_with(path, size, defines, |_, _| {})
     }
 
-    /// The same, its parts and camera changed by `change` first.
+    /// The same; `change` modifies the parts and the camera first.
     pub fn load_with(
         path: &str,
         size: [usize; 2],
@@ -68,7 +68,7 @@ impl World {
         World::new(loaded.parts, &loaded.camera)
     }
 
-    /// What a technique is prepared with.
+    /// The setting that a technique is prepared with.
     pub fn setting(&self, seed: u32, show: Show) -> Setting<'_> {
         Setting {
             scene: &self.scene,
@@ -80,7 +80,7 @@ impl World {
         }
     }
 
-    /// A scene file's world of meshes and spheres, everything `scale` times as large.
+    /// The world of a scene file with meshes and spheres, scaled by `scale`.
     pub fn load_scaled(path: &str, size: [usize; 2], scale: f32) -> Self {
         let options = gi_scene::Options { size: Some(size), ..Default::default() };
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(path);
@@ -101,7 +101,7 @@ impl World {
         World::new(loaded.parts, &loaded.camera)
     }
 
-    /// The film after some passes of a technique.
+    /// The film after the given number of passes of a technique.
     pub fn render<'a, T: Technique<'a>>(
         &'a self,
         params: &T::Params,
@@ -112,7 +112,7 @@ impl World {
         self.run::<T>(params, passes, seed, show).1
     }
 
-    /// The same, with the technique as it ended.
+    /// The same, with the technique in its final state.
     pub fn run<'a, T: Technique<'a>>(
         &'a self,
         params: &T::Params,
@@ -122,13 +122,13 @@ impl World {
     ) -> (T, Film) {
         let setting = self.setting(seed, show);
         let mut film = Film::new(self.camera.size(), Filter::Box, show);
-        let mut technique = T::prepare(setting, params).expect("nothing to refuse");
+        let mut technique = T::prepare(setting, params).expect("valid parameters");
         (0..passes).for_each(|k| technique.pass(k, &mut film));
         (technique, film)
     }
 }
 
-/// Mean over the picture of the three channels, and the variance of that mean as the film estimates it.
+/// Mean over the picture of the three channels, and the variance of that mean as estimated by the film.
 pub fn mean_and_variance(film: &Film) -> (f64, f64) {
     let layers = film.layers();
     let n = (3 * layers.width * layers.height) as f64;
@@ -140,14 +140,14 @@ pub fn mean_and_variance(film: &Film) -> (f64, f64) {
             .sum()
     };
     let mean = sum(["R", "G", "B"]) / n;
-    // Channels of a pixel may be one number thrice: take them as fully correlated.
+    // The channels of a pixel may be the same number three times: treat them as fully correlated.
     (mean, 3.0 * sum(["Variance.R", "Variance.G", "Variance.B"]) / (n * n))
 }
 
-/// Probability below which a deviation is no chance. Seeds are fixed: a pass stays a pass.
+/// Probability below which a deviation is not due to chance. Seeds are fixed, so a test that passes keeps passing.
 pub const ALPHA: f64 = 1e-3;
 
-/// Check the mean of a film against an exact value, by its own variance.
+/// Compare the mean of a film with an exact value, using the film's own variance.
 #[track_caller]
 pub fn assert_mean(name: &str, film: &Film, expected: f64) {
     let (mean, variance) = mean_and_variance(film);
@@ -164,12 +164,12 @@ pub fn grey(albedo: f32) -> Material {
     Material::Diffuse { reflectance: Texture::grey(albedo) }
 }
 
-/// Either side of a material that stands at index 0.
+/// A two-sided version of the material with index 0.
 pub fn both_sides() -> Material {
     Material::TwoSided { front: 0, back: 0 }
 }
 
-/// A sphere round `center`.
+/// A sphere around `center`.
 pub fn sphere(center: Vec3, radius: f32) -> Geometry {
     Geometry::Sphere { center, radius, axes: Frame::from_normal(Vec3::Z) }
 }
@@ -185,13 +185,13 @@ pub fn cube_inside() -> Geometry {
     Geometry::Mesh(Mesh { positions: (0..8).map(corner).collect(), triangles, ..Mesh::default() })
 }
 
-/// A planar polygon, its normal by the right hand round the corners.
+/// A planar polygon; its normal follows the right-hand rule around the corners.
 pub fn polygon(corners: &[Vec3]) -> Geometry {
     let triangles = (2..corners.len() as u32).map(|k| [0, k - 1, k]).collect();
     Geometry::Mesh(Mesh { positions: corners.to_vec(), triangles, ..Mesh::default() })
 }
 
-/// A closed box whose walls shine with radiance 1 and have albedo `a`: radiance is 1 / (1 - a) everywhere.
+/// A closed box whose walls emit radiance 1 and have albedo `a`: radiance is 1 / (1 - a) everywhere.
 pub fn furnace(a: f32) -> (SceneParts, CameraSpec) {
     let walls = Shape {
         emission: Some(Texture::Constant(Rgb::WHITE)),

@@ -1,4 +1,4 @@
-//! Lightcuts against brute force, instant radiosity, the truth, and themselves.
+//! Compares lightcuts with brute force, with instant radiosity, with the path tracer, and with themselves.
 
 use gi_core::camera::{CameraSpec, Projection};
 use gi_core::eye::PathLimits;
@@ -26,7 +26,7 @@ fn few_lights() -> Params {
     params
 }
 
-/// Luminance of each pixel's error relative to the other picture's pixel, sorted.
+/// The error of each pixel relative to the other picture, as luminance, sorted.
 fn relative_errors(a: &Film, b: &Film) -> Vec<f32> {
     let pairs = a.radiance().into_iter().zip(b.radiance());
     let lit = pairs.filter(|(_, b)| b.luminance() > 0.0);
@@ -37,7 +37,7 @@ fn relative_errors(a: &Film, b: &Film) -> Vec<f32> {
 }
 
 #[test]
-fn without_error_it_is_brute_force_and_instant_radiosity() {
+fn with_error_zero_it_is_brute_force_and_instant_radiosity() {
     for (scene, size) in
         [("cornell-box.xml", [24, 24]), ("gallery.xml", [24, 18]), ("patio.xml", [24, 18])]
     {
@@ -47,11 +47,11 @@ fn without_error_it_is_brute_force_and_instant_radiosity() {
         let by_cuts = render(&world, &exact, 2, 5, Show::All);
         let all = Params { method: Method::All, ..exact.clone() };
         let brute = render(&world, &all, 2, 5, Show::All);
-        // Sums of some hundred terms in another order. Paths that bring back what was cut off are the same.
+        // The sums of some hundred terms are in a different order. The compensating paths are the same.
         let errors = relative_errors(&by_cuts, &brute);
         assert!(errors[errors.len() - 1] < 1e-4, "{scene}: {:?}", errors.last());
 
-        // The same lights of surfaces, direct light sampled by the same numbers.
+        // The same lights on surfaces; direct light is sampled with the same random numbers.
         let bound = BoundOptions::compensated(4.0);
         let indirect = Params { direct: Direct::Sample, bound, ..exact };
         let by_cuts = render(&world, &indirect, 2, 5, Show::All);
@@ -95,20 +95,20 @@ fn statistic(technique: &Lightcuts, name: &str) -> f64 {
     all.iter().find(|(n, _)| n == name).unwrap_or_else(|| panic!("no {name}")).1
 }
 
-/// Means of the blocks of pictures by seed: pixels of one picture share their lights.
+/// Means of the blocks of pictures with different seeds. Pixels of one picture share their lights.
 fn by_seed(seeds: u32, film: impl Fn(u32) -> Film) -> Vec<Vec<f64>> {
     (0..seeds).map(|seed| blocks(&film(seed), 8).into_iter().map(|b| b.0).collect()).collect()
 }
 
 #[test]
-fn drawn_lights_make_the_path_tracers_picture_in_the_mean() {
+fn with_sampled_lights_the_mean_picture_is_that_of_the_path_tracer() {
     for (scene, size) in [("cornell-glossy.xml", [16, 16]), ("patio.xml", [16, 16])] {
         let world = World::load(scene, size, &[]);
         let path = by_seed(16, |seed| {
             world.render::<PathTracer>(&pathtrace::Params::default(), 64, seed, Show::All)
         });
         for (method, samples) in [(Method::One, 4), (Method::Stochastic, 8)] {
-            // The path tracer hardly ever finds the sun through glass; photons would.
+            // The path tracer hardly ever finds the sun through glass, but photons would.
             let (bound, caustics) = (BoundOptions::compensated(4.0), Caustics::Path.into());
             let params = Params { method, samples, bound, caustics, ..few_lights() };
             let drawn = by_seed(24, |seed| render(&world, &params, 8, 100 + seed, Show::All));
@@ -129,7 +129,7 @@ fn drawn_lights_make_the_path_tracers_picture_in_the_mean() {
 }
 
 #[test]
-fn cuts_and_reconstruction_cuts_make_the_path_tracers_picture_nearly() {
+fn cuts_and_reconstruction_cuts_give_nearly_the_path_tracers_picture() {
     let world = World::load("gallery.xml", [32, 24], &[]);
     let path = world.render::<PathTracer>(&pathtrace::Params::default(), 512, 3, Show::All);
     let params = Params { vpls: 4000, ..Params::default() };
@@ -142,7 +142,7 @@ fn cuts_and_reconstruction_cuts_make_the_path_tracers_picture_nearly() {
                 layers.channel(layer).expect("a layer").iter().map(|v| f64::from(*v)).sum()
             };
             let ratio = sum(&film) / sum(&path);
-            // Four sets of 4096 points and 4000 lights: a percent of noise, and of bias up to the threshold.
+            // Four sets of 4096 points and 4000 lights: about one per cent of noise, and bias up to the threshold.
             assert!((ratio - 1.0).abs() < 0.03, "{layer}: {ratio}, {:?}", params.reconstruction);
         }
     }
@@ -159,14 +159,15 @@ fn a_furnace_cut_at_k_bounces_reads_the_geometric_sum() {
         let bound = BoundOptions::compensated(3.0);
         let mut params = Params { limits, cut, bound, vpls: 300, ..Params::default() };
         params.lights.total = 300;
-        // Lights without extent near the walls that they lie on: direct light by points has no mean error there, only noise.
+        // The lights lie on the walls that they illuminate. There, direct light from points is unbiased but noisy, so
+        // sample it instead.
         params.direct = Direct::Sample;
         let means: Running = (0..16)
             .map(|seed| mean_and_variance(&render(&world, &params, 4, seed, Show::All)).0)
             .collect();
         let error = (means.variance() / 16.0).sqrt();
         let expected = (1.0 - a.powi(depth as i32)) / (1.0 - a);
-        // t with 15 degrees of freedom exceeds 4.1 once in a thousand; cuts may be off by a thousandth.
+        // t with 15 degrees of freedom exceeds 4.1 once in a thousand cases; cuts may differ by a thousandth.
         assert!(
             (means.mean() - expected).abs() < 4.1 * error + 1e-3 * expected,
             "{depth} segments: {} +- {error} is not {expected}",
@@ -183,13 +184,14 @@ fn a_scene_ten_times_as_large_makes_the_same_picture() {
     };
     let mean = |film: &Film| mean_and_variance(film).0;
     let (one, ten) = (mean(&film(1.0)), mean(&film(8.0)));
-    // By a power of two everything scales exactly; only the order of equals could differ.
+    // A power of two scales everything exactly; only the order of equal values could differ.
     assert!((one / ten - 1.0).abs() < 1e-3, "{one} and {ten}");
 }
 
 #[test]
-fn reconstruction_saves_rays_and_leaves_corners_as_light_as_they_are() {
-    // A part of the picture, so that blocks are as small as in pictures that people make: wall, floor, and where they meet.
+fn reconstruction_saves_rays_and_does_not_darken_corners() {
+    // A part of the picture, so that blocks are as small as in typical pictures: wall, floor, and the corner between
+    // them.
     let near = |_: &mut SceneParts, camera: &mut CameraSpec| {
         if let Projection::Perspective { fov_x, .. } = &mut camera.projection {
             *fov_x = 0.35;

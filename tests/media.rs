@@ -1,4 +1,6 @@
-//! What light in participating media is held to: `pathtrace --mode volpath` against closed forms.
+//! Compares `pathtrace --mode volpath` in participating media with closed forms.
+
+mod photons;
 
 use gi_core::camera::CameraSpec;
 use gi_core::eye::PathLimits;
@@ -23,7 +25,7 @@ fn medium(sigma_t: f32, albedo: f32, g: f32) -> Medium {
     Medium { sigma_t: Rgb::grey(sigma_t), albedo: Rgb::grey(albedo), phase }
 }
 
-/// A ball of medium `inside`, its surface of material `material`.
+/// A ball with a surface of material `material`, filled with medium `inside`.
 fn ball(center: Vec3, radius: f32, material: usize, inside: usize) -> Shape {
     Shape {
         interior: Some(MediumId::new(inside)),
@@ -36,14 +38,14 @@ fn trace(world: &World, max_depth: Option<u32>, passes: u32) -> Film {
     world.render::<PathTracer>(&Params { mode: Mode::VolPath, limits }, passes, 1, Show::All)
 }
 
-/// A narrow look from `from` to `to`: all rays of the picture are nearly one.
+/// A very narrow camera from `from` to `to`: all rays of the picture are nearly the same.
 fn narrow(from: Vec3, to: Vec3) -> CameraSpec {
     CameraSpec::look_at(from, to, Vec3::new(0.1, 0.2, 0.9).normalize(), 1e-3, [8, 8])
 }
 
 #[test]
-fn a_medium_of_albedo_one_cannot_be_seen_in_a_white_furnace() {
-    // Boundaries that bend light and such that do not; isotropic and peaked; thin and thick.
+fn a_medium_of_albedo_one_is_invisible_in_a_white_furnace() {
+    // Boundaries with and without refraction; isotropic and peaked phase functions; thin and thick media.
     let glass = Material::Dielectric {
         eta: 1.5,
         reflectance: Texture::grey(1.0),
@@ -64,7 +66,7 @@ fn a_medium_of_albedo_one_cannot_be_seen_in_a_white_furnace() {
             let film = trace(&World::new(parts, &camera), None, 64);
             let name = format!("{name}, sigma_t {sigma_t}, g {g}");
             assert_mean(&name, &film, 1.0);
-            // Paths that are scattered a thousand times do not end by roulette before.
+            // Roulette must not end paths of up to a thousand scatterings: that would increase the noise.
             let error = mean_and_variance(&film).1.sqrt();
             assert!(error < 0.008, "{name}: noise {error:.1e}");
         }
@@ -73,7 +75,7 @@ fn a_medium_of_albedo_one_cannot_be_seen_in_a_white_furnace() {
 
 #[test]
 fn a_furnace_filled_with_a_medium_of_albedo_one_reads_one_over_one_minus_a() {
-    // The camera is inside and nobody says so; the walls are the boundary.
+    // The camera is inside the medium, but nothing in the scene says so. The walls are the boundary.
     let (mut parts, camera) = furnace(0.5);
     parts.media = vec![medium(0.8, 1.0, 0.3)];
     parts.shapes[0].exterior = Some(MediumId::new(0));
@@ -91,11 +93,11 @@ fn light_through_an_absorbing_ball_obeys_beers_law_in_each_channel() {
         ..SceneParts::default()
     };
     let world = World::new(parts, &narrow(Vec3::new(0.0, -3.0, 0.0), Vec3::ZERO));
-    // At the last segment too: what only dims has no segments of its own.
+    // Also at the last segment: absorption does not add segments.
     for depth in [Some(1), None] {
         let pixel = trace(&world, depth, 2).radiance()[27].to_array();
         for (found, sigma) in pixel.into_iter().zip(sigma_t.to_array()) {
-            // Rays within 1e-3 of the axis; 1 - cos of that is 5e-7.
+            // Rays deviate from the axis by at most 1e-3; 1 - cos of that is 5e-7.
             assert!((found / (-sigma).exp() - 1.0).abs() < 1e-5, "{found} for sigma_t {sigma}");
         }
     }
@@ -103,7 +105,8 @@ fn light_through_an_absorbing_ball_obeys_beers_law_in_each_channel() {
 
 #[test]
 fn a_point_light_in_an_absorbing_medium_lights_a_floor_through_it() {
-    // E = I exp(-sigma h) / h^2 under the light, L = a / pi E, then exp(-sigma s) to the eye at the distance s.
+    // Under the light, E = I exp(-sigma h) / h^2. Then L = a / pi E, and exp(-sigma s) on the way to the eye at
+    // distance s.
     let floor = [[-1.0, 0.0, -1.0], [-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0]];
     let (h, s, sigma, a) = (0.8f32, 0.7f32, 1.3f32, 0.5f32);
     let parts = SceneParts {
@@ -156,15 +159,15 @@ fn single_scattering_of_a_point_light_equals_the_airlight_integral() {
             ..SceneParts::default()
         };
         let world = World::new(parts, &narrow(o, o + d));
-        // Two segments: scattered once. The ray ends at the sphere, 3 away.
+        // Two segments: scattered once. The ray ends at the sphere, at distance 3.
         let film = trace(&world, Some(2), 4096);
         assert_mean(&format!("{m:?}"), &film, airlight(&m, light, o, d, 3.0));
     }
 }
 
 #[test]
-fn shadow_rays_are_dimmed_by_each_medium_for_its_own_length() {
-    // A ball of another medium within a ball, and a screen that lets half through.
+fn shadow_rays_are_attenuated_by_each_medium_over_its_own_length() {
+    // A ball of another medium inside a ball, and a mask that transmits one half.
     let screen = [[-3.0, -3.0, 0.6], [3.0, -3.0, 0.6], [3.0, 3.0, 0.6], [-3.0, 3.0, 0.6]];
     let parts = SceneParts {
         shapes: vec![
@@ -182,12 +185,12 @@ fn shadow_rays_are_dimmed_by_each_medium_for_its_own_length() {
     };
     let scene = Scene::new(parts).expect("a scene");
     assert!(scene.media_warnings().is_empty(), "{:?}", scene.media_warnings());
-    // Not of unit length: t counts in units of it.
+    // The direction is not of unit length, so t is in units of its length.
     let ray = Ray { tmax: 1.0, ..Ray::new(Vec3::new(0.0, 0.0, -3.0), Vec3::new(0.0, 0.0, 6.0)) };
     let expected = 0.5 * (-0.4f32 * 3.0 - 2.0 * 1.0).exp();
     let found = scene.transmittance_through_media(ray, None).r;
     assert!((found / expected - 1.0).abs() < 1e-4, "{found} is not {expected}");
-    // From within, and ending within.
+    // A ray that starts and ends inside the media.
     let ray = Ray { tmax: 0.9, ..Ray::new(Vec3::new(0.0, 0.0, -0.2), -Vec3::Z) };
     let expected = (-2.0f32 * 0.3 - 0.4 * 0.6).exp();
     let inside = scene.medium_at(ray.o, Vec3::X);
@@ -197,7 +200,7 @@ fn shadow_rays_are_dimmed_by_each_medium_for_its_own_length() {
 }
 
 #[test]
-fn overlapping_open_and_endless_media_are_said() {
+fn overlapping_open_and_unbounded_media_are_reported() {
     let warnings = |shapes: Vec<Shape>| {
         let media = vec![medium(1.0, 0.5, 0.0), medium(2.0, 0.5, 0.0), medium(2.0, 0.5, 0.0)];
         let materials = vec![Material::Null];
@@ -205,7 +208,8 @@ fn overlapping_open_and_endless_media_are_said() {
         Scene::new(parts).expect("a scene").media_warnings().join("\n")
     };
     let named = |name: &str, shape: Shape| Shape { name: name.into(), ..shape };
-    // A ball inside another's medium that does not say so, and one that does; equal media are one.
+    // A ball inside another's medium that does not declare this medium outside, and one that does. Media with equal
+    // parameters count as the same.
     let outer = || named("outer", ball(Vec3::ZERO, 2.0, 0, 1));
     let inner = || named("inner", ball(Vec3::ZERO, 0.5, 0, 0));
     let said = warnings(vec![outer(), inner()]);
@@ -215,7 +219,7 @@ fn overlapping_open_and_endless_media_are_said() {
     let other = named("other", ball(Vec3::new(1.5, 0.0, 0.0), 1.0, 0, 0));
     let said = warnings(vec![named("one", ball(Vec3::ZERO, 1.0, 0, 1)), other]);
     assert!(said.contains("\"one\" and \"other\" do not say the same"), "{said}");
-    // A square alone has an inside without end, and edges.
+    // A single square has an unbounded inside, and open edges.
     let square = [[-1.0, 0.0, -1.0], [-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0]];
     let square = Shape::new("square", polygon(&square.map(Vec3::from_array)), 0);
     let said = warnings(vec![Shape { interior: Some(MediumId::new(0)), ..square }]);
@@ -224,7 +228,7 @@ fn overlapping_open_and_endless_media_are_said() {
 }
 
 #[test]
-fn the_camera_finds_out_which_medium_it_stands_in() {
+fn the_medium_of_the_camera_is_found() {
     let parts = SceneParts {
         shapes: vec![
             ball(Vec3::ZERO, 2.0, 0, 0),
@@ -247,7 +251,7 @@ fn the_camera_finds_out_which_medium_it_stands_in() {
 }
 
 #[test]
-fn without_media_volpath_traces_the_paths_of_path_to_the_bit() {
+fn without_media_volpath_equals_path_bit_for_bit() {
     let world = World::load("cornell-spheres.xml", [24, 24], &[]);
     let render = |mode| {
         let params = Params { mode, ..Params::default() };
@@ -257,13 +261,14 @@ fn without_media_volpath_traces_the_paths_of_path_to_the_bit() {
 }
 
 #[test]
-fn cognac_is_tinted_for_all_programs_and_absorbs_where_asked_to() {
-    // A medium that does nothing is not there: no program says that it leaves it out.
+fn cognac_is_tinted_in_all_programs_and_absorbs_on_request() {
+    // A medium without effect is removed, so no program says that it ignores it.
     assert!(!World::load("cognac.xml", [8, 8], &[]).scene.has_media());
     let amber = [("tint", "1,1,1"), ("absorption", "0.36,2.08,6.37")];
     let world = World::load("cognac.xml", [8, 8], &amber);
     assert!(world.scene.has_media() && world.scene.media_warnings().is_empty());
-    // Photons are stored where media scatter: where none does, none are shot for it.
+    // Volume photons are stored where media scatter. This medium does not scatter, so none are traced, whatever their
+    // number.
     let (photons, caustic_photons, volume_photons) = (1000, 1000, 1 << 40);
     let params = photonmap::Params {
         photons,
@@ -274,104 +279,4 @@ fn cognac_is_tinted_for_all_programs_and_absorbs_where_asked_to() {
     let (technique, _) = world.run::<PhotonMapping>(&params, 1, 1, Show::All);
     let paths = technique.statistics().into_iter().find(|(name, _)| name == "volume_paths");
     assert_eq!(paths.expect("known").1, 0.0);
-}
-
-/// A ball of mist with a point light beside it, over a floor: `volpath` finds all of its light.
-fn misty() -> World {
-    let floor = [[-2.0, -1.0, -2.0], [-2.0, -1.0, 2.0], [2.0, -1.0, 2.0], [2.0, -1.0, -2.0]];
-    let mist = Medium { sigma_t: Rgb::new(2.0, 1.5, 1.0), ..medium(0.0, 0.9, 0.4) };
-    let parts = SceneParts {
-        shapes: vec![
-            ball(Vec3::ZERO, 0.8, 1, 0),
-            Shape::new("floor", polygon(&floor.map(Vec3::from_array)), 0),
-        ],
-        materials: vec![grey(0.5), Material::Null],
-        media: vec![mist],
-        lights: vec![LightSource::Point {
-            position: Vec3::new(-0.9, 0.9, 0.3),
-            intensity: Rgb::WHITE,
-        }],
-        ..SceneParts::default()
-    };
-    let camera = CameraSpec::look_at(Vec3::new(0.3, 0.2, 2.6), Vec3::ZERO, Vec3::Y, 0.6, [24, 24]);
-    World::new(parts, &camera)
-}
-
-/// What photons of a ball's medium lose at most where their discs reach over its edge, as a share. What they reach beyond a flat edge is
-/// turned back; of a disc of radius r the edge of a ball leaves r^2 / 2 R beyond itself and before the plane, times 3 / R of surface per
-/// volume: 1.5 (r / R)^2. Radii are (k / n)^(1/3) of the ball's where density is even; at the lit side it is at most twice that.
-fn lost_over_the_edge(k: usize, n: usize) -> f64 {
-    2.0 * 1.5 * (k as f64 / n as f64).powf(2.0 / 3.0)
-}
-
-#[test]
-fn photons_in_a_medium_agree_with_the_volumetric_path_tracer() {
-    let world = misty();
-    for (max_depth, show, k, n) in [
-        (None, Show::Direct, 12, 5_000),
-        (None, Show::Indirect, 12, 40_000),
-        (None, Show::Indirect, 3, 160_000),
-        (Some(3), Show::Indirect, 3, 160_000),
-    ] {
-        let limits = PathLimits { max_depth, ..PathLimits::default() };
-        let params = Params { mode: Mode::VolPath, limits };
-        let (truth, noise) = mean_and_variance(&world.render::<PathTracer>(&params, 512, 1, show));
-        let params = photonmap::Params {
-            limits,
-            photons: 20_000,
-            volume_photons: n,
-            volume_lookup: k,
-            ..photonmap::Params::default()
-        };
-        // How much maps of one size differ, several seeds say.
-        let mut means = gi_stats::Running::default();
-        for seed in 0..6 {
-            means.push(mean_and_variance(&world.render::<PhotonMapping>(&params, 8, seed, show)).0);
-        }
-        let error = (noise + means.variance_of_mean()).sqrt() / truth;
-        // Single scattering is sampled, without bias.
-        let lost = if show == Show::Direct { 0.0 } else { lost_over_the_edge(k, n) };
-        let off = means.mean() / truth - 1.0;
-        let name = format!("{show:?}, {max_depth:?}, k = {k}, n = {n}");
-        assert!(error < 0.008, "{name}: noise {error:.1e}");
-        assert!(off < 4.0 * error && off > -lost - 4.0 * error, "{name}: {off:.1e} +- {error:.1e}");
-    }
-}
-
-#[test]
-fn photons_in_a_glass_ball_of_albedo_one_cannot_be_seen_in_a_white_furnace() {
-    // Light enters and leaves through a dielectric boundary only: no light is sampled, all is in the map.
-    let glass = Material::Dielectric {
-        eta: 1.5,
-        reflectance: Texture::grey(1.0),
-        transmittance: Texture::grey(1.0),
-        roughness: None,
-    };
-    let parts = SceneParts {
-        shapes: vec![ball(Vec3::ZERO, 0.6, 0, 0)],
-        materials: vec![glass],
-        media: vec![medium(4.0, 1.0, 0.0)],
-        lights: vec![LightSource::Constant { radiance: Rgb::WHITE }],
-        ..SceneParts::default()
-    };
-    let camera = CameraSpec::look_at(Vec3::new(0.0, 0.0, -2.0), Vec3::ZERO, Vec3::Y, 0.4, [16, 16]);
-    let world = World::new(parts, &camera);
-    let mut means = gi_stats::Running::default();
-    // No surface here can hold a photon.
-    let (photons, caustic_photons, volume_photons) = (1, 0, 40_000);
-    let params = photonmap::Params {
-        photons,
-        caustic_photons,
-        volume_photons,
-        volume_lookup: 3,
-        ..photonmap::Params::default()
-    };
-    for seed in 0..10 {
-        let film = world.render::<PhotonMapping>(&params, 8, seed, Show::All);
-        means.push(mean_and_variance(&film).0);
-    }
-    let error = means.variance_of_mean().sqrt();
-    assert!(error < 0.01, "noise {error:.1e}");
-    let (off, lost) = (means.mean() - 1.0, lost_over_the_edge(3, volume_photons));
-    assert!(off < 4.0 * error && off > -lost - 4.0 * error, "{off:.1e} +- {error:.1e}");
 }

@@ -1,7 +1,7 @@
-//! What paths from the lights are held to in participating media: closed forms, and `pathtrace --mode volpath`.
+//! Compares paths from the lights in participating media with closed forms and with `pathtrace --mode volpath`.
 //!
-//! A path from a light may splat many times on one picture, so that pixels of a pass are not independent: how far means may
-//! be off is told by seeds, not by the film.
+//! A path from a light may splat many times onto a picture, so the pixels of a pass are not independent. The variance
+//! of means is therefore estimated from several seeds, not from the film.
 
 use gi_core::camera::CameraSpec;
 use gi_core::eye::PathLimits;
@@ -23,7 +23,7 @@ use crate::agreement::blocks;
 
 const SEEDS: u32 = 16;
 
-/// Means over seeds, of blocks of `side` pixels and of each channel.
+/// Means over seeds, for blocks of `side` pixels and for each channel.
 fn block_means(
     world: &World,
     params: &Params,
@@ -58,10 +58,10 @@ fn mode(mode: Mode, max_depth: Option<u32>) -> Params {
     Params { mode, limits: PathLimits { max_depth, ..PathLimits::default() } }
 }
 
-/// A medium that is not there to be seen: the picture reads `expected` all over.
+/// Check that a medium is invisible: the picture reads `expected` everywhere.
 fn assert_reads(name: &str, world: &World, passes: u32, expected: f64) {
     let found = block_means(world, &mode(Mode::Light, None), passes, Show::All, 8);
-    // A sample without spread makes Welch's test Student's.
+    // With a sample of zero variance, Welch's test becomes Student's test.
     let exact: Running = [expected; 2].into_iter().collect();
     assert_agree(name, &found, &vec![exact; found.len()]);
     let error = found.iter().map(|r| r.variance_of_mean().sqrt()).fold(0.0, f64::max);
@@ -78,7 +78,7 @@ fn ball(center: Vec3, radius: f32, material: usize) -> Shape {
 }
 
 #[test]
-fn a_medium_of_albedo_one_cannot_be_seen_in_a_white_furnace() {
+fn a_medium_of_albedo_one_is_invisible_in_a_white_furnace() {
     for (sigma_t, g) in [(0.5, 0.0), (4.0, 0.7), (4.0, -0.4)] {
         let parts = SceneParts {
             shapes: vec![Shape { interior: Some(MediumId::new(0)), ..ball(Vec3::ZERO, 0.6, 0) }],
@@ -95,7 +95,8 @@ fn a_medium_of_albedo_one_cannot_be_seen_in_a_white_furnace() {
 
 #[test]
 fn a_furnace_filled_with_a_medium_of_albedo_one_reads_one_over_one_minus_a() {
-    // The camera is inside. What is scattered just before it would count without bound: it sees from its near plane on.
+    // The camera is inside. Scattering close to it would contribute without bound, so it sees only beyond its near
+    // plane.
     let (mut parts, camera) = furnace(0.5);
     parts.media = vec![mist(0.8, 0.3)];
     parts.shapes[0].exterior = Some(MediumId::new(0));
@@ -103,8 +104,8 @@ fn a_furnace_filled_with_a_medium_of_albedo_one_reads_one_over_one_minus_a() {
     assert_reads("full furnace", &world, 64, 2.0);
 }
 
-/// Mist with a denser ball in it, over a floor under a lamp and a sky; a ball of glass, out of the picture, focuses the lamp
-/// onto both; all within a ball of air that absorbs, the camera too. Media differ by channel.
+/// Mist with a denser ball in it, over a floor under a lamp and a sky. A glass ball outside the picture focuses the
+/// lamp onto both. Everything, including the camera, is in a ball of absorbing air. Media differ by channel.
 fn murky() -> World {
     let floor = [[-2.0, -1.0, -2.0], [-2.0, -1.0, 2.0], [2.0, -1.0, 2.0], [2.0, -1.0, -2.0]];
     let lamp = [[-0.6, 1.6, -0.4], [0.2, 1.6, -0.4], [0.2, 1.6, 0.4], [-0.6, 1.6, 0.4]];
@@ -162,7 +163,7 @@ fn paths_from_the_eye_and_from_the_lights_agree_in_media() {
         let [eye, light] = [(Mode::VolPath, passes[0]), (Mode::Light, passes[1])]
             .map(|(m, n)| block_means(&world, &mode(m, max_depth), n, show, 8));
         assert_agree(&format!("{show:?}, {max_depth:?}"), &light, &eye);
-        // In the mean over the picture both know what they say to 2 %.
+        // The mean over the picture must be accurate to 2 % in both.
         for all in [&eye, &light] {
             let mean = all.iter().map(Running::mean).sum::<f64>();
             let variance = all.iter().map(Running::variance_of_mean).sum::<f64>();

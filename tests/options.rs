@@ -18,14 +18,14 @@ fn help_by_option(command: &mut Command) -> HashMap<String, String> {
         .collect()
 }
 
-/// The values in the text that `{:?}` makes of parameters, by the names of their fields; of structs in structs too.
+/// The values in the `{:?}` text of parameters, by field name, including fields of nested structs.
 fn values_by_field(parameters: &impl Debug) -> HashMap<String, String> {
     let text = format!("{parameters:?}");
     let fields = text.split(['{', '}', ',']).filter_map(|part| part.split_once(": "));
     fields.map(|(name, value)| (name.trim().to_string(), value.trim().to_string())).collect()
 }
 
-/// Whether a value in the help is that of a field: the same number, or the name of the same variant.
+/// Whether a value in the help equals that of a field: the same number, or the name of the same variant.
 fn is_same(said: &str, value: &str) -> bool {
     match (said.parse::<f64>(), value.parse::<f64>()) {
         (Ok(said), Ok(value)) => said == value,
@@ -38,7 +38,7 @@ fn check<P: Args + Default + Debug>(program: &str) -> usize {
     let mut command = P::augment_args(Command::new("program"));
     let help = help_by_option(&mut command);
     let mut values = values_by_field(&P::default());
-    // Values whose text is not that of the command line.
+    // Values whose `{:?}` text differs from that on the command line.
     assert_eq!(values.insert("max_depth".into(), "-1".into()).as_deref(), Some("None"));
     if let Some(total) = values.get("total").cloned() {
         values.insert("lights".into(), total);
@@ -83,7 +83,7 @@ fn help_states_the_default_of_the_largest_cut() {
 }
 
 #[test]
-fn other_defaults_than_those_of_the_help_are_found() {
+fn defaults_that_differ_from_the_help_are_found() {
     #[derive(Args, Debug)]
     struct Wrong {
         #[arg(long, default_value_t = 0.5)]
@@ -97,5 +97,5 @@ fn other_defaults_than_those_of_the_help_are_found() {
         }
     }
     let refused = std::panic::catch_unwind(|| check::<Wrong>("wrong"));
-    assert!(refused.is_err(), "a default of 0.7 passed for 0.5");
+    assert!(refused.is_err(), "the check accepted a default of 0.7 instead of 0.5");
 }

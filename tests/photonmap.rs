@@ -1,4 +1,4 @@
-//! Photon mapping against the path tracer, and by its own knobs.
+//! Compares photon mapping with the path tracer, and with itself for different options.
 
 use gi_core::camera::CameraSpec;
 use gi_core::eye::PathLimits;
@@ -26,13 +26,13 @@ fn photons(world: &World, params: &Params, passes: u32, show: Show) -> Film {
     world.render::<PhotonMapping>(params, passes, 3, show)
 }
 
-/// The defaults, with enough gather rays that few passes do.
+/// The defaults, but with enough gather rays that few passes suffice.
 fn sixteen_rays() -> Params {
     Params { gather_rays: 16, ..Params::default() }
 }
 
-/// Check that the means of two pictures differ by less than `bound` of the second's, and that their noise could not
-/// hide it.
+/// Check that the means of two pictures differ by less than `bound`, relative to the second, and that the noise is
+/// small enough for this test.
 fn assert_ratio(name: &str, ours: &Film, truth: &Film, bound: f64) {
     let ((a, va), (b, vb)) = (mean_and_variance(ours), mean_and_variance(truth));
     let noise = (va / (a * a) + vb / (b * b)).sqrt();
@@ -58,7 +58,7 @@ fn the_caustic_map_agrees_with_paths_from_the_lights_within_one_percent() {
     let params = pathtrace::Params { mode: Mode::Light, ..Default::default() };
     let truth = world.render::<PathTracer>(&params, 1536, 12, Show::Caustic);
     let ours = photons(&world, &sixteen_rays(), 16, Show::Caustic);
-    // Paths from the lights find nothing behind mirror and glass: leave out what is as white as these.
+    // Paths from the lights find no light behind mirrors and glass: skip pixels that are as white as these.
     let (a, b) = (ours.layers(), truth.layers());
     let albedo = a.channel("Albedo.G").expect("a layer");
     let sum = |layers: &Layers, name: &str| -> f64 {
@@ -94,7 +94,7 @@ fn guided_gather_rays_change_the_noise_only() {
     assert!(p > 1e-3 && (va + vb).sqrt() < 0.006 * a, "{a} is not {b}: p = {p:.1e}");
 }
 
-/// Mean over pixels and channels of the squared error over the squared truth plus 0.01.
+/// Mean over pixels and channels of the squared error, divided by the squared reference plus 0.01.
 fn rel_mse(film: &Film, truth: &Film) -> f64 {
     let (a, b) = (film.radiance(), truth.radiance());
     let error = |x: f32, y: f32| f64::from((x - y) * (x - y) / (y * y + 0.01));
@@ -108,7 +108,7 @@ fn rel_mse(film: &Film, truth: &Film) -> f64 {
 }
 
 #[test]
-fn more_photons_and_more_of_them_an_estimate_lower_the_error() {
+fn more_photons_in_total_and_per_estimate_lower_the_error() {
     let world = World::load("cornell-box.xml", [32, 32], &[]);
     let truth = reference(&world, 1024, None, Show::Indirect);
     let errors: Vec<f64> = [(1_000, 10), (10_000, 30), (100_000, 90), (1_000_000, 270)]
@@ -118,7 +118,7 @@ fn more_photons_and_more_of_them_an_estimate_lower_the_error() {
             rel_mse(&photons(&world, &params, 16, Show::Indirect), &truth)
         })
         .collect();
-    // Variance goes with 1 / k, the squared blur with (k / N)^2: both fall threefold and more at each step.
+    // Variance falls like 1 / k, and the squared blur like (k / N)^2: both by a factor of three or more at each step.
     for pair in errors.windows(2) {
         assert!(pair[1] < 0.6 * pair[0], "{errors:?}");
     }
@@ -129,7 +129,7 @@ fn a_furnace_reads_one_over_one_minus_a_through_the_map() {
     let (parts, camera) = furnace(0.6);
     let world = World::new(parts, &camera);
     let (mean, variance) = mean_and_variance(&photons(&world, &sixteen_rays(), 16, Show::All));
-    // 100,000 photons of one power: their number on the walls is off by a share of 1 / sqrt(100000) = 0.3 %.
+    // 100,000 photons of equal power: their number on the walls has a relative error of 1 / sqrt(100000) = 0.3 %.
     let bound = 2.5 * (4.0 * variance.sqrt() + 3.0 * 0.0032 * 0.6);
     assert!((mean - 2.5).abs() < bound, "{mean} is not 2.5 +- {bound}");
 }
@@ -140,7 +140,7 @@ fn a_scene_ten_times_as_large_gives_the_same_picture() {
     let params = Params { photons: 20_000, caustic_photons: 20_000, ..sixteen_rays() };
     let render = |scale| photons(&read(scale), &params, 8, Show::All);
     let (one, other) = (render(1.0), render(10.0));
-    // The same photons and paths: what differs is rounding, of powers to eight bits above all.
+    // The photons and paths are the same. Only rounding differs, mainly that of powers to eight bits.
     let error = rel_mse(&one, &other);
     assert!(error < 2e-4, "{error}");
 }
@@ -173,13 +173,13 @@ fn every_layer_has_the_same_bits_at_1_2_and_4_threads() {
         let same = [2, 4].into_iter().all(|threads| bits(scene, threads, &params, 7) == one);
         let name = format!("{scene}, {gather:?}, {subsurface:?}");
         assert!(same, "{name}");
-        assert!(bits(scene, 2, &params, 8) != one, "{name}: the seed does nothing");
+        assert!(bits(scene, 2, &params, 8) != one, "{name}: another seed gives the same picture");
     }
 }
 
 #[test]
 fn where_photons_are_few_final_gather_is_not_too_bright() {
-    // A point light of intensity pi in a unit sphere of albedo 1/2: all light is 1, everywhere.
+    // A point light of intensity pi in a unit sphere of albedo 1/2: indirect radiance is 1 everywhere.
     let shape = Shape { flip_normals: true, ..Shape::new("sphere", sphere(Vec3::ZERO, 1.0), 0) };
     let intensity = Rgb::grey(std::f32::consts::PI);
     let parts = SceneParts {
@@ -190,7 +190,7 @@ fn where_photons_are_few_final_gather_is_not_too_bright() {
     };
     let camera = CameraSpec::look_at(Vec3::new(0.3, 0.2, -0.5), Vec3::X, Vec3::Y, 1.2, [12, 12]);
     let world = World::new(parts, &camera);
-    // A disc of the largest radius holds five photons in the mean.
+    // On average, a disc of the largest radius contains five photons.
     let params = Params { photons: 4000, max_radius: 0.04, ..Params::default() };
     let of =
         |seed| mean_and_variance(&world.render::<PhotonMapping>(&params, 8, seed, Show::All)).0;
@@ -202,7 +202,7 @@ fn where_photons_are_few_final_gather_is_not_too_bright() {
 
 #[test]
 fn a_small_roof_on_wide_ground_gets_its_photons() {
-    // A roof of 4 m over 400 m of ground, seen from below: hardly a blind photon comes near it.
+    // A roof of 4 m over 400 m of ground, seen from below: photons that are not aimed hardly ever come near it.
     let square = |half: f32, y: f32| {
         let at = |x, z| Vec3::new(x * half, y, z * half);
         polygon(&[at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)])
@@ -234,7 +234,7 @@ fn a_small_roof_on_wide_ground_gets_its_photons() {
 }
 
 #[test]
-fn caustics_of_slightly_rough_glass_are_not_left_to_luck() {
+fn caustics_of_slightly_rough_glass_use_the_caustic_map() {
     let world = World::load_with("cornell-spheres.xml", [24, 24], &[], |parts, _| {
         for material in &mut parts.materials {
             if let Material::Dielectric { roughness, .. } = material {
@@ -257,7 +257,7 @@ fn caustics_of_slightly_rough_glass_are_not_left_to_luck() {
         (mean / n, variance / (n * n))
     };
     let ((a, va), (b, vb)) = (render(100_000), render(0));
-    // Over single seeds the ratio is 0.24 +- 0.06: of four, 0.4 lies five standard errors above.
+    // For single seeds, the ratio of variances is 0.24 +- 0.06. For four seeds, 0.4 is five standard errors above that.
     assert!(va < 0.4 * vb, "the variance is {va} with the caustic map, {vb} without");
     let noise = (va + vb).sqrt() / a;
     assert!((a / b - 1.0).abs() < 0.01 + 3.0 * noise, "{a} is not {b} (noise {noise:.1e})");

@@ -1,4 +1,7 @@
-//! Progressive photon mapping against the truth and against itself.
+//! Compares progressive photon mapping with the path tracer and with itself.
+
+mod caustic;
+mod hard_scenes;
 
 use gi_core::camera::CameraSpec;
 use gi_core::eye::PathLimits;
@@ -30,8 +33,8 @@ fn channel(film: &Film, name: &str) -> Vec<f64> {
     film.layers().channel(name).expect("a layer").iter().map(|v| f64::from(*v)).collect()
 }
 
-/// Mean squared difference of a layer of two pictures over the mean square of the second, less what the second's noise
-/// adds as it is known for the whole.
+/// Mean squared difference of a layer of two pictures, divided by the mean square of the second, minus the noise of the
+/// second, which is known for all light.
 fn relative_mse(film: &Film, reference: &Film, layer: &str) -> f64 {
     let (mut difference, mut square, mut noise) = (0.0, 0.0, 0.0);
     for c in ["R", "G", "B"] {
@@ -45,8 +48,8 @@ fn relative_mse(film: &Film, reference: &Film, layer: &str) -> f64 {
     (difference - noise) / square
 }
 
-/// The inside of a unit sphere of albedo one half round a point light of intensity pi: every scattering of its light
-/// adds half of what the one before did, and all of it is 1, everywhere.
+/// The inside of a unit sphere of albedo one half around a point light of intensity pi: each scattering of its light
+/// adds half as much as the one before, so indirect radiance is 1 everywhere.
 fn sphere_world() -> World {
     let shape = Shape { flip_normals: true, ..Shape::new("sphere", sphere(Vec3::ZERO, 1.0), 0) };
     let intensity = Rgb::grey(std::f32::consts::PI);
@@ -62,9 +65,9 @@ fn sphere_world() -> World {
 }
 
 #[test]
-fn a_lit_sphere_reads_one_in_the_mean_and_half_less_a_bounce_fewer() {
-    // A ball of radius r round a point of a sphere cuts off a cap of area pi r^2, whatever r: no bias at all. Photons are
-    // shared by pixels, so that the error of a picture's mean is known from seeds only.
+fn the_mean_of_a_lit_sphere_is_one_and_follows_the_geometric_series_with_max_depth() {
+    // A ball of radius r around a point of a sphere contains a cap of area pi r^2 for any r, so there is no bias at
+    // all. Pixels share photons, so the error of a picture's mean is estimated from seeds only.
     let world = sphere_world();
     let depths = [(None, 1.0), (Some(3), 0.75), (Some(2), 0.5)];
     for (k, method) in METHODS.into_iter().chain(METHODS).enumerate() {
@@ -81,8 +84,8 @@ fn a_lit_sphere_reads_one_in_the_mean_and_half_less_a_bounce_fewer() {
 }
 
 #[test]
-fn without_bias_the_error_falls_with_the_photons_that_stay() {
-    // In the sphere all error is noise: N^alpha photons carry it [slide 39], so MSE ~ passes^(-alpha).
+fn without_bias_the_error_falls_with_the_kept_photons() {
+    // In the sphere, the error is only noise. It depends on N^alpha photons [slide 39], so MSE ~ passes^(-alpha).
     let world = sphere_world();
     for alpha in [0.5, 0.8] {
         let params = Params { alpha, initial_radius: 0.15, ..with(Method::Sppm, 300) };
@@ -100,11 +103,11 @@ fn without_bias_the_error_falls_with_the_photons_that_stay() {
 }
 
 #[test]
-fn all_methods_agree_with_the_path_tracer_layer_by_layer_and_passes_bring_them_nearer() {
+fn all_methods_agree_with_the_path_tracer_in_each_layer_and_more_passes_reduce_the_error() {
     let world = World::load("cornell-spheres.xml", [32, 32], &[]);
     let reference = world.render::<PathTracer>(&Default::default(), 2048, 5, Show::All);
     for method in METHODS {
-        // What mirrors and glass show is frozen noise where hit points are found once: many of them.
+        // If hit points are found once, the noise in mirrors and glass is fixed, so use many hit points.
         let params = Params { hit_points: 64, ..with(method, 8192) };
         let error =
             |passes| relative_mse(&render(&world, &params, passes, 1, Show::All), &reference, "");
@@ -127,7 +130,7 @@ fn every_layer_has_the_same_bits_at_1_2_and_4_threads() {
     for method in METHODS {
         let bits = |threads: usize, seed: u32| -> Vec<(String, Vec<u32>)> {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            // More photons than one task walks.
+            // Use more photons than a single task traces.
             let film = pool
                 .expect("threads")
                 .install(|| render(&world, &with(method, 9000), 3, seed, Show::All));
@@ -136,7 +139,7 @@ fn every_layer_has_the_same_bits_at_1_2_and_4_threads() {
         };
         let one = bits(1, 7);
         assert!(bits(2, 7) == one && bits(4, 7) == one, "{method:?}");
-        assert!(bits(2, 8) != one, "{method:?}: the seed does nothing");
+        assert!(bits(2, 8) != one, "{method:?}: another seed gives the same picture");
     }
 }
 
@@ -162,7 +165,8 @@ fn a_scene_ten_times_as_large_gives_the_same_picture() {
         let picture =
             |scale| channel(&render(&read(scale), &with(method, 2000), 4, 3, Show::All), "G");
         let (one, other) = (picture(1.0), picture(10.0));
-        // The same random numbers: only rounding differs, but a path that it turns aside is another path.
+        // The random numbers are the same, so only rounding differs. A path that rounding diverts becomes a different
+        // path.
         let far =
             one.iter().zip(&other).filter(|(a, b)| (*a - *b).abs() > 1e-3 * a.abs().max(0.01));
         let far = far.count();
@@ -171,8 +175,8 @@ fn a_scene_ten_times_as_large_gives_the_same_picture() {
 }
 
 #[test]
-fn the_film_holds_what_the_statistics_say() {
-    // With hit points that do not move and a box filter, the film's photon light is tau / (pi R^2 n) [slides 41, 42].
+fn the_film_agrees_with_the_statistics() {
+    // With fixed hit points and a box filter, the film's light from photons is tau / (pi R^2 n) [slides 41, 42].
     let world = sphere_world();
     let params = Params { trace_pixels: vec![[5, 6]], ..with(Method::Ppm, 900) };
     let (technique, film) = world.run::<Ppm>(&params, 9, 1, Show::All);
@@ -191,7 +195,7 @@ fn the_film_holds_what_the_statistics_say() {
 }
 
 #[test]
-fn what_is_kept_does_not_grow_with_the_passes() {
+fn memory_does_not_grow_with_the_passes() {
     let world = sphere_world();
     for method in METHODS {
         let kept = |passes| {
@@ -203,8 +207,8 @@ fn what_is_kept_does_not_grow_with_the_passes() {
 }
 
 #[test]
-fn hit_points_that_are_found_once_do_not_answer_for_gloss() {
-    // The silver ball is followed by rays: in every pass anew by sppm; once and for all, to one point, by ppm.
+fn hit_points_that_are_found_once_miss_most_glossy_reflections() {
+    // Rays follow the silver ball's reflection: in each pass anew with sppm, but only once, to one point, with ppm.
     let world = World::load("cornell-glossy.xml", [32, 32], &[]);
     let reference = world.render::<PathTracer>(&Default::default(), 1024, 5, Show::All);
     let error = |method| {
@@ -216,34 +220,7 @@ fn hit_points_that_are_found_once_do_not_answer_for_gloss() {
 }
 
 #[test]
-fn a_caustic_comes_out_as_light_tracing_has_it_and_passes_bring_it_nearer() {
-    let world = World::load("ring.xml", [32, 32], &[]);
-    let light = pathtrace::Params { mode: Mode::Light, ..Default::default() };
-    let reference = world.render::<PathTracer>(&light, 1024, 5, Show::Caustic);
-    // Light tracing does not see what the ring mirrors: the table alone counts.
-    let table: Vec<bool> = channel(&reference, "N.Y").into_iter().map(|n| n > 0.9999).collect();
-    let of_table = |film: &Film| -> Vec<f64> {
-        let g = channel(film, "G").into_iter().zip(&table);
-        g.filter(|(_, table)| **table).map(|(v, _)| v).collect()
-    };
-    let truth = of_table(&reference);
-    for method in METHODS {
-        // The caustic's edge is finer than a pixel: one hit point would be one sample of it.
-        let params = Params { initial_radius: 0.02, hit_points: 32, ..with(method, 16384) };
-        let [first, .., last] = [2, 8, 32].map(|passes| {
-            let film = of_table(&render(&world, &params, passes, 2, Show::Caustic));
-            let error = film.iter().zip(&truth).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
-            let ratio = film.iter().sum::<f64>() / truth.iter().sum::<f64>();
-            (error / truth.iter().map(|v| v * v).sum::<f64>(), ratio)
-        });
-        // The disc reaches over the ring's foot and into its wall: some light is counted that is not there.
-        assert!(last.0 < 0.5 * first.0 && last.0 < 0.1, "{method:?}: {first:?}, {last:?}");
-        assert!((last.1 - 1.0).abs() < 0.06, "{method:?}: {last:?}");
-    }
-}
-
-#[test]
-fn coats_too_sharp_for_photons_are_followed_and_nothing_is_lost_or_counted_twice() {
+fn rays_follow_coats_too_sharp_for_photons_and_no_light_is_lost_or_counted_twice() {
     let roughness = |alpha| Roughness {
         distribution: Distribution::Ggx,
         alpha_u: Texture::grey(alpha),
@@ -272,7 +249,7 @@ fn coats_too_sharp_for_photons_are_followed_and_nothing_is_lost_or_counted_twice
 }
 
 #[test]
-fn light_through_glass_onto_what_is_seen_through_glass_is_found() {
+fn light_through_glass_onto_surfaces_seen_through_glass_is_found() {
     // A large lamp, so that the path tracer finds it too.
     let world = World::load("torus-in-glass.xml", [24, 24], &[("lamp", "0.9")]);
     let reference = world.render::<PathTracer>(&Default::default(), 1024, 5, Show::Caustic);
@@ -283,154 +260,6 @@ fn light_through_glass_onto_what_is_seen_through_glass_is_found() {
         .collect();
     let p = z_test(truth, variance, means.mean(), means.variance_of_mean());
     assert!(p > ALPHA, "{truth} against {}: p = {p:.1e}", means.mean());
-    // And it is known well enough: the square of the index, or a kind counted twice, would be far outside.
+    // The uncertainty is small enough to detect a factor of the squared index, or light that is counted twice.
     assert!(variance + means.variance_of_mean() < (0.05 * truth).powi(2));
-}
-
-/// Squared error over the table of the ring's caustic after 8, 32, 128 and 512 passes: its slope over passes.
-fn slope_on_the_caustic(world: &World, reference: &Film, alpha: f64, seed: u32) -> f64 {
-    let (truth, normal) = (channel(reference, "G"), channel(reference, "N.Y"));
-    let noise = channel(reference, "Variance.G");
-    let params = Params { alpha, initial_radius: 0.006, ..with(Method::Sppm, 16384) };
-    let (mut technique, mut film) = world.run::<Ppm>(&params, 0, seed, Show::Caustic);
-    let mut points = Vec::new();
-    for pass in 0..512u32 {
-        technique.pass(pass, &mut film);
-        if [8, 32, 128, 512].contains(&(pass + 1)) {
-            let picture = channel(&film, "G");
-            let of_table = (0..truth.len()).filter(|&i| normal[i] > 0.9999);
-            let error: f64 = of_table.map(|i| (picture[i] - truth[i]).powi(2) - noise[i]).sum();
-            points.push((f64::from(pass + 1).ln(), error.ln()));
-        }
-    }
-    let n = points.len() as f64;
-    let mean = points.iter().fold((0.0, 0.0), |m, p| (m.0 + p.0 / n, m.1 + p.1 / n));
-    let product: f64 = points.iter().map(|p| (p.0 - mean.0) * (p.1 - mean.1)).sum();
-    product / points.iter().map(|p| (p.0 - mean.0).powi(2)).sum::<f64>()
-}
-
-#[test]
-#[ignore = "slow: thousands of passes"]
-fn on_a_caustic_the_error_falls_as_the_theory_says() {
-    let world = World::load("ring.xml", [48, 48], &[]);
-    let light = pathtrace::Params { mode: Mode::Light, ..Default::default() };
-    let reference = world.render::<PathTracer>(&light, 8192, 5, Show::Caustic);
-    let slope = |alpha| -> Running {
-        (0..4).map(|seed| slope_on_the_caustic(&world, &reference, alpha, seed)).collect()
-    };
-    // Noise falls like passes^(-alpha), the square of the bias like passes^(2 alpha - 2): the slower one is seen in the
-    // end. At alpha = 2/3 they are alike [Knaus11, 4]. The law holds in the limit; after 512 passes it is a tenth off.
-    for (alpha, expected) in [(0.5, -0.5), (0.6, -0.6), (2.0 / 3.0, -2.0 / 3.0)] {
-        let slopes = slope(alpha);
-        let error = 3.0 * slopes.variance_of_mean().sqrt();
-        println!("alpha {alpha}: {} +- {error}", slopes.mean());
-        assert!((slopes.mean() - expected).abs() < 0.1 + error, "{alpha}: {}", slopes.mean());
-    }
-    let [middle, large] = [0.7, 0.95].map(|alpha| slope(alpha).mean());
-    assert!(middle < large, "a radius that hardly shrinks keeps its bias: {middle}, {large}");
-}
-
-#[test]
-fn under_a_roof_on_ground_to_the_horizon_it_agrees_with_the_path_tracer() {
-    // A roof of 4 m over 400 m of ground, seen from below: all of its light comes over the ground, most of which matters
-    // nothing. Blind photons hit it a few times in a million, and discs relative to the scene are wider than it.
-    let square = |half: f32, y: f32| {
-        let at = |x, z| Vec3::new(x * half, y, z * half);
-        polygon(&[at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)])
-    };
-    let shapes =
-        vec![Shape::new("ground", square(200.0, 0.0), 1), Shape::new("roof", square(2.0, 2.0), 1)];
-    let parts = SceneParts {
-        shapes,
-        materials: vec![grey(0.5), both_sides()],
-        lights: vec![LightSource::Constant { radiance: Rgb::WHITE }],
-        ..SceneParts::default()
-    };
-    let eye = Vec3::new(0.3, 0.2, 0.2);
-    let camera = CameraSpec::look_at(eye, Vec3::new(0.0, 2.0, 0.0), Vec3::Z, 1.0, [16, 16]);
-    let world = World::new(parts, &camera);
-    let truth = world.render::<PathTracer>(&Default::default(), 256, 5, Show::Indirect);
-    let (truth, variance) = mean_and_variance(&truth);
-    // A radius for each pixel, and one for all.
-    for method in [Method::Sppm, Method::Ppa] {
-        let of = |seed| {
-            mean_and_variance(&render(&world, &with(method, 20_000), 8, seed, Show::Indirect)).0
-        };
-        let means: Running = (0..16).map(of).collect();
-        let error = means.variance_of_mean().sqrt();
-        assert!(error < 0.02 * truth, "{method:?}: +- {error} of {truth}");
-        let p = z_test(means.mean(), error * error, truth, variance);
-        assert!(p > ALPHA / 2.0, "{method:?}: {} +- {error} of {truth}, p = {p:.1e}", means.mean());
-    }
-}
-
-#[test]
-fn a_lobe_of_the_usual_roughness_of_one_tenth_is_not_left_to_a_handful_of_photons() {
-    // A metal floor in a room under a wide lamp.
-    let square = |half: f32, y: f32| {
-        let at = |x, z| Vec3::new(x * half, y, z * half);
-        polygon(&[at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)])
-    };
-    let tenth = Texture::grey(0.1);
-    let (distribution, alpha_u, alpha_v) = (Distribution::Ggx, tenth.clone(), tenth);
-    let metal = Material::Conductor {
-        eta: Rgb::BLACK,
-        k: Rgb::WHITE,
-        reflectance: Texture::grey(0.9),
-        roughness: Some(Roughness { distribution, alpha_u, alpha_v }),
-    };
-    let emission = Some(Texture::grey(5.0));
-    let shapes = vec![
-        Shape::new("room", cube_inside(), 1),
-        Shape::new("floor", square(1.0, -0.99), 2),
-        Shape { emission, ..Shape::new("lamp", square(0.5, 0.99), 1) },
-    ];
-    let materials = vec![grey(0.6), both_sides(), metal];
-    let eye = Vec3::new(0.0, 0.2, 0.9);
-    let camera = CameraSpec::look_at(eye, Vec3::new(0.0, -0.9, 0.0), Vec3::Y, 1.2, [24, 24]);
-    let world = World::new(SceneParts { shapes, materials, ..SceneParts::default() }, &camera);
-    let reference = world.render::<PathTracer>(&Default::default(), 512, 5, Show::Indirect);
-    let error = |params: &Params| {
-        relative_mse(&render(&world, params, 16, 1, Show::Indirect), &reference, "Indirect.")
-    };
-    let gathered = Params { min_roughness: 0.1, ..Params::default() };
-    let [followed, gathered] = [Params::default(), gathered].map(|params| error(&params));
-    assert!(followed < 0.5 * gathered, "{followed} against {gathered}");
-}
-
-#[test]
-fn indirect_light_is_right_along_the_edges_of_boxes_in_the_sun() {
-    // Boxes of which no point is far from an edge, on ground that is lit too.
-    let square = |half: f32, y: f32| {
-        let at = |x, z| Vec3::new(x * half, y, z * half);
-        polygon(&[at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)])
-    };
-    let mut shapes = vec![Shape::new("ground", square(4.0, 0.0), 1)];
-    for (x, z) in [(-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)] {
-        let Geometry::Mesh(mut mesh) = cube_inside() else { unreachable!("a mesh") };
-        let (size, place) = (Vec3::new(0.2, 0.4, 0.2), Vec3::new(x, 0.4, z));
-        mesh.transform(&Affine3A::from_scale_rotation_translation(size, Quat::IDENTITY, place));
-        shapes.push(Shape::new("box", Geometry::Mesh(mesh), 1));
-    }
-    let direction = Vec3::new(0.5, -1.0, 0.3).normalize();
-    let sun = LightSource::Directional { direction, irradiance: Rgb::grey(3.0) };
-    let parts = SceneParts {
-        shapes,
-        materials: vec![grey(0.6), both_sides()],
-        lights: vec![sun],
-        ..SceneParts::default()
-    };
-    let eye = Vec3::new(1.2, 1.1, 1.6);
-    let camera = CameraSpec::look_at(eye, Vec3::new(0.0, 0.3, 0.0), Vec3::Y, 0.7, [32, 32]);
-    let world = World::new(parts, &camera);
-    let truth = world.render::<PathTracer>(&Default::default(), 512, 5, Show::Indirect);
-    let (truth, variance) = mean_and_variance(&truth);
-    let of = |seed| {
-        mean_and_variance(&render(&world, &with(Method::Sppm, 8192), 24, seed, Show::Indirect)).0
-    };
-    let means: Running = (0..8).map(of).collect();
-    let error = (means.variance_of_mean() + variance).sqrt() / truth;
-    let ratio = means.mean() / truth;
-    assert!(error < 0.01, "+- {error}");
-    assert!((ratio - 1.0).abs() < 0.01 + 2.0 * error, "{ratio} +- {error}");
 }

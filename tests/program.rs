@@ -1,16 +1,16 @@
-//! Programs run as their users run them: with a command line, in a folder, until an exit status and a message.
+//! Runs programs as a user would: with a command line, in a folder, checking exit status and messages.
 
 use std::path::Path;
 use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
-/// Run a program. Its crate's own tests know where it is: `env!("CARGO_BIN_EXE_name")`.
+/// Run a program. The tests of its crate know its path: `env!("CARGO_BIN_EXE_name")`.
 pub fn run(program: &str, arguments: &[&str]) -> Output {
     Command::new(program).args(arguments).output().expect("it runs")
 }
 
-/// What a run said beside its result: errors, warnings, progress.
+/// Everything that a run printed to standard error: errors, warnings, progress.
 pub fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
@@ -21,7 +21,7 @@ pub fn assert_success(output: &Output) {
     assert!(output.status.success(), "{}", said(output));
 }
 
-/// Check that a run ended with this exit status, and in its message has these words and no panic.
+/// Check that a run ended with this exit status, and that its message contains these words and no panic.
 #[track_caller]
 pub fn assert_refused(output: &Output, status: i32, says: &[&str]) {
     let text = said(output);
@@ -37,32 +37,32 @@ pub fn scene(name: &str) -> String {
     format!("{}/../scenes/{name}.xml", env!("CARGO_MANIFEST_DIR"))
 }
 
-/// A folder for the files of a test, which goes away with them.
+/// A folder for the files of a test; it is deleted with this value.
 pub struct Folder(TempDir);
 
 impl Folder {
-    /// A new one, empty.
+    /// Create a new, empty folder.
     pub fn make() -> Self {
         Folder(tempfile::tempdir().expect("a folder"))
     }
 
-    /// Where it is.
+    /// Its path.
     pub fn path(&self) -> &Path {
         self.0.path()
     }
 
-    /// A file in it, there or not, as an argument.
+    /// The path of a file in it, which need not exist, as an argument.
     pub fn at(&self, name: &str) -> String {
         self.path().join(name).to_str().expect("UTF-8").to_string()
     }
 
-    /// The names of all that is in it, sorted.
+    /// The names of all its entries, sorted.
     pub fn files(&self) -> Vec<String> {
         files(self.path())
     }
 }
 
-/// The names of all that is in a folder, sorted.
+/// The names of all entries of a folder, sorted.
 pub fn files(folder: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder).expect("the folder");
     let mut names: Vec<String> =

@@ -1,4 +1,4 @@
-//! Radiance caching against the truth, against irradiance caching and against itself.
+//! Compares radiance caching with the path tracer, with irradiance caching and with itself.
 
 use gi_core::camera::CameraSpec;
 use gi_core::film::{Film, Show};
@@ -27,7 +27,7 @@ fn statistic(technique: &RadianceCaching, name: &str) -> f64 {
     all.iter().find(|(n, _)| n == name).unwrap_or_else(|| panic!("no {name}")).1
 }
 
-/// A rough conductor that reflects all that its facets do not lose.
+/// A rough conductor that reflects all light, except for what is lost between its facets.
 fn mirror(alpha: f32, tint: f32) -> Material {
     let alpha = Texture::grey(alpha);
     let roughness =
@@ -41,7 +41,7 @@ fn mirror(alpha: f32, tint: f32) -> Material {
 }
 
 #[test]
-fn where_all_is_lambertian_it_is_irradiance_caching_bit_for_bit() {
+fn with_only_lambertian_surfaces_it_is_irradiance_caching_bit_for_bit() {
     let world = World::load("cornell-box.xml", [32, 32], &[]);
     let ours = Params { rays: 200, ..Params::default() };
     let theirs = irrcache::Params { rays: 200, ..irrcache::Params::default() };
@@ -52,7 +52,8 @@ fn where_all_is_lambertian_it_is_irradiance_caching_bit_for_bit() {
 
 #[test]
 fn a_lambertian_surface_that_has_radiance_records_agrees_with_irradiance_caching() {
-    // Oren and Nayar's model without roughness: its table holds nothing, its diffuse part reads the records' irradiance.
+    // Oren and Nayar's model with zero roughness: its table is empty, and its diffuse part uses the records'
+    // irradiance.
     let make = |material: Material| {
         World::load_with("cornell-box.xml", [24, 24], &[], move |parts, _| {
             for m in &mut parts.materials {
@@ -75,18 +76,18 @@ fn a_lambertian_surface_that_has_radiance_records_agrees_with_irradiance_caching
     assert!(
         statistic(&technique, "glossy_records") > 50.0 && statistic(&technique, "records") == 0.0
     );
-    // Hundreds of records of 500 rays each: the noise of both means is well below 1 %.
+    // There are hundreds of records with 500 rays each, so the noise of both means is well below 1 %.
     let ratio = mean_and_variance(&ours).0 / mean_and_variance(&theirs).0;
     assert!((ratio - 1.0).abs() < 0.01, "mean ratio {ratio}");
 }
 
 #[test]
-fn in_the_glossy_box_it_agrees_with_the_path_tracer_and_more_rays_come_nearer() {
+fn in_the_glossy_box_it_agrees_with_the_path_tracer_and_more_rays_reduce_the_error() {
     let world = World::load("cornell-glossy.xml", [48, 48], &[]);
     let reference =
         world.render::<PathTracer>(&pathtrace::Params::default(), 2048, 3, Show::Indirect);
     let (truth, variance) = mean_and_variance(&reference);
-    assert!(variance.sqrt() < 3e-3 * truth, "the reference is good for the bound below");
+    assert!(variance.sqrt() < 3e-3 * truth, "the reference is too noisy for the bound below");
     let error_of = |params: &Params| {
         let film = render(&world, params, 16, 1, Show::Indirect);
         (mean_and_variance(&film).0 / truth, rel_mse(&film, &reference))
@@ -103,7 +104,7 @@ fn in_the_glossy_box_it_agrees_with_the_path_tracer_and_more_rays_come_nearer() 
     assert!(usual < 0.5 * low, "{usual} at order 10, {low} at order 2");
 }
 
-/// Mean squared difference of two pictures relative to the second, less what the second's own noise adds.
+/// Mean squared difference of two pictures relative to the second, minus the second's own noise.
 fn rel_mse(film: &Film, reference: &Film) -> f64 {
     let (a, b) = (film.layers(), reference.layers());
     let of = |l: &gi_core::image_io::Layers, name: &str| l.channel(name).expect("one").to_vec();
@@ -119,7 +120,7 @@ fn rel_mse(film: &Film, reference: &Film) -> f64 {
 
 #[test]
 fn a_glossy_furnace_reads_what_the_path_tracer_reads() {
-    // Walls shine with 1; each bounce the rough mirror loses to its facets what paths lose too.
+    // The walls emit 1. At each bounce, the rough mirror loses the same fraction between its facets as in path tracing.
     let (mut parts, camera) = furnace(0.0);
     parts.materials = vec![mirror(0.3, 0.5)];
     let world = World::new(parts, &camera);
@@ -129,12 +130,13 @@ fn a_glossy_furnace_reads_what_the_path_tracer_reads() {
         let params = Params { basis, glossy_rays: 500, ..Params::default() };
         let film = render(&world, &params, 16, 1, Show::All);
         let ratio = mean_and_variance(&film).0 / truth;
-        // A lobe at grazing angles reaches beneath the horizon in spherical harmonics: 1 % of the indirect light.
+        // In spherical harmonics, a lobe at grazing angles extends below the horizon: this affects 1 % of the indirect
+        // light.
         assert!((ratio - 1.0).abs() < 0.01, "{basis:?}: {ratio}");
     }
 }
 
-/// A rough mirror for a floor, a black room whose far walls shine smoothly: light without edges.
+/// A rough mirror as floor in a black room, whose far walls emit smoothly varying light without edges.
 fn soft_world() -> World {
     let ceiling = [
         Vec3::new(-1.0, -1.0, 1.0),
@@ -184,7 +186,7 @@ fn the_error_falls_with_the_order_under_soft_light() {
 }
 
 #[test]
-fn sharper_lobes_than_asked_for_are_path_traced() {
+fn lobes_below_the_minimum_roughness_are_path_traced() {
     let world = World::load("cornell-glossy.xml", [16, 16], &[]);
     let none = Params { min_roughness: 2.0, rays: 50, ..Params::default() };
     let (technique, _) = world.run::<RadianceCaching>(&none, 1, 1, Show::All);
@@ -224,7 +226,7 @@ fn picture_and_caches_have_the_same_bits_for_any_number_of_threads() {
 }
 
 #[test]
-fn a_saved_cache_gives_the_picture_of_a_fresh_one_and_serves_another_view() {
+fn a_saved_cache_gives_the_same_picture_and_helps_another_view() {
     let world = World::load("cornell-glossy.xml", [40, 40], &[]);
     let params = Params { rays: 100, glossy_rays: 100, ..Params::default() };
     let (fresh, film) = world.run::<RadianceCaching>(&params, 2, 7, Show::All);
@@ -239,7 +241,7 @@ fn a_saved_cache_gives_the_picture_of_a_fresh_one_and_serves_another_view() {
     let (read, second) = world.run::<RadianceCaching>(&again, 2, 7, Show::All);
     assert_eq!(film.layers().channels, second.layers().channels);
     assert_eq!(statistic(&read, "records_made"), 0.0);
-    // From the side: what was seen already is not made again.
+    // A view from the side: records of the first view are reused.
     let camera = CameraSpec::look_at(
         Vec3::new(200.0, 273.0, -750.0),
         Vec3::new(278.0, 273.0, 0.0),
@@ -251,7 +253,7 @@ fn a_saved_cache_gives_the_picture_of_a_fresh_one_and_serves_another_view() {
     let (alone, _) = side.run::<RadianceCaching>(&params, 1, 7, Show::All);
     let (helped, _) = side.run::<RadianceCaching>(&again, 1, 7, Show::All);
     let (alone, helped) = (statistic(&alone, "records_made"), statistic(&helped, "records_made"));
-    assert!(helped < 0.5 * alone, "{helped} of {alone} records were still made");
+    assert!(helped < 0.5 * alone, "{helped} new records with the saved cache, {alone} without it");
     let refused = |cache: SavedCache, params: Params| {
         let params = Params { files: files(&cache), ..params };
         RadianceCaching::prepare(side.setting(1, Show::All), &params).err().expect("a refusal")
@@ -263,7 +265,7 @@ fn a_saved_cache_gives_the_picture_of_a_fresh_one_and_serves_another_view() {
 }
 
 #[test]
-fn an_empty_world_is_black_and_one_of_triangles_without_light_too() {
+fn an_empty_world_and_one_without_light_are_black() {
     let camera = CameraSpec::look_at(Vec3::ZERO, Vec3::Z, Vec3::Y, 0.7, [8, 8]);
     let triangle = Mesh {
         positions: vec![

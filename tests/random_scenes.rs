@@ -1,7 +1,7 @@
-//! Scenes put together at random: paths from the eye against paths from the lights, which share nothing but the scene.
+//! Renders random scenes with paths from the eye and with paths from the lights, which share only the scene.
 //!
-//! A scene that fails is printed whole. What cannot be seen from both ends is left out: mirrors and smooth glass, whose
-//! reflections no light path can be connected to the eye by.
+//! A scene that fails is printed completely. Surfaces that light paths cannot connect to the eye are not used: mirrors
+//! and smooth glass.
 
 use std::fmt::Write;
 
@@ -13,7 +13,7 @@ use pathtrace::{Mode, Params, PathTracer};
 
 use crate::agreement::blocks;
 
-/// A generator of scenes.
+/// Generates random scenes.
 struct Dice(Pcg);
 
 impl Dice {
@@ -29,7 +29,7 @@ impl Dice {
         all[self.0.next_below(all.len() as u32) as usize]
     }
 
-    /// A material without delta lobes, perhaps bent, masked or blended.
+    /// A material without delta lobes, sometimes with a normal map or bump map, a mask, or a blend.
     fn bsdf(&mut self, depth: u32) -> String {
         let alpha = self.between(0.2, 0.6);
         let grey = self.between(0.2, 0.8);
@@ -72,7 +72,7 @@ impl Dice {
         }
     }
 
-    /// What is done about normals that face away.
+    /// Options for shading normals that face away.
     fn flags(&mut self) -> String {
         let [flip, shadow] = [self.one_in(3), self.one_in(3)].map(|off| !off);
         format!(
@@ -82,7 +82,7 @@ impl Dice {
 
     fn transform(&mut self, size: [f32; 2], place: &str) -> String {
         let scale = self.between(size[0], size[1]);
-        // Mirrored now and then.
+        // Mirror the shape in some cases.
         let mirror = if self.one_in(4) { -scale } else { scale };
         let [x, y, z, angle] = [-1.2, -1.2, -1.2, 0.0].map(|low| self.between(low, -low + 0.1));
         format!(
@@ -122,14 +122,14 @@ impl Dice {
         }
     }
 
-    /// A room, or ground under the sky, with a few things in it.
+    /// A room, or ground under the sky, with a few objects.
     fn scene(&mut self) -> String {
         let place = match self.0.next_below(5) {
             0 => r#"<translate x="3000" y="-500" z="9000"/>"#,
             1 => r#"<scale value="500"/>"#,
             _ => "",
         };
-        // Point lights shine by the square of the distance: they stay where numbers are about one.
+        // The light of point lights depends on the squared distance, so they are not scaled.
         let place = if place.contains("scale") { "" } else { place };
         let mut body = format!(
             r#"<sensor type="perspective"><float name="fov" value="75"/><transform name="to_world"><lookat origin="0.1,0.2,1.9" target="0,-0.4,0" up="0,1,0"/>{place}</transform><film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="16"/><rfilter type="box"/></film></sensor>"#
@@ -175,10 +175,10 @@ impl Dice {
     }
 }
 
-/// Pictures from each end, each with a seed of its own: how far they vary is known from themselves.
+/// Number of pictures per mode, each with its own seed. Their variance is estimated from these pictures.
 const PICTURES: u32 = 8;
 
-/// Means over blocks of a picture, of several pictures.
+/// Means over blocks of a picture, over several pictures.
 fn pictures(world: &World, mode: Mode, passes: u32, side: usize, seed: u32) -> Vec<Running> {
     let params = Params { mode, ..Params::default() };
     let mut all = Vec::new();
@@ -191,7 +191,7 @@ fn pictures(world: &World, mode: Mode, passes: u32, side: usize, seed: u32) -> V
     all
 }
 
-/// Compare both ends on a scene; what is wrong, if anything is.
+/// Compare both modes on a scene. Returns a description of the differences, if any.
 fn compare(seed: u64, passes: u32) -> Option<String> {
     let body = Dice(Pcg::new(seed, 0x7261)).scene();
     let world = World::of_xml(&body);
@@ -200,7 +200,8 @@ fn compare(seed: u64, passes: u32) -> Option<String> {
     let brightest = eye.iter().map(Running::mean).fold(0.0, f64::max);
     let level = sidak(1e-5, eye.len());
     for (k, (a, b)) in eye.iter().zip(&light).enumerate() {
-        // A few bright samples in the dark are no normal variable: what is not seen does not count.
+        // A few bright samples in a dark block are not normally distributed, so differences that are invisible do not
+        // count.
         let off = (a.mean() - b.mean()).abs();
         let seen = off > 0.01 * a.mean().max(b.mean()) && off > 1e-3 * brightest;
         if seen && welch_t_test(a, b) < level {
@@ -224,7 +225,7 @@ fn both_ends_agree_on_some_random_scenes() {
     check(0..16, 24);
 }
 
-/// Symptom: over a two-sided bump map that was not to be repaired, light tracing was 8 % bright.
+/// Regression: over a two-sided bump map without repair of invalid normals, light tracing was 8 % too bright.
 #[test]
 fn both_ends_agree_on_a_two_sided_bump_map_without_repair() {
     check(288..289, 96);

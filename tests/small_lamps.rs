@@ -1,5 +1,5 @@
-//! Rooms whose lamp is small: bare and close to a surface, in a corner, in a glass bulb, behind a pane. Virtual lights
-//! and caches against light tracing.
+//! Rooms with a small lamp: bare and close to a surface, in a corner, in a glass bulb, behind a pane. Compares virtual
+//! lights and caches with light tracing.
 
 use gi_core::film::{Film, Show};
 use gi_core::math::Rgb;
@@ -31,7 +31,7 @@ fn bulb(center: [f32; 3], radius: f32) -> String {
         .concat()
 }
 
-/// The lower half of a room, seen from its middle; the lamps are above.
+/// The lower half of a room, seen from its centre; the lamps are above.
 fn room(rest: &str) -> World {
     World::of_xml(&format!(
         r#"<sensor type="perspective"><float name="fov" value="70"/><transform name="to_world"><lookat origin="0,0.5,1.9" target="0,-1.2,-0.6" up="0,1,0"/></transform>
@@ -43,7 +43,7 @@ fn room(rest: &str) -> World {
 
 fn kinds() -> [(&'static str, World); 5] {
     let pane = r#"<shape type="cube"><transform name="to_world"><scale x="0.5" y="0.02" z="0.5"/><translate y="1.7"/></transform>"#;
-    // It shines down.
+    // This lamp faces down.
     let lamp_above = r#"<shape type="rectangle"><transform name="to_world"><scale value="0.05"/><rotate x="1" angle="90"/><translate x="0.1" y="1.95"/></transform><emitter type="area"><rgb name="radiance" value="400"/></emitter></shape>"#;
     let pane = format!("{lamp_above}{pane}{GLASS}</shape>");
     [
@@ -57,10 +57,10 @@ fn kinds() -> [(&'static str, World); 5] {
 
 type Render = fn(&World, u32) -> Film;
 
-/// Largest relMSE of a picture by virtual lights: pixels by photons have some ten a pass, six passes, which is 1/60, and as
-/// much for what else varies. Paths that look for the lamp leave errors above 1.
+/// Largest relMSE of a picture by virtual lights. With some ten photons per pixel and pass and six passes, photons give
+/// 1/60; other noise gives about as much. Paths that search for the lamp give errors above 1.
 const ERROR: f32 = 0.05;
-/// Of a cache, whose rays find the light round a bare lamp near a surface by chance.
+/// The same for caches, whose rays find the light around a bare lamp near a surface only by chance.
 const CACHE_ERROR: f32 = 0.2;
 
 const PROGRAMS: [(&str, f32, Render); 4] = [
@@ -84,13 +84,12 @@ const PROGRAMS: [(&str, f32, Render); 4] = [
     }),
 ];
 
-/// What the discs that photons are gathered on, at the first passes, and the accuracy of a cache may do to the mean of a
-/// picture.
+/// Allowed relative error of the mean, from the blur of photons in the first passes and from the accuracy of a cache.
 const BLUR: f64 = 0.025;
 const SEEDS: u32 = 4;
 
 #[test]
-fn a_small_lamp_near_surfaces_or_behind_glass_leaves_no_bright_specks() {
+fn a_small_lamp_near_surfaces_or_behind_glass_causes_no_bright_pixels() {
     let params = pathtrace::Params { mode: pathtrace::Mode::Light, ..Default::default() };
     for (kind, world) in kinds() {
         let truth = |seed| world.render::<pathtrace::PathTracer>(&params, 600, seed, Show::All);
@@ -123,7 +122,7 @@ fn a_small_lamp_near_surfaces_or_behind_glass_leaves_no_bright_specks() {
     }
 }
 
-/// The mean of pictures.
+/// The mean of several pictures.
 fn picture(films: &[Film]) -> Vec<Rgb> {
     let mut sum = films[0].radiance();
     for film in &films[1..] {

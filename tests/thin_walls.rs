@@ -1,4 +1,4 @@
-//! Walls without thickness: light must not leak through them.
+//! Light must not leak through walls without thickness.
 
 use gi_core::camera::CameraSpec;
 use gi_core::film::Show;
@@ -14,8 +14,8 @@ use pathtrace::PathTracer;
 use photonmap::{Gather, PhotonMapping};
 use ppm::{Method, Ppm};
 
-/// The cube from -1 to 1, parted at x = 0 by a wall without thickness up to the height `top`. The lamp is in the left half,
-/// the eye in the right.
+/// The cube from -1 to 1, divided at x = 0 by a wall without thickness up to the height `top`. The lamp is in the left
+/// half, the eye in the right half.
 fn parted(top: f32) -> World {
     let wall = [[0.0, -1.0, -1.0], [0.0, -1.0, 1.0], [0.0, top, 1.0], [0.0, top, -1.0]];
     let lamp = [[-0.7, 0.95, -0.2], [-0.3, 0.95, -0.2], [-0.3, 0.95, 0.2], [-0.7, 0.95, 0.2]];
@@ -59,7 +59,7 @@ fn behind_a_wall_without_thickness_it_is_dark() {
 }
 
 #[test]
-fn light_through_a_slit_over_a_wall_without_thickness_is_neither_lost_nor_joined_by_what_leaks() {
+fn light_through_a_slit_above_a_thin_wall_is_not_lost_and_no_light_leaks() {
     let world = parted(0.8);
     let truth = world.render::<PathTracer>(&Default::default(), 2048, 5, Show::All);
     let (truth, variance) = mean_and_variance(&truth);

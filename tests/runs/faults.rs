@@ -1,4 +1,4 @@
-//! Faults around a run: what can still be delivered is delivered.
+//! Faults around a run: everything that can still be saved must be saved.
 
 use std::fs::File;
 use std::path::Path;
@@ -103,9 +103,9 @@ fn a_folder_where_no_file_can_be_made_is_reported_before_the_run() {
     }
 }
 
-/// The limit of a file's size stands for a full disk: a write fails half-way.
+/// A limit on file sizes simulates a full disk: a write fails half-way.
 #[test]
-fn a_picture_too_large_for_the_disk_leaves_its_view_its_statistics_and_no_half_of_it() {
+fn a_picture_too_large_for_the_disk_is_not_half_written_and_other_files_are_kept() {
     for program in &PROGRAMS {
         let folder = Folder::make();
         let (scene, out, stats) = (scene("cornell-box"), folder.at("out.exr"), folder.at("s.json"));
@@ -120,7 +120,7 @@ fn a_picture_too_large_for_the_disk_leaves_its_view_its_statistics_and_no_half_o
 }
 
 #[test]
-fn nobody_need_read_the_messages() {
+fn closed_message_streams_do_not_end_a_run() {
     for program in &PROGRAMS {
         let folder = Folder::make();
         let (scene, stats) = (scene("cornell-box"), folder.at("run.json"));
@@ -143,7 +143,7 @@ fn nobody_need_read_the_messages() {
 }
 
 #[test]
-fn errors_keep_their_status_where_nobody_reads_them() {
+fn errors_keep_their_exit_status_if_standard_error_is_closed() {
     for program in PROGRAMS.iter().map(|p| p.name).chain(["compare"]) {
         for flags in [&["no-such.xml"][..], &["--no-such-flag"], &["scene.txt", "-o", "a.exr"]] {
             for stderr in [full(), closed()] {
@@ -156,7 +156,7 @@ fn errors_keep_their_status_where_nobody_reads_them() {
 }
 
 #[test]
-fn compare_writes_its_page_where_nobody_reads_its_table() {
+fn compare_writes_its_page_if_standard_output_is_closed() {
     for (stdout, stderr) in [(full(), full()), (closed(), closed())] {
         let folder = Folder::make();
         let (scene, out) = (scene("cornell-box"), folder.at("out"));
@@ -169,12 +169,12 @@ fn compare_writes_its_page_where_nobody_reads_its_table() {
     }
 }
 
-/// A full disk behind an output.
+/// An output to a full disk.
 fn full() -> Stdio {
     File::options().write(true).open("/dev/full").expect("a device").into()
 }
 
-/// A pipe whose reader has gone away.
+/// A pipe whose reader has exited.
 fn closed() -> Stdio {
     let mut gone = Command::new("true");
     let mut child = gone.stdin(Stdio::piped()).spawn().expect("it starts");

@@ -12,7 +12,7 @@ fn names() -> impl Iterator<Item = &'static str> {
     PROGRAMS.iter().map(|p| p.name).chain(["compare"])
 }
 
-/// The help of a program on a terminal of that width.
+/// The help of a program on a terminal with this width.
 fn help(program: &str, flag: &str, columns: usize) -> String {
     let mut command = Command::new(path_of(program));
     let output = command.arg(flag).env("COLUMNS", columns.to_string()).output().expect("it runs");
@@ -57,7 +57,7 @@ fn help_has_headings_and_ends_with_an_example() {
         }
         let example = help.find("\nExample: ").expect("an example");
         assert!(example > at && help[example..].contains(program.name));
-        // A flag that the program refuses is not listed.
+        // A flag that the program does not support is not listed.
         assert_eq!(help.contains("--resume"), program.keeps, "{}", program.name);
         assert_eq!(help.contains("Figures:"), help.contains("--show "), "{}", program.name);
     }

@@ -1,4 +1,4 @@
-//! No output may name an input, another output, a device or a folder; a symbolic link is written through.
+//! No output may overwrite an input, another output, a device or a folder. A symbolic link is written through.
 
 use std::collections::BTreeMap;
 use std::os::unix::fs::symlink;
@@ -9,7 +9,7 @@ use gi_tests::program::{Folder, assert_refused, assert_success, run};
 
 use crate::running::path_of;
 
-/// A folder with a scene that includes a file and reads a mesh and two pictures.
+/// A folder with a scene that includes a file, and reads a mesh and two pictures.
 fn scene_folder() -> Folder {
     let folder = Folder::make();
     let picture = Layers::of_rgb([2, 2], [[0.5; 3]; 4]);
@@ -38,7 +38,8 @@ fn contents(folder: &Folder) -> BTreeMap<String, Vec<u8>> {
     folder.files().into_iter().map(read).collect()
 }
 
-/// Check that a program refuses flags, which hold `@` in front of names in the folder, before it does anything.
+/// Check that a program refuses these flags before it changes a file. In `flags`, `@` marks names of files in the
+/// folder.
 #[track_caller]
 fn refuses(folder: &Folder, program: &str, flags: &str, says: &[&str]) {
     let before = contents(folder);
@@ -62,7 +63,7 @@ const PROGRAMS: [&str; 7] =
 fn no_program_overwrites_what_its_scene_reads() {
     let folder = scene_folder();
     for program in PROGRAMS {
-        // The view of wood.exr is wood.png.
+        // The display image of wood.exr is wood.png.
         refuses(&folder, program, "-o @wood.exr", &["overwrite", "wood.png", "the scene reads"]);
         refuses(&folder, program, "-o @sky.exr", &["overwrite", "sky.exr"]);
         for input in ["scene.xml", "rest.xml", "mesh.obj", "wood.png", "sky.exr"] {
@@ -80,7 +81,7 @@ fn no_program_overwrites_what_its_scene_reads() {
 }
 
 #[test]
-fn links_and_detours_hide_no_input() {
+fn inputs_are_recognised_through_links_and_other_paths() {
     let folder = scene_folder();
     symlink("mesh.obj", folder.at("link")).expect("a link");
     symlink("link", folder.at("link-to-link")).expect("a link");
@@ -109,7 +110,7 @@ fn technique_files_are_inputs_and_outputs_like_others() {
     same("lightcuts", "-o @out.exr --lights-out @a.csv --stats @a.csv");
     same("ppm", "-o @out.exr --trace-pixel 1,1 --trace-out @a.csv --stats @a.csv");
     same("pathtrace", "-o @out.exr --stats @out.png");
-    // --merge takes no --spp.
+    // Call the program directly, because --merge does not allow --spp.
     std::fs::write(folder.at("kept"), "a checkpoint").expect("written");
     let [scene, out, kept] = ["scene.xml", "out.exr", "kept"].map(|name| folder.at(name));
     let line = [&scene, "-o", &out, "--stats", &kept, "--merge", &kept];

@@ -1,15 +1,16 @@
-//! What every program promises about its runs: no run is lost, no input is overwritten. Real programs, run as users run them.
+//! Checks what every program guarantees for its runs: no run is lost, and no input is overwritten. Starts the real
+//! programs as a user would.
 #![cfg(unix)]
 
-/// Full disks, closed pipes, folders that vanish.
+/// Full disks, closed pipes, folders that disappear.
 mod faults;
 /// Help and versions.
 mod help;
-/// Inputs that are named as outputs.
+/// Inputs that are also named as outputs.
 mod inputs;
 /// Previews.
 mod previews;
-/// The programs, and runs that are under way.
+/// The programs, and helpers for running programs.
 mod running;
 /// Signals.
 mod signals;

@@ -1,4 +1,4 @@
-//! Previews: the picture so far, during the run.
+//! Previews: the current picture is written during the run.
 
 use std::io::Read;
 use std::net::TcpListener;
@@ -10,7 +10,7 @@ use gi_tests::program::{Folder, scene};
 use crate::running::{PROGRAMS, Running, says, wait_until};
 
 #[test]
-fn every_program_rewrites_its_picture_during_the_run_and_always_whole() {
+fn every_program_updates_its_picture_during_the_run_and_it_is_always_complete() {
     for program in &PROGRAMS {
         let folder = Folder::make();
         let (scene, out) = (scene("cornell-box"), folder.at("out.exr"));
@@ -18,7 +18,7 @@ fn every_program_rewrites_its_picture_during_the_run_and_always_whole() {
         let line = [&[scene.as_str()], &flags[..], program.flags].concat();
         let run = Running::start(program.name, &line);
         wait_until("there is a preview", || Path::new(&out).exists());
-        // Each of them can be read whole, and has more passes than the one before.
+        // Each preview is complete, and has more passes than the one before.
         let passes = || -> u64 {
             let picture = read_exr(Path::new(&out)).expect("a whole EXR");
             assert!(says(&picture, "gi.stopped").is_none());
@@ -33,7 +33,7 @@ fn every_program_rewrites_its_picture_during_the_run_and_always_whole() {
 }
 
 #[test]
-fn nothing_is_written_during_the_run_where_nobody_watches() {
+fn without_previews_no_picture_is_written_during_the_run() {
     let folder = Folder::make();
     let (scene, out, keep) = (scene("cornell-box"), folder.at("out.exr"), folder.at("kept"));
     let flags = ["--size", "32x32", "--spp", "100000000", "--checkpoint-interval", "100ms"];
@@ -46,7 +46,7 @@ fn nothing_is_written_during_the_run_where_nobody_watches() {
     assert_eq!(run.end().0, Some(143));
 }
 
-/// What a viewer with tev's protocol has of a picture.
+/// The image of a picture in a viewer with tev's protocol.
 #[derive(Default)]
 struct Viewer {
     size: [usize; 2],
@@ -55,7 +55,7 @@ struct Viewer {
     updates: usize,
 }
 
-/// Reads a packet piece by piece.
+/// Reads a packet field by field.
 struct Packet<'a>(&'a [u8]);
 
 impl Packet<'_> {
@@ -78,7 +78,7 @@ impl Packet<'_> {
 }
 
 impl Viewer {
-    /// Take in a packet: create an image (4) or update it (6).
+    /// Process a packet: create an image (4) or update it (6).
     fn take(&mut self, packet: &[u8]) {
         let mut p = Packet(packet);
         let ([kind], [_focus], name) = (p.bytes(), p.bytes(), p.text());
@@ -132,7 +132,7 @@ fn a_viewer_gets_all_layers_while_they_converge_and_the_finished_ones_at_the_end
         let (code, said) = Running::start(program.name, &line).end();
         assert_eq!(code, Some(0), "{said}");
         let viewer = viewer.join().expect("a viewer");
-        // Two tiles, and more than the finished picture.
+        // There are two tiles, and more updates than those of the finished picture.
         assert!(viewer.updates > 2, "{}: {} updates", program.name, viewer.updates);
         let picture = read_exr(Path::new(&out)).expect("an EXR");
         for (name, values) in &viewer.names.iter().zip(&viewer.channels).collect::<Vec<_>>() {
@@ -143,7 +143,7 @@ fn a_viewer_gets_all_layers_while_they_converge_and_the_finished_ones_at_the_end
 }
 
 #[test]
-fn a_viewer_that_goes_away_ends_no_run_and_one_that_is_not_there_begins_none() {
+fn a_run_continues_if_the_viewer_disconnects_and_does_not_start_without_one() {
     let server = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = server.local_addr().expect("an address").to_string();
     let gone = std::thread::spawn(move || drop(server.accept()));

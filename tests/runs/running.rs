@@ -1,4 +1,4 @@
-//! The programs, and runs that are under way.
+//! The programs, and helpers for running programs.
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -12,17 +12,17 @@ use gi_core::image_io::{Layers, read_exr};
 use gi_tests::program::Folder;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
-/// A program with flags that make its preparation and its passes short.
+/// A program, with flags for a short preparation and short passes.
 pub(crate) struct Program {
     pub(crate) name: &'static str,
     pub(crate) flags: &'static [&'static str],
-    /// Flags that make the preparation last for minutes; none where nothing does.
+    /// Flags that make the preparation last for minutes; empty if nothing makes it long.
     pub(crate) long_preparation: &'static [&'static str],
     /// Whether it writes checkpoints.
     pub(crate) keeps: bool,
 }
 
-/// All techniques' programs.
+/// The programs of all techniques.
 pub(crate) const PROGRAMS: [Program; 7] = [
     Program { name: "pathtrace", flags: &[], long_preparation: &[], keeps: true },
     Program {
@@ -84,18 +84,18 @@ pub(crate) fn shell(script: &str, program: &str, arguments: &[&str]) -> Command 
     command
 }
 
-/// A run that is under way.
+/// A program that is running.
 pub(crate) struct Running {
     child: Child,
     lines: Receiver<String>,
     said: String,
 }
 
-/// Longer than anything here takes on a busy machine.
+/// Longer than any step takes on a busy machine.
 const TOO_LONG: Duration = Duration::from_secs(120);
 
-/// Make sure that children start with the default action of signals. A shell that runs tests in the background, or `nohup`, lets
-/// them ignore signals, and children inherit that. Signals that have a handler are reset in children.
+/// Make sure that child processes start with the default action of signals. A shell that runs tests in the background,
+/// or `nohup`, makes them ignore signals, and children inherit that. Signals with a handler are reset in children.
 fn take_signals() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
@@ -129,7 +129,7 @@ impl Running {
         Running { child, lines, said: String::new() }
     }
 
-    /// Wait until the program says a line with these words.
+    /// Wait until the program prints a line that contains these words.
     #[track_caller]
     pub(crate) fn wait_for(&mut self, words: &str) {
         loop {
@@ -140,19 +140,19 @@ impl Running {
                         return;
                     }
                 }
-                Err(e) => panic!("it never said {words:?} ({e}):\n{}", self.said),
+                Err(e) => panic!("it never printed {words:?} ({e}):\n{}", self.said),
             }
         }
     }
 
-    /// Send a signal: INT, say.
+    /// Send a signal, such as INT.
     pub(crate) fn signal(&self, name: &str) {
         let kill = format!("kill -{name} {}", self.child.id());
         let sent = Command::new("sh").args(["-c", &kill]).status().expect("a shell");
         assert!(sent.success(), "{kill}");
     }
 
-    /// Wait for its end. Returns the exit status, none if a signal killed it, and all that it said.
+    /// Wait for its end. Returns the exit status (`None` if a signal killed it) and everything that it printed.
     #[track_caller]
     pub(crate) fn end(mut self) -> (Option<i32>, String) {
         let start = Instant::now();
@@ -172,7 +172,7 @@ impl Running {
     }
 }
 
-/// Wait until something is so.
+/// Wait until a condition is true.
 #[track_caller]
 pub(crate) fn wait_until(what: &str, is_so: impl Fn() -> bool) {
     let start = Instant::now();
@@ -182,12 +182,12 @@ pub(crate) fn wait_until(what: &str, is_so: impl Fn() -> bool) {
     }
 }
 
-/// The picture that a run has left.
+/// The picture that a run has written.
 pub(crate) fn picture(folder: &Folder, name: &str) -> Layers {
     read_exr(Path::new(&folder.at(name))).expect("a whole EXR")
 }
 
-/// What a picture says about itself.
+/// The metadata of a picture with this key.
 pub(crate) fn says<'a>(layers: &'a Layers, name: &str) -> Option<&'a str> {
     layers.metadata.iter().find(|(n, _)| n == name).map(|(_, value)| value.as_str())
 }

@@ -1,4 +1,4 @@
-//! A table: signal x program x phase, with what was left behind.
+//! Tests each signal with each program in each phase, and checks which files remain.
 
 use std::fs::File;
 use std::path::Path;
@@ -9,10 +9,10 @@ use gi_tests::program::{Folder, files, scene};
 
 use crate::running::{PROGRAMS, Program, Running, path_of, picture, says, shell, wait_until};
 
-/// The signals that end a run, and the exit statuses that they lead to.
+/// The signals that end a run, and the resulting exit statuses.
 const SIGNALS: [(&str, i32); 3] = [("INT", 130), ("TERM", 143), ("HUP", 129)];
 
-/// The command line of a run in a folder.
+/// The command line of a run, and the files in its folder.
 struct Line {
     scene: String,
     out: String,
@@ -38,13 +38,13 @@ impl Line {
     }
 }
 
-/// The files that a run leaves that had at least one pass.
+/// The files of a run with at least one finished pass.
 fn all_files(program: &Program) -> Vec<&'static str> {
     let kept: &[&str] = if program.keeps { &["run.checkpoint"] } else { &[] };
     [&["out.exr", "out.png"], kept, &["run.json"]].concat()
 }
 
-/// Check a run that was stopped after its first pass; `stopped` if before its last.
+/// Check a run that was stopped after its first pass; `stopped` if it was stopped before its last.
 fn check_saved(program: &Program, folder: &Folder, stopped: bool) {
     assert_eq!(folder.files(), all_files(program), "{}", program.name);
     let picture = picture(folder, "out.exr");
@@ -60,14 +60,14 @@ fn check_saved(program: &Program, folder: &Folder, stopped: bool) {
     }
 }
 
-/// While the scene is read: a pipe that nobody writes to, so that it takes for ever.
+/// During reading of the scene: the scene is a pipe without a writer, so reading never ends.
 fn while_reading(program: &Program, signal: &str, status: i32) {
     let (folder, pipes) = (Folder::make(), Folder::make());
     let pipe = pipes.at("scene.xml");
     assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo").success());
     let line = Line { scene: pipe.clone(), ..Line::new(&folder) };
     let run = Running::start(program.name, &line.arguments(program, &[]));
-    // Opens once the program has opened it.
+    // This call returns when the program has opened the pipe.
     let _writer = File::options().write(true).open(&pipe).expect("the pipe");
     run.signal(signal);
     let (code, said) = run.end();
@@ -75,7 +75,7 @@ fn while_reading(program: &Program, signal: &str, status: i32) {
     assert_eq!(folder.files(), [""; 0], "{}", program.name);
 }
 
-/// In the preparation, where it can be made long.
+/// During the preparation, for programs where it can be made long.
 fn while_preparing(program: &Program, signal: &str, status: i32) {
     if program.long_preparation.is_empty() {
         return;
@@ -92,7 +92,7 @@ fn while_preparing(program: &Program, signal: &str, status: i32) {
     assert_eq!(folder.files(), [""; 0], "{}", program.name);
 }
 
-/// In one of very many passes.
+/// During a pass, in a run with very many passes.
 fn in_a_pass(program: &Program, signal: &str, status: i32) {
     let folder = Folder::make();
     let line = Line::new(&folder);
@@ -105,13 +105,14 @@ fn in_a_pass(program: &Program, signal: &str, status: i32) {
     check_saved(program, &folder, true);
 }
 
-/// While the picture is written.
+/// During writing of the picture.
 fn while_saving(program: &Program, signal: &str, status: i32) {
     let folder = Folder::make();
     let line = Line::new(&folder);
     let more = ["--size", "320x320", "--spp", "1"];
     let mut run = Running::start(program.name, &line.arguments(program, &more));
-    // Before, a file of the same name shows for a moment: the check that the picture can be written.
+    // Wait first: before the preparation, a file of the same name appears briefly, for the check that the picture can
+    // be written.
     run.wait_for("prepared in");
     let is_part_of_picture =
         |name: &String| name.starts_with("out.exr.") && name.ends_with(".part");
@@ -123,7 +124,7 @@ fn while_saving(program: &Program, signal: &str, status: i32) {
 }
 
 #[test]
-fn signals_leave_nothing_before_the_first_pass_and_everything_after_it() {
+fn signals_leave_no_files_before_the_first_pass_and_all_files_after_it() {
     println!("signal  program            reading  preparing  pass                saving");
     for (signal, status) in SIGNALS {
         for program in &PROGRAMS {
@@ -146,11 +147,11 @@ fn a_second_signal_abandons_the_pass_and_the_picture_has_those_before_it() {
     for program in PROGRAMS.iter().filter(|program| program.keeps) {
         let folder = Folder::make();
         let line = Line::new(&folder);
-        // A pass takes long enough for two signals.
+        // A pass that is long enough for two signals.
         let size = if program.name == "lightcuts" { "384x384" } else { "1024x1024" };
         let more = ["--size", size, "--spp", "100000000"];
         let mut run = Running::start(program.name, &line.arguments(program, &more));
-        // Written after the first pass; the second takes long.
+        // The checkpoint is written after the first pass; the second pass is long.
         wait_until("there is a pass", || Path::new(&line.checkpoint).exists());
         std::thread::sleep(std::time::Duration::from_millis(500));
         run.signal("INT");
@@ -181,7 +182,7 @@ fn an_abandoned_first_pass_leaves_nothing() {
 }
 
 #[test]
-fn a_resumed_run_has_the_bits_of_one_that_no_signal_stopped() {
+fn a_resumed_run_equals_an_uninterrupted_one_bit_for_bit() {
     let program = &PROGRAMS[0];
     let folder = Folder::make();
     let line = Line::new(&folder);
@@ -201,7 +202,7 @@ fn a_resumed_run_has_the_bits_of_one_that_no_signal_stopped() {
     assert!(picture(&folder, "out.exr").channels == picture(&folder, "whole.exr").channels);
 }
 
-/// Nothing can be done about such a signal when it comes: what was written before must do.
+/// A program cannot react to this signal, so the last checkpoint must be sufficient.
 #[test]
 #[ignore = "60 runs, each killed and resumed"]
 fn a_run_that_was_killed_resumes_to_the_same_bits() {
@@ -238,7 +239,7 @@ fn a_signal_that_is_ignored_from_the_start_stays_ignored() {
     let line = Line::new(&folder);
     let more = ["--size", "32x32", "--spp", "100000000"];
     let arguments = line.arguments(&PROGRAMS[0], &more);
-    // As nohup does.
+    // The shell ignores the signal, as nohup does.
     let mut run = Running::start_command(shell("trap '' HUP", "pathtrace", &arguments));
     run.wait_for("prepared in");
     run.signal("HUP");

@@ -1,16 +1,16 @@
-//! The program that is running for us, so that whoever stops the comparison can stop it too.
+//! The child process that is currently running. Whoever stops the comparison can stop it too.
 
 use std::process::{Command, ExitStatus};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::Failure;
 
-/// What is running.
+/// The current run.
 #[derive(Clone, Copy)]
 struct Running {
     /// The process of the current run.
     child: Option<u32>,
-    /// Whether no other run may begin.
+    /// Whether further runs are forbidden.
     stopped: bool,
 }
 
@@ -20,8 +20,8 @@ fn running() -> MutexGuard<'static, Running> {
     RUNNING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Let no other run begin, and call `send` with the process of the current run if there is one. Returns whether there is:
-/// [`crate::compare`] then fails as soon as the process has ended.
+/// Forbid further runs, and call `send` with the process of the current run, if there is one. Returns whether there is
+/// one: [`crate::compare`] then fails as soon as that process has ended.
 pub fn stop(send: impl FnOnce(u32)) -> bool {
     let mut running = running();
     running.stopped = true;
@@ -31,7 +31,8 @@ pub fn stop(send: impl FnOnce(u32)) -> bool {
 /// Run a program to its end.
 pub(crate) fn run(command: &mut Command) -> Result<std::io::Result<ExitStatus>, Failure> {
     let stopped = || Failure::Other("stopped before all runs were made".into());
-    // Signals of the terminal reach it only through us: otherwise it would get each of them twice.
+    // In its own process group, the child gets signals of the terminal only through us; otherwise it would get each one
+    // twice.
     #[cfg(unix)]
     std::os::unix::process::CommandExt::process_group(command, 0);
     let child = {

@@ -1,18 +1,18 @@
-//! Techniques side by side: runs their programs on one scene, or takes finished pictures, and says how far each is
-//! from a reference: in numbers, maps, plots, on one page.
+//! Compares techniques: runs their programs on one scene, or reads finished pictures, and measures how far each is from
+//! a reference. The results are numbers, error maps and plots on one page.
 //!
 //! | | |
 //! |---|---|
-//! | runs | each program as its user would run it, one after the other, at equal time or equal passes |
-//! | time | from before preparing to after the last pass; reading the scene and building its tree are apart |
-//! | reference | pictures that are given, or two halves that a program makes with seeds of their own and that are kept: their difference tells the reference's noise |
-//! | errors | [`gi_stats::metrics`], [`gi_stats::flip`]; pixels that are not finite are counted and left out |
+//! | runs | each program as its user would run it, one after the other, with equal time or equal passes |
+//! | time | preparation and all passes; reading the scene and building its tree are not included |
+//! | reference | given pictures, or two halves made by a program with separate seeds and kept; their difference estimates the reference's noise |
+//! | errors | [`gi_stats::metrics`], [`gi_stats::flip`]; pixels that are not finite are counted and excluded |
 //! | bias, variance | from several seeds, [`gi_stats::split`] |
-//! | error against time | from runs of half the time, a quarter, and so on; slopes by least squares in logarithms |
-//! | what it leaves | a folder: `index.html`, which needs nothing else, and the pictures and statistics of the runs |
+//! | error against time | from runs with half the time, a quarter, and so on; slopes by least squares in logarithms |
+//! | output | a folder: `index.html`, which needs no other file, and the pictures and statistics of the runs |
 //! | sources | \[Andersson20\], \[Andersson21\] |
 #![forbid(unsafe_code)]
-// They panic when nobody reads them.
+// These macros panic when the reading end of the output is closed.
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 mod child;
@@ -40,26 +40,26 @@ pub use programs::{Finished, Programs, Stats};
 pub use report::Report;
 pub use text::command_line;
 
-/// Why there is no comparison.
+/// Why a comparison failed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Failure {
-    /// What was given cannot be compared.
+    /// The given pictures, scene or flags cannot be compared.
     Input(String),
-    /// Something else did not work.
+    /// Something else failed.
     Other(String),
 }
 
-/// How much a run may spend.
+/// The budget of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Budget {
-    /// Time for preparing and passes.
+    /// Time for preparation and passes.
     Time(Duration),
     /// A number of passes.
     Passes(u32),
 }
 
 impl Budget {
-    /// The flag that gives it to a program.
+    /// The program's flag for this budget.
     pub fn flag(self) -> [String; 2] {
         match self {
             Budget::Time(time) => ["--time".into(), format!("{}s", time.as_secs_f64())],
@@ -67,7 +67,7 @@ impl Budget {
         }
     }
 
-    /// This many times as much.
+    /// This budget multiplied by `factor`.
     pub fn times(self, factor: f64) -> Budget {
         match self {
             Budget::Time(time) => Budget::Time(time.mul_f64(factor)),
@@ -81,21 +81,21 @@ impl Budget {
 pub struct Series {
     /// Scene file.
     pub scene: PathBuf,
-    /// What runs.
+    /// The runs.
     pub runs: Vec<Run>,
-    /// What each may spend.
+    /// The budget of each run.
     pub budget: Budget,
-    /// Independent seeds of each run; bias and variance are told apart from two on.
+    /// Number of independent seeds per run; with two or more, bias and variance are measured.
     pub seeds: u32,
-    /// The first of them.
+    /// The first seed.
     pub seed: u32,
-    /// Budgets in all: the whole, half of it, a quarter...
+    /// Number of budgets: the whole, half of it, a quarter...
     pub ladder: u32,
-    /// Flags that all runs get, the reference too.
+    /// Flags for all runs, including the reference.
     pub flags: Vec<String>,
 }
 
-/// What is compared.
+/// What to compare.
 #[derive(Clone, Debug)]
 pub enum Subjects {
     /// Finished pictures: `FILE` or `FILE#LAYER`.
@@ -104,40 +104,40 @@ pub enum Subjects {
     Series(Series),
 }
 
-/// What it is compared with.
+/// What to compare with.
 #[derive(Clone, Debug)]
 pub enum Truth {
-    /// Finished pictures: the mean of them.
+    /// Finished pictures; their mean is the reference.
     Files(Vec<String>),
-    /// Two runs of a program, with half the budget each, kept in the folder and used again while it fits.
+    /// Two runs of a program with half the budget each. They are kept in the folder and reused while they match.
     Run(Run, Budget),
 }
 
-/// A comparison to make.
+/// A request for a comparison.
 #[derive(Clone, Debug)]
 pub struct Request {
-    /// What is compared.
+    /// What to compare.
     pub subjects: Subjects,
-    /// What it is compared with.
+    /// What to compare with.
     pub truth: Truth,
-    /// Layer of all pictures, where a file does not name its own; the radiance without.
+    /// Layer of all pictures whose file name does not select one; `None` means the radiance.
     pub layer: Option<String>,
-    /// Folder for all that is written.
+    /// Folder for all output.
     pub folder: PathBuf,
-    /// File for the numbers besides the page.
+    /// File to write the numbers to, in addition to the page.
     pub json: Option<PathBuf>,
     /// The programs.
     pub programs: Programs,
     /// The command line, for the page.
     pub command: String,
-    /// What is to be said beside the results.
+    /// Remarks to print with the results.
     pub remarks: Vec<String>,
-    /// Whether to keep silent about what is going on.
+    /// Whether to suppress progress messages.
     pub quiet: bool,
 }
 
 impl Request {
-    /// The files that it names.
+    /// The input files of the request.
     fn inputs(&self) -> Vec<PathBuf> {
         let pictures = |names: &[String]| names.iter().map(|n| picture::file(n)).collect();
         let mut all: Vec<PathBuf> = match &self.subjects {
@@ -151,15 +151,15 @@ impl Request {
     }
 }
 
-/// Make a comparison and write its page.
+/// Run a comparison and write its page.
 ///
 /// # Errors
-/// What cannot be compared, run, read or written; then no page is written.
+/// Input that cannot be compared, runs that fail, and files that cannot be read or written. No page is written then.
 pub fn compare(request: &Request) -> Result<Report, Failure> {
     let made = !request.folder.exists();
     let done = try_to_compare(request);
     if done.is_err() && made {
-        let _ = std::fs::remove_dir(&request.folder); // only an empty folder goes
+        let _ = std::fs::remove_dir(&request.folder); // removes the folder only if it is empty
     }
     done
 }
@@ -188,7 +188,7 @@ fn try_to_compare(request: &Request) -> Result<Report, Failure> {
     Ok(report)
 }
 
-/// A path as it is shown.
+/// A path as text for messages.
 fn show(path: &Path) -> String {
     path.display().to_string()
 }

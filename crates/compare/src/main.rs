@@ -1,4 +1,4 @@
-//! `compare`: techniques side by side.
+//! `compare`: compares techniques on one scene.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -14,45 +14,46 @@ use compare::{
 const EXAMPLE: &str = "Example: two techniques, ten seconds each
   compare scenes/cornell-box.xml --techniques pathtrace,ppm --time 10s -o out";
 
-/// Techniques side by side on one scene at equal time or equal passes, or finished pictures: errors against a
-/// reference, and one page to look at them.
+/// Compare techniques on one scene with equal time or equal passes, or compare finished pictures. Measures errors
+/// against a reference and writes one page to view them.
 ///
-/// The programs run one after the other, each as if called by hand. --time counts preparing and passes; reading the scene and
-/// building its tree are apart. What is left in the folder: index.html, which needs nothing else, and what the runs wrote.
+/// The programs run one after the other, each as if started by hand. --time counts preparation and passes; reading the
+/// scene and building its tree are not included. The folder then contains index.html, which needs no other file, and
+/// the output of the runs.
 #[derive(Parser)]
 #[command(name = "compare", version = gi_cli::VERSION, after_help = EXAMPLE)]
 struct Args {
     /// A scene, or finished pictures: .exr, .pfm or .hdr; FILE.exr#LAYER takes a layer
     #[arg(required = true)]
     inputs: Vec<String>,
-    /// What runs: names of programs, or PROGRAM/LABEL for several runs of one [default: all that are built]
+    /// What to run: names of programs, or PROGRAM/LABEL for several runs of one program [default: all that are built]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     techniques: Vec<String>,
-    /// Flags of the run of that name, or of one run more: "ppm/a=0.5: --alpha 0.5"; "all: FLAGS" for all runs
+    /// Flags for the run with that name, or for an additional run: "ppm/a=0.5: --alpha 0.5"; "all: FLAGS" for all runs
     #[arg(long, value_name = "NAME: FLAGS")]
     with: Vec<String>,
-    /// Time of each run, preparing included: 10s, 5m [default: 10s]
+    /// Time of each run, including preparation: 10s, 5m [default: 10s]
     #[arg(long, value_name = "TIME", conflicts_with = "spp", value_parser = gi_cli::parse_time)]
     time: Option<Duration>,
-    /// Passes of each run instead of a time
+    /// Passes of each run, instead of a time
     #[arg(long, visible_alias = "passes", value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     spp: Option<u32>,
-    /// Finished picture to compare with; several with independent seeds are averaged, and tell their noise
+    /// Finished picture to compare with; several with independent seeds are averaged, and their noise is estimated
     #[arg(long, value_name = "FILE", conflicts_with_all = ["reference_by", "reference_time", "reference_spp"])]
     reference: Vec<String>,
-    /// Program, and its flags, that makes the reference in two halves with seeds of their own
+    /// Program and flags that make the reference, in two halves with separate seeds
     #[arg(long, value_name = "NAME: FLAGS", default_value = "pathtrace")]
     reference_by: String,
     /// Time of the reference, for both halves together [default: ten times that of a run]
     #[arg(long, value_name = "TIME", conflicts_with = "reference_spp", value_parser = gi_cli::parse_time)]
     reference_time: Option<Duration>,
-    /// Passes of the reference, of both halves together [default: sixteen times those of a run]
+    /// Passes of the reference, for both halves together [default: sixteen times those of a run]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     reference_spp: Option<u32>,
-    /// Independent seeds of each run: two or more tell bias and variance apart
+    /// Independent seeds of each run; with two or more, bias and variance are measured
     #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     seeds: u32,
-    /// Runs of growing budget: 4 makes an eighth, a quarter, a half and the whole, and plots error against time
+    /// Number of budgets per run: 4 runs an eighth, a quarter, a half and the whole, and plots error against time
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
     ladder: u32,
     /// First seed
@@ -61,25 +62,25 @@ struct Args {
     /// Width and height of all pictures in pixels [default: the scene's]
     #[arg(long, value_name = "WxH")]
     size: Option<String>,
-    /// Threads of each run [default: one a processor]
+    /// Threads of each run [default: one per processor]
     #[arg(short, long, value_name = "N")]
     threads: Option<u16>,
     /// Set a scene parameter, for all runs
     #[arg(short = 'D', value_name = "NAME=VALUE")]
     define: Vec<String>,
-    /// Layer to compare, Caustic for instance [default: radiance]
+    /// Layer to compare, such as Caustic [default: radiance]
     #[arg(long, value_name = "NAME")]
     layer: Option<String>,
     /// Folder for the page and the pictures [default: SCENE.compare, or compare]
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
-    /// Write the numbers to a file too
+    /// Also write the numbers to a file
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Folder of the techniques' programs [default: this program's own]
+    /// Folder with the techniques' programs [default: the folder of this program]
     #[arg(long, value_name = "FOLDER")]
     programs: Option<PathBuf>,
-    /// Print the table and errors only
+    /// Print only the table and errors
     #[arg(short, long)]
     quiet: bool,
 }
@@ -96,7 +97,7 @@ impl Args {
         };
         if let Some(view) = self.inputs.iter().chain(&self.reference).find(is_view) {
             return Err(Failure::Input(format!(
-                "error: {view} is a view, clipped and rounded: give the .exr that it was made from"
+                "error: {view} is a display image, clipped and rounded: give the .exr that it was made from"
             )));
         }
         let pictures = self.inputs.iter().all(|i| is_picture(i));
@@ -105,7 +106,7 @@ impl Args {
         let mut remarks = Vec::new();
         let (_, missing) = programs.techniques();
         if !pictures && self.techniques.is_empty() && !missing.is_empty() {
-            remarks.push(format!("not built, and left out: {}", missing.join(", ")));
+            remarks.push(format!("not built, and skipped: {}", missing.join(", ")));
         }
         let words = std::env::args_os().skip(1).map(|w| w.to_string_lossy().into_owned());
         let words: Vec<String> = words.collect();
@@ -122,7 +123,7 @@ impl Args {
         })
     }
 
-    /// Finished pictures, their reference, and where to put the page.
+    /// The finished pictures, their reference, and the folder for the page.
     fn pictures(&self) -> Result<(Subjects, Truth, PathBuf), Failure> {
         let for_runs = [
             ("--techniques", !self.techniques.is_empty()),
@@ -149,7 +150,7 @@ impl Args {
         ))
     }
 
-    /// Runs of a scene, their reference, and where to put everything.
+    /// The runs of a scene, their reference, and the output folder.
     fn series(&self, programs: &Programs) -> Result<(Subjects, Truth, PathBuf), Failure> {
         let [scene] = &self.inputs[..] else {
             return Err(Failure::Input("error: give one scene, or only finished pictures".into()));
@@ -210,13 +211,13 @@ impl Args {
     }
 }
 
-/// Time of a run where none was asked for.
+/// Default time of a run.
 const DEFAULT_TIME: Duration = Duration::from_secs(10);
 
-/// Exit status for the signal that stopped the comparison; 0 as long as there is none.
+/// Exit status for the signal that stopped the comparison; 0 while there is none.
 static STOPPED: AtomicU8 = AtomicU8::new(0);
 
-/// Stop the current run together with the comparison: it saves its picture first.
+/// Stop the current run together with the comparison. The run saves its picture first.
 fn stop_with_runs() {
     gi_cli::on_signal(|signal| {
         let status = signal.exit_status();

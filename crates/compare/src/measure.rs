@@ -1,4 +1,4 @@
-//! From pictures to errors.
+//! Computes the errors of pictures.
 
 use gi_stats::flip::{PIXELS_PER_DEGREE, flip_hdr, flip_ldr};
 use gi_stats::metrics::{Metrics, finite_pixels};
@@ -9,26 +9,26 @@ use crate::reference::Reference;
 use crate::subject::Subject;
 use crate::{Budget, Failure, Finished, Picture, Report, Request, Series, Stats, text};
 
-/// A picture and what is wrong with it.
+/// A picture with its errors.
 #[derive(Clone, Debug)]
 pub struct Entry {
-    /// What it is called.
+    /// Its name.
     pub label: String,
-    /// Its picture: of the whole budget and the first seed.
+    /// Its picture, with the whole budget and the first seed.
     pub picture: Picture,
-    /// How it was made, if that is known.
+    /// The command that made it, if known.
     pub command: Option<String>,
-    /// What its run says of itself, if there was one.
+    /// The statistics of its run, if there was one.
     pub stats: Option<Stats>,
-    /// Which light paths it can hold, in its program's words.
+    /// The light paths that it can contain, in its program's words.
     pub reach: Option<String>,
     /// Its errors.
     pub errors: Errors,
-    /// Bias and variance, of several seeds.
+    /// Bias and variance, if there are several seeds.
     pub split: Option<Split>,
-    /// Errors at smaller budgets, and at the whole.
+    /// Errors at smaller budgets and at the whole budget.
     pub rungs: Vec<Rung>,
-    /// What there is to know about it besides.
+    /// Other remarks.
     pub notes: Vec<String>,
 }
 
@@ -39,38 +39,38 @@ pub struct Errors {
     pub metrics: Metrics,
     /// Mean of FLIP over radiance clipped to [0, 1].
     pub flip_ldr: f64,
-    /// Mean of FLIP over all exposures.
+    /// Mean of FLIP over all exposures (HDR-FLIP).
     pub flip_hdr: f64,
-    /// The latter, pixel by pixel; 0 at pixels left out.
+    /// HDR-FLIP per pixel; 0 at excluded pixels.
     pub flip_map: Vec<f64>,
 }
 
 /// Errors of a run at one budget.
 #[derive(Clone, Copy, Debug)]
 pub struct Rung {
-    /// Seconds that it took, preparing included.
+    /// Its time in seconds, including preparation.
     pub seconds: f64,
-    /// Passes made.
+    /// Number of passes.
     pub passes: u64,
-    /// MSE and relMSE, less the reference's own noise where that is known.
+    /// MSE and relMSE, minus the reference's own noise if that is known.
     pub errors: [f64; 2],
 }
 
 impl Entry {
-    /// Passes made, by its run or by what its file says.
+    /// Number of passes, from the run's statistics or from the picture's metadata.
     pub fn passes(&self) -> Option<u64> {
         let run = self.stats.as_ref().map(|s| s.passes);
         run.or_else(|| self.picture.text("gi.passes")?.parse().ok())
     }
 
-    /// Seconds for preparing and passes, by its run or by what its file says.
+    /// Seconds for preparation and passes, from the run's statistics or from the picture's metadata.
     pub fn seconds(&self) -> Option<f64> {
         let run = self.stats.as_ref().map(Stats::counted_seconds);
         run.or_else(|| self.picture.text("gi.seconds")?.parse().ok())
     }
 
-    /// Slope of error against time on logarithmic axes, of MSE (0) or relMSE (1), and the error at one second of the
-    /// fitted line; `None` where times hardly differ.
+    /// Line fitted to the error against time on logarithmic axes, of MSE (0) or relMSE (1): its slope, and its error at
+    /// one second. `None` if the times hardly differ.
     pub fn line(&self, which: usize) -> Option<(f64, f64)> {
         let points: Vec<(f64, f64)> =
             self.rungs.iter().map(|r| (r.seconds, r.errors[which])).filter(|p| p.1 > 0.0).collect();
@@ -81,7 +81,7 @@ impl Entry {
     }
 }
 
-/// Measure, and put everything together.
+/// Compute all errors and assemble the report.
 pub(crate) fn finish(
     request: &Request,
     title: String,
@@ -100,7 +100,8 @@ pub(crate) fn finish(
         && reference.picture.text("gi.scene_hash").is_some_and(|its| its != hash)
     {
         warnings.push(
-            "the reference was made of another scene, or of an earlier state of this one".into(),
+            "the reference was made from another scene, or from an earlier version of this one"
+                .into(),
         );
     }
     warnings.sort();
@@ -169,7 +170,7 @@ fn entry(
     })
 }
 
-/// What must be known to read an entry's numbers aright.
+/// Remarks that a reader needs to interpret an entry's numbers.
 fn notes(
     picture: &Picture,
     finished: Option<&Finished>,
@@ -188,12 +189,12 @@ fn notes(
         picture.text("gi.program") == Some(program) && picture.text("gi.seed") == Some(seed)
     };
     if reference.seeds.iter().any(shares) {
-        notes.push("made by the reference's program with its seed: they share their noise, and errors look smaller than they are".into());
+        notes.push("made by the reference's program with the same seed: they share their noise, so errors look smaller than they are".into());
     }
     if let (Some(finished), Some(Budget::Time(time))) = (finished, series.map(|s| s.budget)) {
         let (prepared, taken) = (finished.stats.seconds[2], finished.stats.counted_seconds());
         if taken > 1.1 * time.as_secs_f64() {
-            notes.push(format!("took {taken:.2} s, {prepared:.2} s of it for preparing: a pass is never cut short, and there is one at least"));
+            notes.push(format!("took {taken:.2} s, {prepared:.2} s of it for preparation: a pass always runs to its end, and there is at least one"));
         }
     }
     notes
@@ -202,7 +203,7 @@ fn notes(
 /// All errors of one picture.
 fn errors(picture: &[f32], reference: &Picture) -> Result<Errors, String> {
     let metrics = gi_stats::metrics::compare(picture, &reference.rgb)?;
-    // FLIP looks at neighbours too: pixels left out are equal in both, and black.
+    // FLIP also reads neighbours, so excluded pixels are black in both pictures.
     let finite = finite_pixels(&[picture, &reference.rgb]);
     let cleared = |p: &[f32]| -> Vec<f32> {
         p.iter().enumerate().map(|(i, v)| if finite[i / 3] { *v } else { 0.0 }).collect()

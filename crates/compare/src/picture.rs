@@ -1,4 +1,4 @@
-//! Pictures to compare, of this project's programs or of others.
+//! Reads the pictures to compare, from this project's programs or from others.
 
 use std::path::{Path, PathBuf};
 
@@ -10,27 +10,27 @@ use crate::{Failure, show};
 /// A picture of linear radiance.
 #[derive(Clone, Debug, Default)]
 pub struct Picture {
-    /// Where it was read.
+    /// Its file.
     pub path: PathBuf,
-    /// Pixels across and down.
+    /// Width and height in pixels.
     pub size: [usize; 2],
     /// Interleaved RGB, row by row from the top.
     pub rgb: Vec<f32>,
-    /// Variance of `rgb` as of independent samples, where the file has it.
+    /// Variance of `rgb`, computed as for independent samples, if the file contains it.
     pub variance: Option<Vec<f32>>,
-    /// Text that the file carries.
+    /// The file's metadata.
     pub metadata: Vec<(String, String)>,
-    /// What had to be decided in reading it.
+    /// A choice that reading it required, to be reported.
     pub note: Option<String>,
 }
 
-/// Whether a name is that of a picture, by its extension.
+/// Whether a file name is that of a picture, by its extension.
 pub fn is_picture(name: &str) -> bool {
     let extension = Path::new(parts(name).0).extension().and_then(|e| e.to_str());
     extension.is_some_and(|e| ["exr", "pfm", "hdr"].contains(&e.to_ascii_lowercase().as_str()))
 }
 
-/// File and layer of `FILE#LAYER`; a file whose name has the sign itself is meant whole.
+/// File and layer of `FILE#LAYER`; if a file exists whose own name contains `#`, the whole name is the file.
 fn parts(name: &str) -> (&str, Option<&str>) {
     match name.rsplit_once('#') {
         Some((file, layer)) if !Path::new(name).exists() => (file, Some(layer)),
@@ -44,7 +44,7 @@ pub(crate) fn file(name: &str) -> PathBuf {
 }
 
 impl Picture {
-    /// Read `FILE` or `FILE#LAYER`; `layer` is taken where the name has none, the radiance where neither says.
+    /// Read `FILE` or `FILE#LAYER`. `layer` is used if the name selects none; without either, the radiance is read.
     ///
     /// # Errors
     /// The file cannot be read, or has no such layer.
@@ -58,7 +58,7 @@ impl Picture {
         let layer = own.or(layer);
         if !file.to_ascii_lowercase().ends_with(".exr") {
             return match layer {
-                Some(layer) => Err(refuse(format!("it has no layers, hence no {layer}"))),
+                Some(layer) => Err(refuse(format!("it has no layers, so it has no layer {layer}"))),
                 None => Self::without_layers(path).map_err(refuse),
             };
         }
@@ -97,12 +97,12 @@ impl Picture {
         })
     }
 
-    /// Text that the file carries under a name.
+    /// The metadata with this key.
     pub fn text(&self, name: &str) -> Option<&str> {
         self.metadata.iter().find(|(n, _)| n == name).map(|(_, text)| text.as_str())
     }
 
-    /// Check that it can be compared with a reference.
+    /// Check that it has the same size as the reference.
     ///
     /// # Errors
     /// The sizes differ.
@@ -112,7 +112,7 @@ impl Picture {
         }
         let ([w, h], [rw, rh]) = (self.size, reference.size);
         Err(Failure::Input(format!(
-            "error: {} has {w} x {h} pixels and the reference {} has {rw} x {rh}: only pictures of one size can be \
+            "error: {} has {w} x {h} pixels and the reference {} has {rw} x {rh}: only pictures of the same size can be \
              compared; render one of them anew with --size",
             show(&self.path),
             show(&reference.path)
@@ -120,7 +120,7 @@ impl Picture {
     }
 }
 
-/// The names of the channels that a layer's red, green and blue have, and what is to be said about the choice.
+/// The names of a layer's red, green and blue channels, and a remark if they had to be guessed.
 fn choose(layers: &Layers, layer: Option<&str>) -> Result<([String; 3], Option<String>), String> {
     let has = |names: &[String; 3]| names.iter().all(|n| layers.channel(n).is_some());
     let of = |layer: &str| ["R", "G", "B"].map(|c| format!("{layer}.{c}"));
@@ -145,10 +145,10 @@ fn choose(layers: &Layers, layer: Option<&str>) -> Result<([String; 3], Option<S
         (None, _) if has(&plain) => Ok((plain, None)),
         (None, _) if layers.channel("Y").is_some() => Ok((
             ["Y"; 3].map(String::from),
-            Some("grey: its one channel Y is taken for all three".into()),
+            Some("grey: its only channel Y is used for red, green and blue".into()),
         )),
         (None, [one]) => {
-            Ok((of(one), Some(format!("it has no channels R, G, B; layer {one} is taken"))))
+            Ok((of(one), Some(format!("it has no channels R, G, B; its only layer {one} is used"))))
         }
         (None, []) => Err(format!("it has no channels R, G, B; {}", channels())),
         (None, some) => Err(format!(

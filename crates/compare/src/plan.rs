@@ -1,11 +1,11 @@
-//! Which runs are made: techniques by name, with labels and knobs.
+//! Chooses the runs: techniques by name, with labels and flags.
 
 use crate::{Failure, text};
 
 /// A run of a program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Run {
-    /// What it is called: the program's name, or `PROGRAM/LABEL`.
+    /// Its name: the program's name, or `PROGRAM/LABEL`.
     pub label: String,
     /// The program's name.
     pub program: String,
@@ -13,7 +13,7 @@ pub struct Run {
     pub knobs: Vec<String>,
 }
 
-/// Flags that `compare` gives itself.
+/// Flags that `compare` sets itself.
 const NOT_KNOBS: [&str; 10] = [
     "-o",
     "--output",
@@ -37,7 +37,7 @@ impl Run {
     /// A run from `NAME` or `NAME: FLAGS`.
     ///
     /// # Errors
-    /// No name, or flags that are not the run's to give.
+    /// The name is missing, or a flag is one that `compare` sets.
     pub fn parse(spec: &str) -> Result<Self, Failure> {
         let (name, flags) = spec.split_once(':').unwrap_or((spec, ""));
         let run = Run { knobs: text::split_words(flags)?, ..Run::named(name.trim()) };
@@ -51,25 +51,25 @@ impl Run {
             |knob: &&String| NOT_KNOBS.contains(&knob.split('=').next().unwrap_or_default());
         match run.knobs.iter().find(is_ours) {
             Some(knob) => Err(Failure::Input(format!(
-                "error: {}: {knob} is for compare to give; see --time, --spp, --seed, --seeds and --output",
+                "error: {}: {knob} is set by compare itself; see --time, --spp, --seed, --seeds and --output",
                 run.label
             ))),
             None => Ok(run),
         }
     }
 
-    /// The name of its files, without extension.
+    /// The base name of its files, without extension.
     pub fn stem(&self) -> String {
         let keep = |c: char| if c.is_alphanumeric() || "._=-+,".contains(c) { c } else { '-' };
         self.label.chars().map(keep).collect()
     }
 }
 
-/// The runs: those of `techniques`, each a run's name, with the knobs that `with` gives to the run of that name or, for a
-/// name that is not among them, one run more. `"all: FLAGS"` are given back apart: they are for all runs.
+/// List the runs. Each name in `techniques` is a run. An item of `with` adds flags to the run with its name; if there
+/// is no such run, it adds one. The flags of `"all: FLAGS"` apply to all runs and are returned separately.
 ///
 /// # Errors
-/// Names that are there twice or cannot be told apart as files, and what [`Run::parse`] refuses.
+/// Names that occur twice or that would give the same file names, and the errors of [`Run::parse`].
 pub fn plan(techniques: &[String], with: &[String]) -> Result<(Vec<Run>, Vec<String>), Failure> {
     let mut runs: Vec<Run> = techniques.iter().map(|name| Run::named(name.trim())).collect();
     let mut for_all = Vec::new();
@@ -113,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn knobs_go_to_the_run_they_name_and_other_names_are_further_runs() {
+    fn flags_go_to_the_run_they_name_and_other_names_add_runs() {
         let with = ["ppm: --alpha 0.5", "ppm/a=0.9: --alpha 0.9", "all: --max-depth 3"];
         let (runs, for_all) = of(&["pathtrace", "ppm"], &with).expect("a plan");
         let labels: Vec<&str> = runs.iter().map(|r| r.label.as_str()).collect();
@@ -124,14 +124,14 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_plan_is_refused() {
+    fn invalid_plans_are_refused() {
         for (techniques, with, says) in [
             (&[][..], &[][..], "nothing to compare"),
             (&["ppm", "ppm"], &[], "same files"),
             (&["ppm/a b"], &["ppm/a-b: --alpha 1"], "same files"),
             (&["ppm", ""], &[], "name is missing"),
             (&["ppm"], &[": --alpha 1"], "expected"),
-            (&["ppm"], &["ppm: --time=3s"], "--time=3s is for compare"),
+            (&["ppm"], &["ppm: --time=3s"], "--time=3s is set by compare"),
             (&["ppm"], &["ppm: \"open"], "quote"),
         ] {
             match of(techniques, with) {

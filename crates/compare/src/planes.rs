@@ -1,4 +1,4 @@
-//! Numbers of pictures as text that a page carries: half floats, packed.
+//! Encodes pixel values as text for the page: packed half floats.
 
 use std::io::Write;
 
@@ -8,15 +8,16 @@ use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use half::f16;
 
-/// Half floats, scaled so that the largest fits: 11 bits, from the largest down to a billionth of it; below, fewer.
+/// Half floats, scaled so that the largest value fits. Values down to a billionth of the largest keep 11 bits; smaller
+/// ones keep fewer.
 pub(crate) struct Halves {
-    /// What a half float is multiplied by: a power of two.
+    /// Factor of the half floats: a power of two.
     pub(crate) scale: f64,
-    /// Channel by channel all upper bytes, then all lower ones; zlib; base64.
+    /// For each channel, all upper bytes, then all lower bytes; compressed with zlib; in base64.
     pub(crate) text: String,
 }
 
-/// Pack interleaved values of some channels.
+/// Pack the interleaved values of some channels.
 pub(crate) fn halves(values: &[f32], channels: usize) -> Halves {
     let largest = values.iter().filter(|v| v.is_finite()).fold(0f32, |m, v| m.max(v.abs()));
     let exponent = match largest {
@@ -38,9 +39,9 @@ pub(crate) fn shares(values: &[f64]) -> String {
 
 fn pack(bytes: &[u8]) -> String {
     let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
-    // Writing to memory does not fail.
-    encoder.write_all(bytes).expect("memory takes all");
-    STANDARD.encode(encoder.finish().expect("memory takes all"))
+    // Writing to memory cannot fail.
+    encoder.write_all(bytes).expect("writing to memory");
+    STANDARD.encode(encoder.finish().expect("writing to memory"))
 }
 
 #[cfg(test)]
@@ -77,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_finite_stays_so_and_black_stays_black() {
+    fn values_that_are_not_finite_stay_so_and_black_stays_black() {
         let bytes = unpack(&halves(&[f32::NAN, f32::INFINITY, 1.0], 3).text);
         let value = |k: usize| f16::from_bits(u16::from(bytes[k]) << 8 | u16::from(bytes[3 + k]));
         assert!(value(0).is_nan() && value(1).is_infinite());

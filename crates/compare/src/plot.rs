@@ -1,34 +1,34 @@
-//! Error against time on logarithmic axes, as SVG.
+//! Plots error against time on logarithmic axes, as SVG.
 
 use std::fmt::Write;
 
 use crate::text::{escape, number};
 
-/// What one technique adds to a plot.
+/// The curve of one technique.
 pub(crate) struct Curve<'a> {
     pub(crate) label: &'a str,
-    /// Which colour and mark.
+    /// Index of its colour and mark.
     pub(crate) style: usize,
-    /// Seconds and error, all above zero.
+    /// Seconds and error, all positive.
     pub(crate) points: Vec<(f64, f64)>,
-    /// Slope and error at one second of the fitted line.
+    /// Slope of the fitted line, and its error at one second.
     pub(crate) line: Option<(f64, f64)>,
 }
 
-/// Colours that the colour-blind can tell apart, in an order in which neighbours differ most \[Okabe08\].
+/// Colours that colour-blind readers can distinguish, ordered so that neighbours differ most \[Okabe08\].
 pub(crate) const COLOURS: [&str; 7] =
     ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d46"];
 
 const WIDTH: f64 = 620.0;
 const HEIGHT: f64 = 380.0;
-/// Left, right, top, bottom.
+/// Left, right, top and bottom margin.
 const MARGINS: [f64; 4] = [70.0, 16.0, 14.0, 48.0];
 
-/// An axis of logarithms.
+/// A logarithmic axis.
 struct Axis {
     low: f64,
     high: f64,
-    /// Where low and high are on the paper.
+    /// Positions of the low and the high end in the plot.
     at: [f64; 2],
 }
 
@@ -44,7 +44,7 @@ impl Axis {
         self.at[0] + (self.at[1] - self.at[0]) * t
     }
 
-    /// 1, 2 and 5 times powers of ten; powers alone where those are many.
+    /// 1, 2 and 5 times powers of ten; only powers of ten if there are many.
     fn ticks(&self) -> Vec<f64> {
         let decades = self.low.log10().floor() as i32..=self.high.log10().ceil() as i32;
         let steps: &[f64] = if self.high / self.low > 3e3 { &[1.0] } else { &[1.0, 2.0, 5.0] };
@@ -55,7 +55,7 @@ impl Axis {
     }
 }
 
-/// A plot, or nothing where there is nothing to plot.
+/// Draw a plot; `None` if there are no points.
 pub(crate) fn plot(name: &str, curves: &[Curve]) -> Option<String> {
     let points = || curves.iter().flat_map(|c| c.points.iter());
     points().next()?;
@@ -66,7 +66,7 @@ pub(crate) fn plot(name: &str, curves: &[Curve]) -> Option<String> {
         "<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{} against seconds, logarithmic axes\">",
         escape(name)
     );
-    // Writing to a string does not fail.
+    // Writing to a string cannot fail.
     let _ = grid(&mut svg, name, &x, &y);
     for curve in curves {
         let _ = draw(&mut svg, curve, &x, &y);
@@ -101,7 +101,7 @@ fn grid(svg: &mut String, name: &str, x: &Axis, y: &Axis) -> std::fmt::Result {
     let (middle, centre) = (0.5 * (x0 + x1), 0.5 * (y0 + y1));
     write!(
         svg,
-        "<text x=\"{middle}\" y=\"{}\" text-anchor=\"middle\">seconds, preparing included</text>",
+        "<text x=\"{middle}\" y=\"{}\" text-anchor=\"middle\">seconds, including preparation</text>",
         HEIGHT - 8.0
     )?;
     write!(
@@ -111,7 +111,7 @@ fn grid(svg: &mut String, name: &str, x: &Axis, y: &Axis) -> std::fmt::Result {
     )
 }
 
-/// A tick's number without needless digits.
+/// Format a tick's number without needless digits.
 fn plain(v: f64) -> String {
     if (1e-3..1e4).contains(&v) {
         format!("{}", (v * 1e6).round() / 1e6)
@@ -155,7 +155,7 @@ pub(crate) fn mark(style: usize, x: f64, y: f64) -> String {
     }
 }
 
-/// The legend's line of an entry: mark, name, slope.
+/// An entry's line in the legend: mark, name, slope.
 pub(crate) fn legend(curve: &Curve) -> String {
     let colour = COLOURS[curve.style % COLOURS.len()];
     let slope = curve.line.map_or("no slope: its times hardly differ".into(), |(slope, at_one)| {
@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_to_plot_is_no_plot_and_names_are_escaped() {
+    fn no_points_give_no_plot_and_names_are_escaped() {
         assert!(plot("MSE", &[]).is_none());
         let curve = Curve {
             label: "<a>",

@@ -1,4 +1,4 @@
-//! The techniques' programs, run as a user runs them.
+//! Runs the techniques' programs as a user would.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -7,62 +7,62 @@ use serde_json::Value;
 
 use crate::{Budget, Failure, Run, child, show, text};
 
-/// The programs that can be compared, in the lecture's order after the reference.
+/// The programs that can be compared: the reference, then the others in the lecture's order.
 pub(crate) const TECHNIQUES: [&str; 7] =
     ["pathtrace", "irrcache", "radcache", "photonmap", "ppm", "instant-radiosity", "lightcuts"];
 
-/// Where the programs are.
+/// The folder with the programs.
 #[derive(Clone, Debug)]
 pub struct Programs {
     /// Their folder.
     pub folder: PathBuf,
 }
 
-/// What a run says of itself.
+/// Statistics that a program writes about its run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stats {
-    /// Passes made.
+    /// Number of passes.
     pub passes: u64,
-    /// Seconds for reading the scene, building its tree, preparing, and all passes.
+    /// Seconds for reading the scene, building its tree, preparation, and all passes.
     pub seconds: [f64; 4],
-    /// Threads.
+    /// Number of threads.
     pub threads: u64,
-    /// Seed of every random number.
+    /// Seed of the random numbers.
     pub seed: u64,
-    /// Hash of all that the scene was read from.
+    /// Hash of all files that the scene was read from.
     pub scene_hash: String,
     /// Which light paths the estimator can reach.
     pub reach: String,
-    /// The technique's own numbers.
+    /// The technique's own statistics.
     pub technique: Vec<(String, f64)>,
-    /// What was odd about the scene.
+    /// Warnings about the scene.
     pub warnings: Vec<String>,
 }
 
 /// A finished run.
 #[derive(Clone, Debug)]
 pub struct Finished {
-    /// Its command line, the program by name alone.
+    /// Its command line; the program without its folder.
     pub command: Vec<String>,
     /// Its picture.
     pub exr: PathBuf,
-    /// What it says of itself.
+    /// Its statistics.
     pub stats: Stats,
 }
 
-/// A run in all its particulars.
+/// Everything that defines a run.
 pub(crate) struct Order<'a> {
     pub(crate) run: &'a Run,
     pub(crate) scene: &'a Path,
     pub(crate) budget: Budget,
     pub(crate) seed: u32,
     pub(crate) flags: &'a [String],
-    /// The picture; statistics go beside it.
+    /// File of the picture; the statistics are written beside it.
     pub(crate) exr: PathBuf,
 }
 
 impl Order<'_> {
-    /// What the program is given, but for where its results go.
+    /// The program's arguments, except those that name its output files.
     pub(crate) fn arguments(&self) -> Vec<String> {
         let seed = ["--seed".to_string(), self.seed.to_string()];
         let scene = [show(self.scene)];
@@ -74,17 +74,17 @@ impl Order<'_> {
             .to_vec()
     }
 
-    /// The command line, the program by name alone.
+    /// The command line; the program without its folder.
     pub(crate) fn command(&self) -> Vec<String> {
         [&[self.run.program.clone()][..], &self.arguments(), &self.outputs()].concat()
     }
 }
 
 impl Programs {
-    /// The programs beside this one.
+    /// The programs in the folder of this program.
     ///
     /// # Errors
-    /// This program's own file cannot be found.
+    /// The path of this program's own file cannot be found.
     pub fn beside_this() -> Result<Self, Failure> {
         let this = std::env::current_exe().map_err(|e| {
             Failure::Other(format!("cannot find this program's own folder: {e}; give --programs"))
@@ -92,7 +92,7 @@ impl Programs {
         Ok(Programs { folder: this.parent().unwrap_or(Path::new(".")).to_path_buf() })
     }
 
-    /// The techniques whose programs are there, and those that are not.
+    /// The techniques whose programs exist, and those whose programs do not.
     pub fn techniques(&self) -> (Vec<String>, Vec<String>) {
         TECHNIQUES.iter().map(|t| t.to_string()).partition(|t| self.file(t).is_file())
     }
@@ -101,13 +101,14 @@ impl Programs {
         self.folder.join(format!("{program}{}", std::env::consts::EXE_SUFFIX))
     }
 
-    /// Whether a program was built after a file was made.
+    /// Whether a program was built after a file was written.
     pub(crate) fn is_newer_than(&self, program: &str, file: &Path) -> bool {
         let time = |path: &Path| std::fs::metadata(path).and_then(|m| m.modified()).ok();
         time(&self.file(program)) > time(file)
     }
 
-    /// Check that a program is there and takes its flags: with --help behind them it reads them and ends.
+    /// Check that a program exists and accepts its flags. It is run with --help appended: it then parses the flags and
+    /// exits.
     pub(crate) fn check(&self, order: &Order) -> Result<(), Failure> {
         let program = &order.run.program;
         if !self.file(program).is_file() {
@@ -130,14 +131,14 @@ impl Programs {
         Err(Failure::Input(format!("{}: {}", order.run.label, said.trim_end())))
     }
 
-    /// Make a run.
+    /// Carry out a run.
     pub(crate) fn run(&self, order: &Order) -> Result<Finished, Failure> {
         let command = order.command();
         let failed = |what: String, input: bool| {
             let text = format!("{what}\n  {}", text::command_line(&command));
             if input { Failure::Input(format!("error: {text}")) } else { Failure::Other(text) }
         };
-        // Its messages go where ours go.
+        // Its messages go to our own standard error.
         let mut program = Command::new(self.file(&order.run.program));
         program.args(&command[1..]).arg("--quiet").stdin(Stdio::null()).stdout(Stdio::null());
         let status = child::run(&mut program)?
@@ -154,7 +155,7 @@ impl Programs {
 }
 
 impl Stats {
-    /// Read what a program has written.
+    /// Read a program's statistics file.
     pub(crate) fn read(path: &Path) -> Result<Self, String> {
         let bytes = std::fs::read(path).map_err(|e| format!("cannot read {}: {e}", show(path)))?;
         let json = serde_json::from_slice(&bytes)
@@ -173,7 +174,7 @@ impl Stats {
             seed: json["seed"].as_u64()?,
             scene_hash: json["scene_hash"].as_str()?.to_string(),
             reach: json["reach"].as_str()?.to_string(),
-            // A number that is not finite is written as null.
+            // A number that is not finite is written as null in JSON.
             technique: technique
                 .map(|(k, v)| (k.clone(), v.as_f64().unwrap_or(f64::NAN)))
                 .collect(),
@@ -185,7 +186,7 @@ impl Stats {
         })
     }
 
-    /// What --time counts: preparing and passes.
+    /// The time that --time limits: preparation and passes.
     pub fn counted_seconds(&self) -> f64 {
         self.seconds[2] + self.seconds[3]
     }

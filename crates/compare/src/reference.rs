@@ -1,4 +1,4 @@
-//! What pictures are compared with.
+//! The reference that pictures are compared with.
 
 use std::path::Path;
 
@@ -8,27 +8,28 @@ use gi_stats::metrics::{RELATIVE_FLOOR, finite_pixels};
 use crate::programs::{Order, Stats};
 use crate::{Budget, Failure, Picture, Request, Run, Series, show, text};
 
-/// Seed of computed references: far from those of runs, since a picture that shares its random numbers with the reference
-/// looks better than it is.
+/// Seed of computed references. It is far from the seeds of runs, because a picture that shares random numbers with the
+/// reference looks better than it is.
 pub(crate) const SEED: u32 = 0x7e57_5eed;
 
-/// The truth, as far as it is known: the mean of one picture or several with independent seeds.
+/// The best known solution: one picture, or the mean of several with independent seeds.
 #[derive(Clone, Debug)]
 pub struct Reference {
     /// The mean.
     pub picture: Picture,
-    /// Its parts' variance of the mean, value by value: of two parts at least. What a file tells of its own variance is not
-    /// taken: it treats samples as independent, and stratified samples are better than that.
+    /// Variance of the mean, for each value, computed from its parts; needs at least two. The variance in the metadata
+    /// of a file is not used, because it treats the samples as independent, which overestimates that of stratified
+    /// samples.
     pub variance: Option<Vec<f32>>,
     /// Commands or files.
     pub sources: Vec<String>,
-    /// Programs and seeds of its parts, where they tell.
+    /// Programs and seeds of its parts, if known.
     pub seeds: Vec<(String, String)>,
-    /// Which light paths it can hold, in its program's words.
+    /// The light paths that it can contain, in its program's words.
     pub reach: Option<String>,
-    /// What there is to know about it besides.
+    /// Other remarks.
     pub notes: Vec<String>,
-    /// Its own noise, where it is known: what MSE and relMSE of a perfect picture would be.
+    /// Its own noise, if known: the MSE and relMSE that a perfect picture would have.
     pub noise: Option<[f64; 2]>,
 }
 
@@ -45,11 +46,11 @@ impl Reference {
         let first = &parts[0];
         let reach = first.text("gi.reach").map(String::from);
         if reach.is_none() {
-            notes.push("it does not say which light paths it can hold".into());
+            notes.push("it does not say which light paths it can contain".into());
         }
         notes.extend(first.note.clone());
         let known = variance.as_ref().map(|v| noise(v, &mean));
-        // A single pass has no variance to carry: its layer is black.
+        // A picture of a single pass has no variance: its variance layer is black.
         let carried = first.variance.as_ref().filter(|_| first.text("gi.passes") != Some("1"));
         if let (None, Some(carried)) = (&known, carried) {
             let [mse, rel_mse] = noise(carried, &mean).map(text::number);
@@ -67,7 +68,7 @@ impl Reference {
         Ok(Reference { picture, variance, sources, seeds, reach, notes, noise: known })
     }
 
-    /// Take finished pictures: several are averaged.
+    /// Read finished pictures; several are averaged.
     pub(crate) fn read(names: &[String], layer: Option<&str>) -> Result<Self, Failure> {
         let parts: Vec<Picture> =
             names.iter().map(|n| Picture::read(n, layer)).collect::<Result<_, _>>()?;
@@ -76,8 +77,9 @@ impl Reference {
         Self::new(parts, names.to_vec(), notes)
     }
 
-    /// Make the reference of a series of runs in two halves with seeds of their own, whose difference tells its noise; or take
-    /// the halves that an earlier comparison left, if they fit: same scene and size, same flags, no smaller budget, and the program is no newer.
+    /// Make the reference of a series of runs, in two halves with separate seeds; their difference estimates its noise.
+    /// Halves of an earlier comparison are reused if they match: same scene, size and flags, at least the same budget,
+    /// and a program that is not newer.
     pub(crate) fn make(
         request: &Request,
         series: &Series,
@@ -111,7 +113,7 @@ impl Reference {
             notes.push(format!("half {name}: {passes} passes in {seconds:.1} s{from}"));
         }
         if run.program != "pathtrace" {
-            notes.push(format!("made by {}, whose own errors it has", run.program));
+            notes.push(format!("made by {}, so it has the errors of this program", run.program));
         }
         Self::new(parts, sources, notes)
     }
@@ -127,16 +129,16 @@ pub(crate) fn order<'a>(
     Order { run, scene: &series.scene, budget, seed, flags: &series.flags, exr }
 }
 
-/// Whether a kept reference has spent at least this much.
+/// Whether a kept reference was made with at least this budget.
 fn enough(stats: &Stats, budget: Budget) -> bool {
     match budget {
         Budget::Passes(n) => stats.passes >= u64::from(n),
-        // The pass that ends the run may end a little early by another clock.
+        // The last pass may end slightly too early when measured with another clock.
         Budget::Time(time) => stats.counted_seconds() >= 0.99 * time.as_secs_f64(),
     }
 }
 
-/// Whether a kept reference was made by the same command but for its budget.
+/// Whether a kept reference was made by the same command, except for its budget.
 fn same_making(order: &Order) -> bool {
     let made = || -> Option<Vec<String>> {
         let bytes = std::fs::read(order.exr.with_extension("json")).ok()?;
@@ -146,7 +148,7 @@ fn same_making(order: &Order) -> bool {
     made().is_some_and(|made| without_budget(&made) == without_budget(&order.command()))
 }
 
-/// A command line without its program's folder, its budget, and what says nothing about the picture.
+/// A command line without its program's folder, its budget, and flags that do not affect the picture.
 fn without_budget(words: &[String]) -> Vec<String> {
     let mut rest = Vec::new();
     let mut words = words.iter();
@@ -162,7 +164,7 @@ fn without_budget(words: &[String]) -> Vec<String> {
     rest
 }
 
-/// Mean of pictures, and the variance of the mean if there are two or more.
+/// Mean of the pictures, and the variance of the mean if there are at least two.
 fn mean_and_variance(parts: &[Picture]) -> (Vec<f32>, Option<Vec<f32>>) {
     let running = |i: usize| parts.iter().map(|p| f64::from(p.rgb[i])).collect::<Running>();
     let all: Vec<Running> = (0..parts[0].rgb.len()).map(running).collect();
@@ -171,7 +173,7 @@ fn mean_and_variance(parts: &[Picture]) -> (Vec<f32>, Option<Vec<f32>>) {
     (mean, (parts.len() > 1).then(variance))
 }
 
-/// MSE and relMSE that a variance of the reference makes.
+/// The MSE and relMSE that result from a variance of the reference.
 fn noise(variance: &[f32], reference: &[f32]) -> [f64; 2] {
     let finite = finite_pixels(&[reference, variance]);
     let values = || (0..variance.len()).filter(|i| finite[i / 3]);
@@ -187,7 +189,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn two_halves_know_their_noise_and_one_picture_does_not() {
+    fn two_halves_give_the_noise_and_one_picture_does_not() {
         let of = |rgb: [f32; 3]| Picture { size: [1, 1], rgb: rgb.to_vec(), ..Picture::default() };
         let make =
             |parts: Vec<Picture>| Reference::new(parts, Vec::new(), Vec::new()).expect("one");
@@ -216,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn a_budget_and_a_folder_make_no_other_reference_but_a_knob_does() {
+    fn another_flag_needs_another_reference_but_another_budget_or_folder_does_not() {
         let words = |text: &str| without_budget(&text::split_words(text).expect("words"));
         let made = words(
             "target/release/pathtrace a.xml --spp 16 --seed 3 -o x.exr --stats x.json --quiet",

@@ -1,11 +1,11 @@
-//! What a comparison found: as a table, as JSON.
+//! The results of a comparison: as a table and as JSON.
 
 use serde_json::{Map, Value, json};
 
 use crate::reference::Reference;
 use crate::{Budget, Entry, Stats, text};
 
-/// What a comparison found.
+/// The results of a comparison.
 #[derive(Clone, Debug)]
 pub struct Report {
     /// The scene's file, or "pictures".
@@ -14,22 +14,22 @@ pub struct Report {
     pub command: String,
     /// The layer compared, if it is not the radiance.
     pub layer: Option<String>,
-    /// What each run could spend.
+    /// The budget of each run.
     pub budget: Option<Budget>,
-    /// Seeds of each run.
+    /// Number of seeds per run.
     pub seeds: u32,
-    /// What everything was compared with.
+    /// The reference.
     pub reference: Reference,
     /// The pictures.
     pub entries: Vec<Entry>,
-    /// What was odd about the scene or the reference.
+    /// Warnings about the scene or the reference.
     pub warnings: Vec<String>,
 }
 
-/// A table's columns: name, and what it holds of an entry.
+/// A column of a table: its name, and its text for an entry.
 type Column = (&'static str, fn(&Entry) -> String);
 
-/// The columns of errors, in the order of text and page.
+/// The error columns, in the order used in the text and on the page.
 const COLUMNS: [Column; 11] = [
     ("passes", |e| e.passes().map_or("-".into(), |n| n.to_string())),
     ("seconds", |e| e.seconds().map_or("-".into(), |s| format!("{s:.2}"))),
@@ -65,7 +65,7 @@ fn slope(entry: &Entry, which: usize) -> String {
 }
 
 impl Report {
-    /// The errors as rows of text: a head, then a row for each entry.
+    /// The errors as rows of text: a header, then a row for each entry.
     pub fn rows(&self) -> Vec<Vec<String>> {
         let mut columns = COLUMNS.to_vec();
         if self.entries.iter().any(|e| e.split.is_some()) {
@@ -109,7 +109,7 @@ impl Report {
         out
     }
 
-    /// Everything but the pictures.
+    /// All results except the pictures.
     pub fn json(&self) -> Value {
         let budget = self.budget.map(|b| match b {
             Budget::Time(time) => json!({ "seconds": time.as_secs_f64() }),

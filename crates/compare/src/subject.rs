@@ -1,14 +1,14 @@
-//! A run whose errors are not measured yet.
+//! A run whose errors have not been measured yet.
 
 use crate::{Finished, Picture, Stats};
 
-/// Pictures of a run, not yet measured.
+/// The pictures of such a run.
 pub(crate) struct Subject {
     pub(crate) label: String,
     pub(crate) finished: Option<Finished>,
     pub(crate) picture: Picture,
-    /// Of all seeds, the first among them, if there are several.
+    /// Pictures of all seeds, including the first, if there are several seeds.
     pub(crate) seeds: Vec<Picture>,
-    /// Of smaller budgets.
+    /// Statistics and pictures of smaller budgets.
     pub(crate) rungs: Vec<(Stats, Picture)>,
 }

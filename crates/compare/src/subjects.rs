@@ -1,4 +1,4 @@
-//! From a request to pictures: finished ones, or those of runs.
+//! Gets the pictures of a request: reads finished ones or carries out runs.
 
 use std::path::Path;
 
@@ -22,7 +22,7 @@ pub(crate) fn files(request: &Request, files: &[String]) -> Result<Report, Failu
     for (file, stem) in files.iter().zip(&stems) {
         let picture = Picture::read(file, layer)?;
         picture.check_size(&reference.picture)?;
-        // A name that two pictures share says nothing.
+        // A name that two pictures share does not identify them.
         let unique = stems.iter().filter(|s| *s == stem).count() == 1;
         let label = if unique { stem } else { file };
         subjects.push(Subject {
@@ -61,15 +61,19 @@ pub(crate) fn series(request: &Request, series: &Series) -> Result<Report, Failu
     };
     let last = series.seed.checked_add(series.seeds - 1).ok_or_else(|| {
         Failure::Input(format!(
-            "error: --seed {}: there are no {} seeds from it on",
+            "error: --seed {}: seeds are 32-bit numbers, so {} of them cannot start there",
             series.seed, series.seeds
         ))
     })?;
     if last >= reference::SEED && series.seed <= reference::SEED + 1 {
-        let text = format!("error: --seed {}: {} is the reference's", series.seed, reference::SEED);
+        let text = format!(
+            "error: --seed {}: {} is the seed of the reference",
+            series.seed,
+            reference::SEED
+        );
         return Err(Failure::Input(text));
     }
-    // All command lines before the first run, so that a slip in the last costs no time.
+    // Check all command lines before the first run, so that an error in the last one costs no time.
     for run in &series.runs {
         request.programs.check(&whole(request, series, run, series.seed))?;
     }
@@ -89,7 +93,7 @@ pub(crate) fn series(request: &Request, series: &Series) -> Result<Report, Failu
     finish(request, show(&series.scene), Some(series), reference, subjects)
 }
 
-/// A run of the whole budget.
+/// A run with the whole budget.
 fn whole<'a>(request: &Request, series: &'a Series, run: &'a Run, seed: u32) -> Order<'a> {
     let name = match seed - series.seed {
         0 => format!("{}.exr", run.stem()),
@@ -99,7 +103,7 @@ fn whole<'a>(request: &Request, series: &'a Series, run: &'a Run, seed: u32) -> 
     Order { run, scene, budget: *budget, seed, flags, exr: request.folder.join(name) }
 }
 
-/// Make all runs of one entry.
+/// Carry out all runs of one entry.
 fn subject(
     request: &Request,
     series: &Series,
@@ -134,7 +138,7 @@ fn subject(
     Ok(Subject { label: run.label.clone(), finished: Some(finished), picture, seeds, rungs })
 }
 
-/// The budgets below the whole, from the smallest: halves of halves.
+/// The smaller budgets, from the smallest: the whole is halved repeatedly.
 fn smaller(budget: Budget, ladder: u32) -> Vec<Budget> {
     let mut all: Vec<Budget> =
         (1..ladder).rev().map(|k| budget.times(0.5f64.powi(k as i32))).collect();

@@ -1,4 +1,4 @@
-//! Words, names and files.
+//! Helpers for words, numbers and files.
 
 use std::io::Write;
 use std::path::Path;
@@ -7,7 +7,7 @@ use gi_core::files;
 
 use crate::{Failure, show};
 
-/// Split flags into words at blanks; quotes keep blanks.
+/// Split flags into words at spaces; quotes keep spaces.
 pub(crate) fn split_words(text: &str) -> Result<Vec<String>, Failure> {
     let (mut words, mut word, mut quote) = (Vec::new(), None::<String>, None);
     for c in text.chars() {
@@ -41,10 +41,10 @@ pub fn command_line(words: &[String]) -> String {
     words.iter().map(quoted).collect::<Vec<_>>().join(" ")
 }
 
-/// Say what is going on.
+/// Print a progress message.
 pub(crate) fn say(quiet: bool, text: &str) {
     if !quiet {
-        let _ = writeln!(std::io::stderr(), "{text}"); // nobody may be listening
+        let _ = writeln!(std::io::stderr(), "{text}"); // standard error may be closed
     }
 }
 
@@ -63,7 +63,7 @@ pub(crate) fn escape(text: &str) -> String {
     out
 }
 
-/// A number with three digits that count.
+/// Format a number with three significant digits.
 pub(crate) fn number(v: f64) -> String {
     let size = v.abs();
     if v == 0.0 {
@@ -78,7 +78,7 @@ pub(crate) fn number(v: f64) -> String {
     }
 }
 
-/// Make the folder, and check before the work that files can be made in it.
+/// Create the folder, and check in advance that files can be written to it.
 pub(crate) fn check_writable(folder: &Path, json: Option<&Path>) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(|e| cannot_write(folder, &e))?;
     for path in [Some(folder.join("index.html").as_path()), json].into_iter().flatten() {
@@ -87,7 +87,7 @@ pub(crate) fn check_writable(folder: &Path, json: Option<&Path>) -> Result<(), F
     Ok(())
 }
 
-/// Write a file, whole or not at all.
+/// Write a file completely, or not at all.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     files::write(path, bytes).map_err(|e| cannot_write(path, &e))
 }

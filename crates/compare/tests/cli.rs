@@ -1,6 +1,6 @@
-//! The program run as a user runs it: runs and finished pictures, tables and JSON, and what it refuses.
+//! Runs the program as a user would: runs and finished pictures, tables and JSON, and the input that it refuses.
 
-// Not all of what tests share is used by each.
+// No test file uses all shared functions.
 #[allow(dead_code)]
 mod common;
 
@@ -57,7 +57,7 @@ fn runs_at_equal_passes_are_measured_against_a_reference_that_is_kept() {
     let labels: Vec<&str> = entries.iter().filter_map(|e| e["label"].as_str()).collect();
     assert_eq!(labels, ["pathtrace", "photonmap", "photonmap/none"]);
 
-    // The numbers are those of the pictures that the runs left.
+    // The numbers must be those of the pictures that the runs wrote.
     let hash = entries[0]["command"].as_str().map(|_| json(&format!("{out}/pathtrace.json")));
     let hash = hash.expect("a command")["scene_hash"].as_str().expect("a hash").to_string();
     let halves = ["a", "b"].map(|half| rgb(&format!("{out}/reference-{hash}-16x12.{half}.exr")));
@@ -79,7 +79,7 @@ fn runs_at_equal_passes_are_measured_against_a_reference_that_is_kept() {
     let page = std::fs::read_to_string(format!("{out}/index.html")).expect("a page");
     assert!(page.contains("photonmap/none") && !page.contains("{{"));
 
-    // Again, the reference is not made anew; with more passes it is.
+    // The second time, the reference is reused; with more passes it is made again.
     let noted = |numbers: &str| json(numbers)["reference"]["notes"].to_string();
     assert!(!noted(&numbers).contains("kept"));
     assert_success(&run(&flags));
@@ -119,14 +119,14 @@ fn finished_pictures_of_any_program_are_compared_and_broken_pixels_counted() {
     assert_eq!(entries[0]["errors"]["pixels_left_out"], 1);
     assert!(entries[0]["notes"].to_string().contains("no error counts: 1"));
     assert_eq!(entries[1]["errors"]["mse"], 0.0);
-    assert!(entries[1]["notes"].to_string().contains("layer View is taken"));
+    assert!(entries[1]["notes"].to_string().contains("layer View is used"));
     let table = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(table.contains("relMSE") && table.contains("broken  "), "{table}");
     assert!(table.contains("not finite"), "{table}");
 }
 
 #[test]
-fn what_cannot_be_compared_is_refused_and_nothing_is_written() {
+fn invalid_input_is_refused_and_nothing_is_written() {
     build_programs();
     let folder = Folder::make();
     let path = |name: &str| folder.at(name);
@@ -143,7 +143,7 @@ fn what_cannot_be_compared_is_refused_and_nothing_is_written() {
     let nowhere = path("nowhere");
     let view = path("a.png");
     let cases: [(&[&str], &[&str]); 19] = [
-        (&[&view, "--reference", &a], &["a.png is a view", ".exr"]),
+        (&[&view, "--reference", &a], &["a.png is a display image", ".exr"]),
         (&[&a, "--reference", &a, "--json", &page], &["--json", "would overwrite"]),
         (&[&a, "--reference", &small, "--json", &small], &["small.exr would overwrite"]),
         (&[&scene, "--reference", &a, "--json", &scene], &["cornell-box.xml would overwrite"]),
@@ -180,7 +180,7 @@ fn what_cannot_be_compared_is_refused_and_nothing_is_written() {
 }
 
 #[test]
-fn a_run_with_the_references_own_noise_is_told() {
+fn a_run_that_shares_the_references_noise_is_reported() {
     build_programs();
     let folder = Folder::make();
     let (out, truth) = (folder.at("out"), folder.at("out/pathtrace.exr"));
@@ -191,7 +191,7 @@ fn a_run_with_the_references_own_noise_is_told() {
         let output = run(&[subject, &["--reference", &truth]].concat());
         let table = String::from_utf8_lossy(&output.stdout).into_owned();
         assert!(table.contains("share their noise"), "{table}");
-        // A finished picture of ours tells its passes.
+        // Finished pictures from our programs contain their number of passes.
         let row: Vec<&str> = table.lines().nth(1).expect("a row").split_whitespace().collect();
         assert_eq!(row[..2], ["pathtrace", "2"], "{table}");
     }

@@ -1,15 +1,15 @@
-//! Choosing where to split a range of references, and splitting it.
+//! Chooses where to split a range of references, and splits it.
 
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
 use super::input::{Box4, PrimRef};
 
-/// Most bins an axis.
+/// Largest number of bins per axis.
 const BINS: usize = 16;
-/// References that are looked at to choose a plane: in large ranges every n-th.
+/// Number of references that are examined to choose a plane; in larger ranges, every n-th one is.
 const SAMPLE: usize = 1 << 13;
-/// References that one task measures at least.
+/// Smallest number of references per task.
 const CHUNK: usize = 1 << 12;
 
 /// A range's box, and the box of its doubled centres.
@@ -47,19 +47,19 @@ impl Extent {
     }
 }
 
-/// The bins' lattice over the centres.
+/// The grid of bins over the centres.
 pub(super) struct Grid {
     origin: Vec4,
     scale: Vec4,
     pub count: usize,
 }
 
-/// 1.5 * 2^23: adding it to a small float leaves the rounded number in the low bits, a fast conversion.
+/// 1.5 * 2^23: adding it to a small float leaves the rounded number in the low bits, which is a fast conversion.
 const TO_BITS: f32 = 12_582_912.0;
 
 impl Grid {
     pub(super) fn new(refs: usize, centers: &Box4) -> Self {
-        // Few references deserve few bins.
+        // Use fewer bins for few references.
         let count = BINS.min(4 + refs / 20 + 2);
         let extent = (centers.max - centers.min).truncate();
         let scale = extent
@@ -72,7 +72,7 @@ impl Grid {
     /// The bin numbers of doubled centres, in the low bits of floats.
     #[inline(always)]
     fn place(center2: Vec4, origin: Vec4, scale: Vec4) -> Vec4 {
-        // Half a bin down, so that rounding to the nearest cuts at whole bins.
+        // Shift by half a bin, so that rounding to nearest cuts at whole bins.
         (center2 - origin) * scale - Vec4::splat(0.5) + Vec4::splat(TO_BITS)
     }
 
@@ -84,7 +84,7 @@ impl Grid {
     }
 }
 
-/// The boxes and counts of all bins, the three axes of a bin side by side.
+/// The boxes and counts of all bins; the three axes of a bin are adjacent.
 pub(super) struct Bins {
     bounds: [[Box4; 3]; BINS],
     count: [[u32; 3]; BINS],
@@ -95,7 +95,7 @@ impl Bins {
         Bins { bounds: [[Box4::EMPTY; 3]; BINS], count: [[0; 3]; BINS] }
     }
 
-    /// Forget what was there and sort references into the bins, a sample if there are many.
+    /// Clear the bins and sort references into them, only a sample if there are many.
     pub(super) fn fill(&mut self, refs: &[PrimRef], grid: &Grid) {
         self.bounds[..grid.count].fill([Box4::EMPTY; 3]);
         self.count[..grid.count].fill([0; 3]);
@@ -134,7 +134,7 @@ impl Bins {
         best.1
     }
 
-    /// Add a bin to the boxes and counts of one side; what this side then costs, infinite while it is empty.
+    /// Add a bin to the boxes and counts of one side, and return this side's cost: infinite while it is empty.
     #[inline(always)]
     fn sweep(&self, bin: usize, axis: usize, bounds: &mut [Box4; 3], count: &mut [u32; 3]) -> f32 {
         let b = &self.bounds[bin][axis];
@@ -144,14 +144,14 @@ impl Bins {
     }
 }
 
-/// Where to split: behind a bin of an axis.
+/// A plane to split at: the upper boundary of a bin on an axis.
 #[derive(Clone, Copy)]
 pub(super) struct Plane {
     pub axis: usize,
     pub bin: usize,
 }
 
-/// Move what belongs left of the plane to the front, without a branch that depends on it; measure both sides on the way.
+/// Move the references left of the plane to the front, without a data-dependent branch, and measure both sides.
 pub(super) fn partition<const AXIS: usize>(
     refs: &mut [PrimRef],
     grid: &Grid,
@@ -159,7 +159,7 @@ pub(super) fn partition<const AXIS: usize>(
 ) -> ([Extent; 2], usize) {
     let lanes = |v: Vec4| Vec4::splat(v[AXIS]);
     let (origin, scale) = (lanes(grid.origin), lanes(grid.scale));
-    // In the form that `Grid::bin` leaves its numbers in.
+    // The same representation as the bin numbers in `Grid::bin`.
     let last = Vec4::splat(TO_BITS + bin as f32);
     let [mut left, mut right] = [Extent::EMPTY; 2];
     let mut middle = 0;

@@ -10,45 +10,45 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The box that holds nothing and grows to whatever is added.
+    /// The empty box. Adding a point gives the box of that point.
     pub const EMPTY: Bounds = Bounds { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
-    /// The smallest box round some points.
+    /// The smallest box around some points.
     pub fn of(points: impl IntoIterator<Item = Vec3>) -> Self {
         points.into_iter().fold(Self::EMPTY, |b, p| b.with(p))
     }
 
-    /// This box grown to hold `p`.
+    /// This box extended to contain `p`.
     #[inline]
     pub fn with(self, p: Vec3) -> Self {
         Bounds { min: self.min.min(p), max: self.max.max(p) }
     }
 
-    /// The smallest box round both.
+    /// The smallest box around both.
     #[inline]
     pub fn union(self, other: Bounds) -> Self {
         Bounds { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// Whether the box holds no point.
+    /// Whether the box is empty.
     #[inline]
     pub fn is_empty(self) -> bool {
         !self.min.cmple(self.max).all()
     }
 
-    /// Side lengths; zero where the box is empty.
+    /// Side lengths; zero if the box is empty.
     #[inline]
     pub fn extent(self) -> Vec3 {
         (self.max - self.min).max(Vec3::ZERO)
     }
 
-    /// The middle of the box.
+    /// The centre of the box.
     #[inline]
     pub fn center(self) -> Vec3 {
         0.5 * (self.min + self.max)
     }
 
-    /// The box round the transformed eight corners.
+    /// The box around the eight transformed corners.
     pub fn transformed(self, m: &Affine3A) -> Self {
         if self.is_empty() {
             return self;

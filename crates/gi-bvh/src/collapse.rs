@@ -1,5 +1,5 @@
-//! From the binary tree to the wide one: which nodes to merge into one of eight children, by dynamic programming
-//! over the surface-area cost \[Ylitie17\].
+//! Collapses the binary tree into the wide tree: dynamic programming over the surface-area cost chooses which nodes to
+//! merge into one with eight children \[Ylitie17\].
 
 use std::ops::Deref;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -8,28 +8,28 @@ use super::input::{Input, PrimRef};
 use super::layout::{LANES, LEAF_BLOCKS, WIDTH};
 use super::optimise::BinaryNode;
 
-/// Cost of testing one block of triangles, in units of testing a node's eight boxes. Tuned on the benchmark: lower than
-/// the time of a test, because large leaves also make a smaller tree, which misses the caches less.
+/// Cost of testing one block of triangles, relative to testing the eight boxes of a node. Tuned with the benchmark. It
+/// is lower than the time of a test, because large leaves also make the tree smaller, which causes fewer cache misses.
 const BLOCK_COST: f32 = 0.3;
 /// Cost of testing one solid.
 const SOLID_COST: f32 = 1.0;
-/// Triangles that one leaf may hold; 8 cost four per cent of speed, 24 gain nothing.
+/// Most triangles in a leaf; 8 cost four per cent of speed, 24 gain nothing.
 const LEAF_TRIANGLES: u32 = 16;
-/// Levels on which both children become tasks of their own.
+/// Depth to which both children become separate tasks.
 const TASK_DEPTH: u32 = 12;
 const _: () = assert!(LEAF_TRIANGLES as usize <= LANES * LEAF_BLOCKS);
 
-/// For every binary node, how it is best cut into j pieces.
+/// For each binary node, the best way to cut it into j pieces.
 pub(super) struct Plan<'a> {
     nodes: &'a [BinaryNode],
     refs: &'a [PrimRef],
     input: &'a Input<'a>,
-    /// Three bits for each j = 2..=8: how many pieces come from the left child, 0 if one piece fewer is better;
-    /// and [`AS_LEAF`].
+    /// Three bits for each j = 2..=8: the number of pieces from the left child, or 0 if j - 1 pieces are better.
+    /// Also [`AS_LEAF`].
     choice: Vec<AtomicU32>,
 }
 
-/// Set where a single piece is a leaf, not a wide node.
+/// Set if a single piece becomes a leaf instead of a wide node.
 const AS_LEAF: u32 = 1 << 31;
 
 /// Up to eight binary nodes.
@@ -54,10 +54,10 @@ impl Deref for Pieces {
     }
 }
 
-/// What a subtree costs at its best.
+/// The smallest costs of a subtree.
 #[derive(Clone, Copy)]
 struct Best {
-    /// `cost[j - 1]`: as at most j pieces, j = 1..=7.
+    /// `cost[j - 1]`: with at most j pieces, j = 1..=7.
     cost: [f32; WIDTH - 1],
     triangles: u32,
     solids: u32,
@@ -98,12 +98,12 @@ impl<'a> Plan<'a> {
         best
     }
 
-    /// Whether node `i` on its own becomes a leaf.
+    /// Whether node `i` as a single piece becomes a leaf.
     pub(super) fn is_leaf(&self, i: u32) -> bool {
         self.choice[i as usize].load(Ordering::Relaxed) & AS_LEAF != 0
     }
 
-    /// Whether the whole tree is one leaf; nothing, if the tree is empty.
+    /// Whether the whole tree is one leaf; `None` if the tree is empty.
     pub(super) fn root_is_leaf(&self) -> Option<bool> {
         (!self.nodes.is_empty()).then(|| self.is_leaf(0))
     }
@@ -131,7 +131,7 @@ impl<'a> Plan<'a> {
         self.cut(child + 1, j - k, out);
     }
 
-    /// The references below node `i`.
+    /// Collect the references below node `i`.
     pub(super) fn gather(&self, i: u32, out: &mut Vec<PrimRef>) {
         let node = &self.nodes[i as usize];
         if node.prim_count > 0 {
@@ -153,10 +153,10 @@ fn leaf_cost(area: f32, triangles: u32, solids: u32) -> f32 {
     area * (BLOCK_COST * triangles.div_ceil(LANES as u32) as f32 + SOLID_COST * solids as f32)
 }
 
-/// The best cuts of a node from those of its children.
+/// The best cuts of a node, computed from those of its children.
 fn merge(area: f32, left: &Best, right: &Best) -> (Best, u32) {
     let (triangles, solids) = (left.triangles + right.triangles, left.solids + right.solids);
-    // Share j pieces among the two children.
+    // Distribute j pieces between the two children.
     let mut choice = 0;
     let mut shared = [f32::INFINITY; WIDTH + 1];
     for (j, shared) in shared.iter_mut().enumerate().skip(2) {
@@ -168,7 +168,7 @@ fn merge(area: f32, left: &Best, right: &Best) -> (Best, u32) {
         *shared = best.0;
         choice |= (best.1 as u32) << (3 * (j - 2));
     }
-    // As one piece: a wide node of eight, or a leaf if it may be one.
+    // As one piece: a wide node with eight children, or a leaf if allowed.
     let leaf_allowed =
         if solids == 0 { triangles <= LEAF_TRIANGLES } else { triangles == 0 && solids <= 2 };
     let node_cost = area + shared[WIDTH];

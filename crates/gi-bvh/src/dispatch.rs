@@ -1,4 +1,4 @@
-//! Which kernel walks a tree: chosen from what this processor can do.
+//! Chooses the kernel that traverses a tree, from the processor's instruction sets.
 
 #[cfg(target_arch = "x86_64")]
 use super::kernel_x86;
@@ -6,7 +6,7 @@ use super::layout::Tree;
 use super::portable;
 use crate::ray::{Hit, Ray};
 
-/// An instruction set that there is a kernel for.
+/// An instruction set with its own kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Isa {
     /// Plain Rust.
@@ -23,7 +23,7 @@ pub(super) enum Isa {
 }
 
 impl Isa {
-    /// What this processor can run, the fastest last.
+    /// The instruction sets that this processor supports, fastest last.
     #[cfg(target_arch = "x86_64")]
     pub(super) fn available() -> Vec<Isa> {
         let mut found = vec![Isa::Portable, Isa::Sse2];
@@ -45,14 +45,14 @@ impl Isa {
         found
     }
 
-    /// What this processor can run, the fastest last.
+    /// The instruction sets that this processor supports, fastest last.
     #[cfg(not(target_arch = "x86_64"))]
     pub(super) fn available() -> Vec<Isa> {
         vec![Isa::Portable]
     }
 }
 
-/// The instruction set that this processor's rays are traced with: the fastest that there is a kernel for.
+/// The instruction set used to trace rays on this processor: the fastest one that a kernel exists for.
 pub fn instruction_set() -> &'static str {
     match Isa::available().last() {
         #[cfg(target_arch = "x86_64")]
@@ -67,7 +67,7 @@ pub fn instruction_set() -> &'static str {
 
 type Trace = unsafe fn(&Tree, &Ray) -> Option<Hit>;
 
-/// The pair of functions that walk one tree.
+/// The two functions that traverse a tree.
 #[derive(Clone, Copy)]
 pub(super) struct Kernel {
     closest: Trace,
@@ -75,7 +75,7 @@ pub(super) struct Kernel {
 }
 
 impl Kernel {
-    /// The kernel for an available instruction set; trees without solids get one that knows none.
+    /// The kernel for an available instruction set. Trees without solids get a kernel without code for solids.
     pub(super) fn new(isa: Isa, solids: bool) -> Self {
         assert!(Isa::available().contains(&isa), "this processor has no {isa:?}");
         let (closest, any): (Trace, Trace) = match (isa, solids) {
@@ -116,13 +116,13 @@ impl Kernel {
 
     #[inline]
     pub(super) fn closest(&self, tree: &Tree, ray: &Ray) -> Option<Hit> {
-        // SAFETY: `new` only hands out kernels whose instructions this processor has.
+        // SAFETY: `new` returns only kernels whose instructions this processor supports.
         unsafe { (self.closest)(tree, ray) }
     }
 
     #[inline]
     pub(super) fn any(&self, tree: &Tree, ray: &Ray) -> Option<u32> {
-        // SAFETY: `new` only hands out kernels whose instructions this processor has.
+        // SAFETY: `new` returns only kernels whose instructions this processor supports.
         unsafe { (self.any)(tree, ray).map(|hit| hit.prim) }
     }
 }

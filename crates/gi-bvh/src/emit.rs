@@ -1,4 +1,4 @@
-//! Writing the wide tree: list its nodes and blocks in depth-first order, then fill them in parallel.
+//! Writes the wide tree: lists its nodes and blocks in depth-first order, then fills them in parallel.
 
 use rayon::prelude::*;
 
@@ -12,10 +12,10 @@ use super::layout::{
 use super::optimise::BinaryNode;
 use super::{BuildError, solid::PlacedSolid};
 
-/// Items that one task fills at least.
+/// Smallest number of items per task.
 const GRAIN: usize = 256;
 
-/// A node to write: the binary nodes that become its children, and the words for them.
+/// A node to write: the binary nodes that become its children, and their words.
 #[derive(Clone, Copy)]
 struct Listed {
     source: [u32; WIDTH],
@@ -24,18 +24,18 @@ struct Listed {
 
 const EMPTY_SLOT: u32 = u32::MAX;
 
-/// What to write for a part of the tree, in its final order; the words count from the part's beginning.
+/// A part of the tree in its final order; its words count from the start of the part.
 #[derive(Default)]
 struct List {
     nodes: Vec<Listed>,
-    /// The triangles of each block, the last repeated to fill it.
+    /// The triangles of each block; the last one is repeated to fill the block.
     blocks: Vec<[u32; LANES]>,
     /// The solids, by primitive, in leaf order.
     solids: Vec<usize>,
     gathered: Vec<PrimRef>,
 }
 
-/// Write the tree that `nodes` collapse into; every box is padded by `pad`.
+/// Write the wide tree that `nodes` collapse into; each box is padded by `pad`.
 pub(super) fn emit(nodes: &[BinaryNode], input: &mut Input, pad: f32) -> Result<Tree, BuildError> {
     let list = whole(&Plan::new(nodes, input), input);
     if list.blocks.len() > MAX_LEAF_INDEX {
@@ -50,7 +50,7 @@ pub(super) fn emit(nodes: &[BinaryNode], input: &mut Input, pad: f32) -> Result<
     Ok(Tree { nodes: written, blocks, solids })
 }
 
-/// List the whole tree. Always make the root a node, so that a leaf is only met through its box.
+/// List the whole tree. The root is always a node, so that a leaf is reached only through its box.
 fn whole(plan: &Plan, input: &Input) -> List {
     let mut list = List { blocks: vec![[u32::MAX; LANES]], ..List::default() };
     let mut children = Pieces::default();
@@ -63,11 +63,11 @@ fn whole(plan: &Plan, input: &Input) -> List {
     list
 }
 
-/// Levels whose children are listed by tasks of their own.
+/// Depth to which children are listed by separate tasks.
 const TASK_DEPTH: u32 = 3;
 
 impl List {
-    /// List a node with these children, and all below it.
+    /// List a node with these children, and everything below it.
     fn node(&mut self, plan: &Plan, input: &Input, children: Pieces, depth: u32) -> u32 {
         let index = self.nodes.len();
         let mut source = [EMPTY_SLOT; WIDTH];
@@ -98,7 +98,7 @@ impl List {
         inner_word(index)
     }
 
-    /// Append another list; `word`, which points into it, in terms of this one.
+    /// Append another list; returns `word`, which points into that list, adjusted to this one.
     fn append(&mut self, part: List, word: u32) -> u32 {
         let (nodes, blocks, solids) = (self.nodes.len(), self.blocks.len(), self.solids.len());
         let moved = |word: u32| {
@@ -117,7 +117,7 @@ impl List {
         moved(word)
     }
 
-    /// List what a leaf holds.
+    /// List the contents of a leaf.
     fn leaf(&mut self, plan: &Plan, input: &Input, source: u32) -> u32 {
         self.gathered.clear();
         plan.gather(source, &mut self.gathered);
@@ -126,7 +126,7 @@ impl List {
             self.solids.extend(self.gathered.iter().map(PrimRef::primitive));
             return solid_word(first, self.gathered.len());
         }
-        // A split triangle may have several pieces here.
+        // Several pieces of one split triangle may be in this leaf.
         self.gathered.sort_unstable_by_key(PrimRef::primitive);
         self.gathered.dedup_by_key(|r| r.primitive());
         let first = self.blocks.len();
@@ -151,7 +151,7 @@ fn write_node(listed: &Listed, nodes: &[BinaryNode], pad: f32) -> Node {
             center[slot] = b.min[axis] + b.max[axis];
         }
     }
-    // Opposite octants see the children in opposite orders; where empty slots come does not matter.
+    // Opposite octants visit the children in opposite orders; the place of empty slots does not matter.
     for octant in 0..4 {
         let sign = |axis: u32| if octant >> axis & 1 == 1 { -1.0 } else { 1.0 };
         let place =
@@ -165,9 +165,10 @@ fn write_node(listed: &Listed, nodes: &[BinaryNode], pad: f32) -> Node {
     node
 }
 
-/// For each of eight numbers, how many are larger; nearly equal ones are told apart by their position.
+/// For each of eight numbers, the count of larger ones; nearly equal numbers are ordered by position.
 fn ranks(along: [f32; WIDTH]) -> [u32; WIDTH] {
-    // Integers in the order of the floats, the position in the low bits: a permutation, and comparisons in lanes.
+    // Integers that sort like the floats, with the position in the low bits: gives a permutation, and compares in SIMD
+    // lanes.
     let key = |s: usize| {
         let bits = along[s].to_bits() as i32;
         (bits ^ ((bits >> 31) as u32 >> 1) as i32) & !7 | s as i32
@@ -186,7 +187,7 @@ fn write_block(triangles: &[u32; LANES], all: &[Triangle]) -> Block {
     let mut block = Block::VOID;
     for lane in 0..LANES {
         let Some(t) = all.get(triangles[lane] as usize) else { continue };
-        // A repeated triangle fills a lane as a point, which is never hit.
+        // A repeated triangle fills a lane as a single point, which is never hit.
         let repeated = lane > 0 && triangles[lane] == triangles[lane - 1];
         let v = if repeated { [t.v[0]; 3] } else { t.v };
         for (row, value) in v.iter().flat_map(|p| p.to_array()).enumerate() {

@@ -1,4 +1,4 @@
-//! What comes in: refused where it is not finite, turned into boxes with a tag.
+//! Checks the primitives and turns them into tagged boxes.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -10,16 +10,16 @@ use super::solid::PlacedSolid;
 use super::{BuildError, Solid, Triangle};
 use crate::bounds::Bounds;
 
-/// Coordinates beyond this overflow the products of the triangle test.
+/// Largest coordinate: with larger ones, products in the triangle test overflow.
 const LARGEST: f32 = 1e12;
-/// Most primitives, counting the pieces of split triangles.
+/// Largest number of primitives, counting the pieces of split triangles.
 const MOST: usize = MAX_LEAF_INDEX;
-/// Set in every tag, to make it the bits of an ordinary float: denormals are slow to carry through arithmetic.
+/// Set in every tag, so that its bits are those of a normal float: arithmetic on denormals is slow.
 const TAG_BIT: u32 = 0x4000_0000;
-/// Items that one task handles at least.
+/// Smallest number of items per task.
 const GRAIN: usize = 1 << 13;
 
-/// A box in SIMD-friendly form; the fourth lanes mean nothing.
+/// A box in SIMD-friendly form; the fourth lanes are unused.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Box4 {
     pub min: Vec4,
@@ -43,7 +43,7 @@ impl Box4 {
     }
 }
 
-/// The box of a primitive, or of a piece of one; which primitive stands in `max.w`.
+/// The box of a primitive or of a piece of one; the primitive's index is in `max.w`.
 #[derive(Clone, Copy)]
 pub(super) struct PrimRef {
     pub min: Vec4,
@@ -59,7 +59,7 @@ impl PrimRef {
         }
     }
 
-    /// Which primitive: triangles count first, then solids.
+    /// The primitive's index: triangles first, then solids.
     #[inline(always)]
     pub(super) fn primitive(&self) -> usize {
         (self.max.w.to_bits() & !TAG_BIT) as usize
@@ -75,7 +75,7 @@ impl PrimRef {
 /// The checked primitives of a tree under construction.
 pub(super) struct Input<'a> {
     pub triangles: &'a [Triangle],
-    /// Solids that hold points, each with its place in the counting of [`PrimRef::primitive`].
+    /// Solids by index after the triangles, as in [`PrimRef::primitive`]; `None` for a solid that no ray can hit.
     pub solids: Vec<Option<PlacedSolid>>,
     pub refs: Vec<PrimRef>,
     pub bounds: Bounds,
@@ -104,14 +104,14 @@ impl<'a> Input<'a> {
         Ok(Input { triangles, solids: placed, refs, bounds })
     }
 
-    /// Whether a reference means a solid.
+    /// Whether a reference is to a solid.
     #[inline]
     pub(super) fn is_solid(&self, r: &PrimRef) -> bool {
         r.primitive() >= self.triangles.len()
     }
 }
 
-/// The boxes of all triangles; the first triangle that is not finite or too large is reported.
+/// The boxes of all triangles; the first triangle that is not finite or too large is an error.
 fn triangle_refs(triangles: &[Triangle]) -> Result<Vec<PrimRef>, BuildError> {
     let fits = |t: &Triangle| t.v.iter().all(|p| p.abs().cmple(Vec3::splat(LARGEST)).all());
     let all_fit = AtomicBool::new(true);
@@ -140,7 +140,7 @@ fn check(min: Vec3, max: Vec3, id: u32) -> Result<(), BuildError> {
     if fits { Ok(()) } else { Err(BuildError::TooLarge { id }) }
 }
 
-/// The box round some references.
+/// The box around some references.
 pub(super) fn extent(refs: &[PrimRef]) -> Box4 {
     let merge = |mut a: Box4, b: Box4| {
         a.grow(b.min, b.max);

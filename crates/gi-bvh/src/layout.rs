@@ -2,27 +2,27 @@
 
 use super::solid::PlacedSolid;
 
-/// Children of a node.
+/// Children per node.
 pub(super) const WIDTH: usize = 8;
-/// Triangles of a block.
+/// Triangles per block.
 pub(super) const LANES: usize = 4;
-/// Blocks (or solids) that one leaf may hold.
+/// Most blocks (or solids) in a leaf.
 pub(super) const LEAF_BLOCKS: usize = 8;
 
-/// Deepest chain of nodes that the builder may make; see [`STACK`].
+/// Largest depth of nodes that the builder creates; see [`STACK`].
 pub(super) const MAX_DEPTH: u32 = 70;
-/// Entries of a traversal stack. A level leaves at most seven children waiting, a push writes eight words, one entry
-/// is the sentinel.
+/// Entries of a traversal stack. Each level leaves at most seven children waiting, each push writes eight words, and
+/// one entry is the sentinel.
 pub(super) const STACK: usize = 512;
 const _: () = assert!(MAX_DEPTH as usize * (WIDTH - 1) + WIDTH + 1 < STACK);
 
-/// Eight children: their boxes in rows, the words that point at them, and the order to visit them in.
+/// Eight children: their boxes in rows, the words that point at them, and the order in which to visit them.
 #[repr(C, align(64))]
 #[derive(Clone, Copy)]
 pub(super) struct Node {
-    /// min x, max x, min y, max y, min z, max z; empty slots hold the inverted infinite box.
+    /// min x, max x, min y, max y, min z, max z; empty slots contain the inverted infinite box.
     pub bounds: [[f32; WIDTH]; 6],
-    /// Where each child stands.
+    /// The words that point at the children.
     pub child: [u32; WIDTH],
     /// `order[k] >> 3 * octant & 7` is the slot of the k-th child from the far end, for rays of that octant.
     pub order: [u32; WIDTH],
@@ -34,12 +34,12 @@ pub(super) struct Node {
 pub(super) struct Block {
     /// Row `3 * vertex + axis`.
     pub rows: [[f32; LANES]; 9],
-    /// The identifiers to report; padding lanes hold a triangle without area, which is never hit.
+    /// The identifiers to report; padding lanes contain a triangle without area, which is never hit.
     pub id: [u32; LANES],
 }
 
 impl Block {
-    /// A block in which nothing can be hit.
+    /// A block that is never hit.
     pub(super) const VOID: Block = Block { rows: [[0.0; LANES]; 9], id: [u32::MAX; LANES] };
 }
 
@@ -70,7 +70,7 @@ pub(super) fn solid_word(first: usize, count: usize) -> u32 {
     SOLID | block_word(first, count)
 }
 
-/// The word for what stands `by` places behind what `word` points at.
+/// The word for the node or leaf that is `by` places after `word`'s.
 pub(super) fn moved_word(word: u32, by: usize) -> u32 {
     if is_leaf(word) { word + ((by as u32) << 3) } else { word + by as u32 }
 }
@@ -91,19 +91,19 @@ pub(super) fn leaf_range(word: u32) -> (usize, usize) {
     (((word & !(LEAF | SOLID)) >> 3) as usize, (word & 7) as usize + 1)
 }
 
-/// What the kernels walk.
+/// The data that the kernels traverse.
 pub(super) struct Tree {
     /// Node 0 is the root.
     pub nodes: Vec<Node>,
     /// Block 0 is void.
     pub blocks: Vec<Block>,
-    /// Everything that is no triangle, in leaf order.
+    /// All primitives except triangles, in leaf order.
     pub solids: Vec<PlacedSolid>,
 }
 
 impl Tree {
-    /// Check what the kernels rely on, and return the depth: every word points inside its array, and children stand
-    /// behind their parents, so that a walk ends and the stack suffices.
+    /// Check what the kernels rely on, and return the depth. Every word must point inside its array, and children must
+    /// come after their parents, so that a traversal ends and the stack is large enough.
     pub(super) fn checked_depth(&self) -> u32 {
         assert!(!self.nodes.is_empty() && !self.blocks.is_empty());
         let mut depth = vec![1u32; self.nodes.len()];

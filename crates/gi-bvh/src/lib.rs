@@ -1,12 +1,13 @@
-//! Rays against geometry: an 8-wide bounding volume hierarchy of full-precision boxes over blocks of four triangles.
-//! It is the only crate of the project that contains unsafe code: the vector kernels.
+//! Ray tracing: an 8-wide bounding volume hierarchy with full-precision boxes over blocks of four triangles.
+//! It is the only crate of the project with unsafe code, which the vector kernels need.
 //!
-//! Built once: binned surface-area splits (`sah`), large triangles cut and subtrees reinserted (`optimise`),
-//! collapsed to eight children by dynamic programming (`collapse`) and written out (`emit`). Walked by a kernel
-//! for the processor at hand (`dispatch`). Triangles are watertight: no ray slips through a shared edge. Every box
-//! is padded by a sliver of the scene, more than what the rounding of box and triangle test can differ by.
+//! The build splits by the binned surface-area heuristic (`sah`), cuts large triangles and reinserts subtrees
+//! (`optimise`), collapses to eight children by dynamic programming (`collapse`) and writes the tree (`emit`). A kernel
+//! for the current processor traverses it (`dispatch`). Triangles are watertight: no ray passes through a shared edge.
+//! Every box is padded by a tiny fraction of the scene's size, more than the rounding errors of the box and triangle
+//! tests.
 //!
-//! Spheres, disks, cylinders and instances are leaves of the same tree; a scene of triangles does not pay for them.
+//! Spheres, disks, cylinders and instances are leaves of the same tree; they cost nothing in a scene of triangles only.
 
 mod bins;
 mod bounds;
@@ -46,16 +47,16 @@ use ray::{Hit, Ray};
 use sah::Method;
 use tame::{REACH, Tamed, is_tame};
 
-/// How much every box is grown, relative to the largest coordinate: covers the rounding of slab and triangle test for
-/// origins within [`REACH`] times that coordinate.
+/// Padding of every box, relative to the largest coordinate. It covers the rounding of the slab and triangle tests for
+/// ray origins within [`REACH`] times that coordinate.
 const PAD: f32 = 1.0 / 1_048_576.0;
 
-/// A triangle for the tree.
+/// A triangle to build the tree from.
 #[derive(Clone, Copy, Debug)]
 pub struct Triangle {
-    /// Its corners; a hit's u and v weigh the second and the third.
+    /// Its corners; u and v of a hit are the weights of the second and the third.
     pub v: [Vec3; 3],
-    /// Comes back as [`Hit::prim`].
+    /// Reported as [`Hit::prim`].
     pub id: u32,
 }
 
@@ -74,12 +75,12 @@ pub enum BuildError {
     },
     /// More primitives than the tree can address.
     TooMany,
-    /// An instance of a tree that holds instances itself.
+    /// An instance of a tree that itself contains instances.
     NestedInstance {
         /// The primitive's identifier.
         id: u32,
     },
-    /// An instance whose placement has no inverse.
+    /// An instance whose transform is not invertible.
     Singular {
         /// The primitive's identifier.
         id: u32,
@@ -97,10 +98,10 @@ impl fmt::Display for BuildError {
             }
             BuildError::TooMany => write!(f, "too many primitives"),
             BuildError::NestedInstance { id } => {
-                write!(f, "instance {id} is of a tree that holds instances itself")
+                write!(f, "instance {id} is of a tree that contains instances itself")
             }
             BuildError::Singular { id } => {
-                write!(f, "instance {id} is placed by a map without inverse")
+                write!(f, "instance {id} has a transform that is not invertible")
             }
         }
     }
@@ -108,25 +109,25 @@ impl fmt::Display for BuildError {
 
 impl std::error::Error for BuildError {}
 
-/// A bounding volume hierarchy, ready for rays.
+/// A bounding volume hierarchy.
 pub struct Bvh {
     tree: Tree,
     kernel: Kernel,
     bounds: Bounds,
-    /// How far from the world's origin a ray may start to be walked as it is.
+    /// Largest distance of a ray's origin from the world's origin at which the ray is traced unchanged.
     reach: f32,
     depth: u32,
 }
 
 impl Bvh {
-    /// Build a tree, the same for any number of threads. Primitives without points to hit (triangles without area,
-    /// spheres of radius 0) are harmless; no primitives at all make a tree that is never hit.
+    /// Build a tree; the result does not depend on the number of threads. Primitives that cannot be hit (triangles
+    /// without area, spheres of radius 0) are allowed. A tree without primitives is never hit.
     pub fn build(triangles: &[Triangle], solids: &[(Solid, u32)]) -> Result<Bvh, BuildError> {
         let bvh = Self::build_by(Method::Cheapest, triangles, solids)?;
         if bvh.depth <= MAX_DEPTH {
             return Ok(bvh);
         }
-        // Too deep for the stack of a walk: only reinsertion can do that, on strange input.
+        // Too deep for the traversal stack. Only reinsertion causes this, on unusual input.
         let bvh = Self::build_by(Method::Halves, triangles, solids)?;
         assert!(bvh.depth <= MAX_DEPTH, "a balanced tree is {} deep", bvh.depth);
         Ok(bvh)
@@ -154,7 +155,7 @@ impl Bvh {
         Ok(Bvh { tree, kernel, bounds, reach: largest * REACH, depth })
     }
 
-    /// The nearest primitive that the ray meets in (tmin, tmax].
+    /// The nearest primitive that the ray hits in (tmin, tmax].
     #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         if is_tame(ray, self.reach) {
@@ -164,13 +165,13 @@ impl Bvh {
         }
     }
 
-    /// Whether the ray meets anything in (tmin, tmax].
+    /// Whether the ray hits anything in (tmin, tmax].
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.any(ray).is_some()
     }
 
-    /// A primitive that the ray meets in (tmin, tmax], not always the nearest.
+    /// A primitive that the ray hits in (tmin, tmax], not necessarily the nearest.
     #[inline]
     pub fn any(&self, ray: &Ray) -> Option<u32> {
         if is_tame(ray, self.reach) { self.kernel.any(&self.tree, ray) } else { self.any_wild(ray) }
@@ -188,12 +189,12 @@ impl Bvh {
         self.kernel.any(&self.tree, &Tamed::new(ray, self.bounds)?.ray)
     }
 
-    /// The box round everything in the tree.
+    /// The box around everything in the tree.
     pub fn bounds(&self) -> Bounds {
         self.bounds
     }
 
-    /// What the tree occupies, without the trees that it instances.
+    /// Memory of the tree in bytes, without the trees that it instances.
     pub fn memory_bytes(&self) -> usize {
         size_of::<Self>()
             + size_of_val(&self.tree.nodes[..])
@@ -201,12 +202,12 @@ impl Bvh {
             + size_of_val(&self.tree.solids[..])
     }
 
-    /// How many wide nodes the tree has.
+    /// Number of wide nodes.
     pub fn node_count(&self) -> usize {
         self.tree.nodes.len()
     }
 
-    /// How many nodes the longest way from the root passes.
+    /// Number of nodes on the longest path from the root.
     pub fn depth(&self) -> u32 {
         self.depth
     }

@@ -1,4 +1,4 @@
-//! Leaving a surface without meeting it again: the one rule for all rays.
+//! Keeps rays from hitting the surface that they leave: one rule for all rays.
 
 use glam::Vec3;
 
@@ -6,44 +6,42 @@ use super::Bvh;
 use super::tame::REACH;
 use crate::ray::Ray;
 
-/// How far a ray starts from its surface, relative to the point's largest coordinate.
+/// Distance of a ray's origin from its surface, relative to the point's largest coordinate.
 const LIFT: f32 = 1.0 / 262_144.0;
-/// Points closer to the world's origin than this share of the scene's largest coordinate are lifted as if they were
-/// as far out: their own coordinates vanish, but the rounding of a large triangle through them does not. Measured:
-/// 1/16 leaves no self-intersection on a tilted floor through the origin, 1/32 leaves a few in 10^5, and without it
-/// every third ray is caught.
+/// Points closer to the world's origin than this fraction of the scene's largest coordinate are offset as if they were
+/// that far away: their coordinates are tiny, but the rounding error of a large triangle at these points is not.
+/// Measured on a tilted floor through the origin: 1/16 leaves no self-intersection, 1/32 leaves a few in 10^5, and
+/// without this limit every third ray hits its own surface.
 const CLOSEST: f32 = 1.0 / 16.0;
 
 impl Bvh {
-    /// How far rays keep from the surface at `p`.
+    /// Distance that rays keep from the surface at `p`.
     #[inline]
     fn lift(&self, p: Vec3) -> f32 {
         p.abs().max_element().max(self.reach * (CLOSEST / REACH)) * LIFT
     }
 
-    /// The point `p` of a surface moved along its geometric normal `ng` (unit) to the side that `toward` points to: far
-    /// enough that a ray from there does not meet the surface that it leaves, for points computed from barycentric
-    /// coordinates.
+    /// The surface point `p`, moved along its unit geometric normal `ng` to the side of `toward`. A ray from there does
+    /// not hit the surface that it leaves, if `p` was computed from barycentric coordinates.
     #[inline]
     pub fn offset_origin(&self, p: Vec3, ng: Vec3, toward: Vec3) -> Vec3 {
         p + ng * self.lift(p).copysign(ng.dot(toward))
     }
 
-    /// The ray from a point `p` of a surface with geometric normal `ng` to the point `q`, for t in (0, 1); it ends
-    /// short of `q` by as much as a ray from there would start off it, so that the surface of `q` does not stand in
-    /// the way.
+    /// The ray from a surface point `p` with geometric normal `ng` to the point `q`, for t in (0, 1). It ends before
+    /// `q`, by the same offset as that of a ray that starts at `q`, so that the surface at `q` does not block it.
     #[inline]
     pub fn shadow_ray(&self, p: Vec3, ng: Vec3, q: Vec3) -> Ray {
         let o = self.offset_origin(p, ng, q - p);
         let d = q - o;
-        // Where the points are closer than the gap, the interval is empty: nothing is between them.
+        // If the points are closer than the offset, the interval is empty: nothing is between them.
         let tmax = 1.0 - self.lift(q) / d.abs().max_element();
         Ray { o, tmin: 0.0, d, tmax }
     }
 
-    /// The rest of `ray` behind a surface that it met at parameter `t`. Origin, direction and end stay as they are, so that
-    /// however many surfaces a segment passes, it still ends where it was to end. The gap behind the surface is as wide as
-    /// that of [`Bvh::offset_origin`], along the ray.
+    /// The part of `ray` beyond a surface that it hit at parameter `t`. Origin, direction and end are unchanged, so
+    /// that a segment ends at the intended point however many surfaces it passes. It starts as far beyond the surface
+    /// as [`Bvh::offset_origin`] would, measured along the ray.
     #[inline]
     pub fn beyond(&self, ray: &Ray, t: f32) -> Ray {
         let gap = self.lift(ray.at(t)) / ray.d.abs().max_element();

@@ -1,4 +1,4 @@
-//! What `obvhs` does for the tree: its compact binary node, splitting of large triangles, and reinsertion.
+//! The parts of the build that use `obvhs`: the compact binary node, splitting of large triangles, and reinsertion.
 
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -10,24 +10,25 @@ use rayon::prelude::*;
 use super::Triangle;
 use super::input::{Box4, PrimRef};
 
-/// A node of the binary tree, 32 bytes: an inner node when `prim_count` is 0, its children at `first_index` and the
-/// place after; else a leaf with `prim_count` references from `first_index` on.
+/// A node of the binary tree, 32 bytes. If `prim_count` is 0, it is an inner node with its children at `first_index`
+/// and `first_index + 1`; otherwise a leaf with `prim_count` references from `first_index` on.
 pub(super) type BinaryNode = obvhs::bvh2::node::Bvh2Node;
 
-/// As many zeroed nodes as a binary tree over `leaves` single leaves has.
+/// Zeroed nodes, as many as a binary tree with `leaves` one-reference leaves has.
 pub(super) fn zeroed_nodes(leaves: usize) -> Vec<BinaryNode> {
     Bvh2::zeroed(leaves).nodes
 }
 
-/// Triangles with boxes above this multiple of the mean half area are looked at for splitting: obvhs's own threshold.
+/// Triangles are candidates for splitting if their boxes exceed this multiple of the mean half area: obvhs's own
+/// threshold.
 const LARGE: f32 = 3.0;
-/// Summands of one partial sum; a fixed number, so that the mean does not depend on the number of threads.
+/// Number of summands of a partial sum; fixed, so that the mean does not depend on the number of threads.
 const CHUNK: usize = 1 << 13;
 
-/// Triangles that one task cuts.
+/// Number of triangles that one task cuts.
 const CUT_CHUNK: usize = 1 << 9;
 
-/// Cut the boxes of large triangles into tighter pieces; one reference becomes several.
+/// Cut the boxes of large triangles into smaller pieces; one reference becomes several.
 pub(super) fn split_large(refs: &mut Vec<PrimRef>, triangles: &[Triangle]) {
     let triangle_count = triangles.len();
     if triangle_count < 2 {
@@ -45,7 +46,7 @@ pub(super) fn split_large(refs: &mut Vec<PrimRef>, triangles: &[Triangle]) {
     }
     let large: Vec<usize> =
         (0..triangle_count).filter(|&i| area(&refs[i]) > LARGE * mean).collect();
-    // Every triangle is cut on its own, so that chunks of them make the same pieces as all at once.
+    // Each triangle is cut independently, so that chunks give the same pieces as all triangles at once.
     let pieces: Vec<Vec<PrimRef>> =
         large.par_chunks(CUT_CHUNK).map(|l| cut(l, refs, triangles, mean, largest)).collect();
     for (owners, pieces) in large.chunks(CUT_CHUNK).zip(pieces) {
@@ -55,7 +56,7 @@ pub(super) fn split_large(refs: &mut Vec<PrimRef>, triangles: &[Triangle]) {
     }
 }
 
-/// The pieces of some triangles: one for each in order, then the others.
+/// The pieces of some triangles: first one piece of each triangle in order, then the others.
 fn cut(
     large: &[usize],
     refs: &[PrimRef],
@@ -80,13 +81,13 @@ fn to_corners(t: &Triangle) -> Corners {
     Corners { v0: t.v[0].into(), v1: t.v[1].into(), v2: t.v[2].into() }
 }
 
-/// Share of the nodes that the first round tries to move.
+/// Fraction of the nodes that the first round tries to move.
 const REINSERTED: f32 = 0.05;
-/// Rounds, each with a smaller share: 1, 1/3, 1/5 ... Sixteen make no faster tree.
+/// Number of rounds, each with a smaller fraction: 1, 1/3, 1/5 ... Sixteen rounds give no faster tree.
 const ROUNDS: usize = 6;
 
-/// Move subtrees to better places \[Meister18\], the largest first. The candidates come from here and not from the
-/// optimiser, which would look for them at the front of the array.
+/// Move subtrees to better places \[Meister18\], the largest first. The candidates are chosen here, because the
+/// optimiser would only take them from the front of the array.
 pub(super) fn reinsert(nodes: Vec<BinaryNode>) -> Vec<BinaryNode> {
     let all = (1..nodes.len() as u32).into_par_iter().filter(|&i| !is_hole(&nodes[i as usize]));
     let mut ranked: Vec<u64> = all.map(|i| rank(&nodes, i)).collect();
@@ -95,7 +96,7 @@ pub(super) fn reinsert(nodes: Vec<BinaryNode>) -> Vec<BinaryNode> {
     let mut optimizer = ReinsertionOptimizer::default();
     for round in 0..ROUNDS {
         let count = (first_round / (2 * round + 1)).max(1);
-        // Boxes change as subtrees move, but what was small stays unlikely.
+        // Boxes change as subtrees move, but small ones are unlikely to become candidates.
         keep_first(&mut ranked, 2 * count);
         ranked.iter_mut().for_each(|r| *r = rank(&tree.nodes, *r as u32));
         let mut best = ranked.clone();
@@ -107,7 +108,7 @@ pub(super) fn reinsert(nodes: Vec<BinaryNode>) -> Vec<BinaryNode> {
     tree.nodes
 }
 
-/// Drop all but the smallest `count`.
+/// Keep only the smallest `count`.
 fn keep_first(ranked: &mut Vec<u64>, count: usize) {
     if count < ranked.len() {
         ranked.select_nth_unstable(count);
@@ -121,7 +122,7 @@ fn rank(nodes: &[BinaryNode], i: u32) -> u64 {
     u64::from(!area.to_bits()) << 32 | u64::from(i)
 }
 
-/// What fills the places that a leaf of several references leaves unused.
+/// Filler for the places that a leaf with several references leaves unused.
 pub(super) fn hole() -> BinaryNode {
     BinaryNode::new(Aabb::INVALID, 1, u32::MAX)
 }

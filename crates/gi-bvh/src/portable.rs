@@ -1,4 +1,4 @@
-//! The walk in plain Rust: for processors without a kernel of their own, and to test the others against.
+//! The traversal in plain Rust: for processors without a kernel, and as a reference to test the kernels against.
 
 use super::layout::{
     Block, LANES, Node, SENTINEL, STACK, Tree, WIDTH, is_leaf, is_solid, leaf_range,
@@ -48,7 +48,7 @@ pub(super) fn trace<const ANY: bool>(tree: &Tree, ray: &Ray) -> Option<Hit> {
                 }
             }
         }
-        // Pop the next child that is not behind the nearest hit.
+        // Pop the next child that is not beyond the nearest hit.
         while stack[top].1 > ray.tmax {
             top -= 1;
         }
@@ -60,11 +60,11 @@ pub(super) fn trace<const ANY: bool>(tree: &Tree, ray: &Ray) -> Option<Hit> {
     }
 }
 
-/// What an any-hit walk reports, but for the primitive.
+/// The result of an any-hit traversal, except for the primitive.
 pub(super) const FOUND: Hit =
     Hit { t: 0.0, u: 0.0, v: 0.0, prim: u32::MAX, instance: Hit::NO_INSTANCE };
 
-/// Where the ray enters each child, and whether it meets it within its interval.
+/// Where the ray enters each child, and whether it intersects it within its interval.
 fn slabs(node: &Node, ray: &Ray, walk: &Walk) -> ([f32; WIDTH], [bool; WIDTH]) {
     let mut near = [ray.tmin; WIDTH];
     let mut far = [ray.tmax; WIDTH];
@@ -87,14 +87,14 @@ fn triangles(block: &Block, ray: &Ray, walk: &Walk) -> Option<Hit> {
     let [sx, sy, sz] = walk.shear;
     let mut best: Option<Hit> = None;
     for lane in 0..LANES {
-        // Move the vertices to where the ray is the z axis.
+        // Transform the vertices so that the ray is the z axis.
         let vertex = |v: usize| {
             let at = |axis: usize| block.rows[3 * v + axis][lane] - ray.o[axis];
             let z = at(kz);
             [at(kx) - sx * z, at(ky) - sy * z, z]
         };
         let (a, b, c) = (vertex(0), vertex(1), vertex(2));
-        // Edge functions: exactly opposite for the two triangles of an edge.
+        // Edge functions: exactly opposite for the two triangles that share an edge.
         let u = c[0] * b[1] - c[1] * b[0];
         let v = a[0] * c[1] - a[1] * c[0];
         let w = b[0] * a[1] - b[1] * a[0];

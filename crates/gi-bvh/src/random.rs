@@ -7,7 +7,7 @@ pub(crate) struct Pcg {
 }
 
 impl Pcg {
-    /// The stream `stream` of the generator seeded by `seed`.
+    /// Stream `stream` of the generator with this seed.
     pub(crate) fn new(seed: u64, stream: u64) -> Self {
         let mut rng = Pcg { state: 0, increment: (stream << 1) | 1 };
         rng.next_u32();

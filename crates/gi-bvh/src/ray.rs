@@ -1,4 +1,4 @@
-//! Rays and what they hit.
+//! Rays and hits.
 
 use glam::Vec3;
 
@@ -17,7 +17,7 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// A ray without an end.
+    /// An unbounded ray.
     #[inline]
     pub fn new(o: Vec3, d: Vec3) -> Self {
         Ray { o, tmin: 0.0, d, tmax: f32::INFINITY }
@@ -30,7 +30,7 @@ impl Ray {
     }
 }
 
-/// Where a ray met a primitive.
+/// The point where a ray hit a primitive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct Hit {
@@ -42,7 +42,7 @@ pub struct Hit {
     pub v: f32,
     /// Identifier of the primitive, as given when the tree was built.
     pub prim: u32,
-    /// Which instance the primitive was met in, [`Hit::NO_INSTANCE`] for the scene's own primitives.
+    /// The instance that contains the primitive, or [`Hit::NO_INSTANCE`] for the scene's own primitives.
     pub instance: u32,
 }
 

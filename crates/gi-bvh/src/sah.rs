@@ -1,26 +1,27 @@
-//! The binary tree: split top-down at the cheapest of a few planes an axis, by the surface-area heuristic \[Wald07\].
+//! Builds the binary tree: splits top-down at the cheapest of a few planes per axis, by the surface-area heuristic
+//! \[Wald07\].
 
 use super::bins::{Bins, Extent, Grid, partition};
 use super::input::{Input, PrimRef};
 use super::optimise::{BinaryNode, hole, zeroed_nodes};
 
-/// References that a leaf may hold.
+/// Most references in a leaf.
 const LEAF: usize = 4;
-/// Deepest leaf; where a range could grow deeper it is halved instead.
+/// Largest depth of a leaf; ranges that could become deeper are split in the middle.
 const MAX_DEPTH: u32 = 60;
-/// Ranges above this are split by two tasks.
+/// Ranges with more references are processed by two tasks.
 const TASK: usize = 1 << 12;
 
-/// How the tree is split.
+/// How ranges are split.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Method {
     /// At the cheapest plane.
     Cheapest,
-    /// At the middle reference: a balanced tree whatever the input.
+    /// At the middle reference: gives a balanced tree for any input.
     Halves,
 }
 
-/// The binary tree over `input.refs`, which it reorders. Siblings stand side by side, unused places hold holes.
+/// The binary tree over `input.refs`, which are reordered. Siblings are adjacent; unused places contain holes.
 pub(super) fn build(input: &mut Input, method: Method) -> Vec<BinaryNode> {
     let mut refs = std::mem::take(&mut input.refs);
     let mut nodes = zeroed_nodes(refs.len());
@@ -33,10 +34,10 @@ pub(super) fn build(input: &mut Input, method: Method) -> Vec<BinaryNode> {
     nodes
 }
 
-/// References to grow a subtree over, and room for it.
+/// References to build a subtree from, and memory for its nodes.
 struct Range<'a> {
     node: &'a mut BinaryNode,
-    /// Room for the descendants.
+    /// Memory for the descendants.
     rest: &'a mut [BinaryNode],
     /// The index of the first node of `rest`.
     base: usize,
@@ -48,7 +49,7 @@ struct Range<'a> {
 }
 
 impl<'a> Range<'a> {
-    /// The two ranges below this one, of which the left has `middle` references.
+    /// The two ranges below this one; the left one has `middle` references.
     fn halves(self, middle: usize, [left_extent, right_extent]: [Extent; 2]) -> [Range<'a>; 2] {
         let (left_refs, right_refs) = self.refs.split_at_mut(middle);
         let (children, rest) = self.rest.split_at_mut(2);
@@ -84,7 +85,7 @@ struct Splitter<'a> {
 }
 
 impl Splitter<'_> {
-    /// Grow a subtree; `bins` is scratch space.
+    /// Build a subtree; `bins` is scratch space.
     fn grow(&self, range: Range, bins: &mut Bins) {
         let bounds = range.extent.bounds;
         range.node.min = bounds.min.truncate();
@@ -108,13 +109,13 @@ impl Splitter<'_> {
         }
     }
 
-    /// A leaf holds few references, all to triangles or all to solids.
+    /// Whether the references may be a leaf: they must be few, and all triangles or all solids.
     fn is_leaf(&self, refs: &[PrimRef]) -> bool {
         let solid = |r: &PrimRef| self.input.is_solid(r);
         refs.len() <= LEAF && refs.iter().all(|r| solid(r) == solid(&refs[0]))
     }
 
-    /// Reorder `refs` into two parts; return their extents and where the second begins.
+    /// Reorder `refs` into two parts; returns their extents and the start of the second.
     fn split(
         &self,
         refs: &mut [PrimRef],
@@ -122,7 +123,7 @@ impl Splitter<'_> {
         depth: u32,
         bins: &mut Bins,
     ) -> ([Extent; 2], usize) {
-        // Keep the depth in bounds: from here on, halving needs the logarithm of what is left.
+        // Bound the depth: halving needs log2(refs) more levels, so it starts early enough.
         let halve = self.method == Method::Halves || depth + refs.len().ilog2() + 1 >= MAX_DEPTH;
         if !halve {
             let grid = Grid::new(refs.len(), &extent.centers);

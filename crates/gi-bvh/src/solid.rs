@@ -1,4 +1,4 @@
-//! Primitives that are no triangles: spheres, disks, open cylinders, and whole other trees.
+//! Primitives that are not triangles: spheres, disks, open cylinders, and instances of other trees.
 
 use std::sync::Arc;
 
@@ -8,10 +8,10 @@ use super::{BuildError, Bvh};
 use crate::bounds::Bounds;
 use crate::ray::{Hit, Ray};
 
-/// A primitive that is no triangle.
+/// A primitive that is not a triangle.
 #[derive(Clone, Debug)]
 pub enum Solid {
-    /// A sphere, met from outside and inside; u = v = 0.
+    /// A sphere, hit from outside and inside; u = v = 0.
     Sphere {
         /// Its centre.
         center: Vec3,
@@ -27,7 +27,7 @@ pub enum Solid {
         /// The other, any vector independent of `du`.
         dv: Vec3,
     },
-    /// A round cylinder without caps, met from both sides; u = the height in \[0, 1\] from `p0` to `p1`, v = 0.
+    /// A round cylinder without caps, hit from both sides; u = the height in \[0, 1\] from `p0` to `p1`, v = 0.
     Cylinder {
         /// Centre of the foot.
         p0: Vec3,
@@ -36,19 +36,19 @@ pub enum Solid {
         /// Its radius.
         radius: f32,
     },
-    /// Another tree, placed by an affine map (any scale, mirrored too); the hit carries `index` and the inner tree's
+    /// Another tree with an affine transform (any scale, also mirrored). A hit contains `index` and the inner tree's
     /// primitive.
     Instance {
-        /// What is placed; it may hold no instances itself.
+        /// The instanced tree; it must not contain instances.
         tree: Arc<Bvh>,
-        /// Where.
+        /// Its transform.
         to_world: Affine3A,
         /// Value of [`Hit::instance`].
         index: u32,
     },
 }
 
-/// A solid made ready for rays.
+/// A solid prepared for ray tests.
 pub(super) struct PlacedSolid {
     shape: Shape,
     id: u32,
@@ -80,7 +80,7 @@ enum Shape {
 }
 
 impl PlacedSolid {
-    /// Prepare a solid and find its box; nothing, if it holds no points that a ray could meet.
+    /// Prepare a solid and compute its box; `None` if no ray could hit it.
     pub(super) fn new(solid: &Solid, id: u32) -> Result<Option<(Self, Bounds)>, BuildError> {
         let placed = match *solid {
             Solid::Sphere { center, radius } => sphere(center, radius),
@@ -121,7 +121,7 @@ impl PlacedSolid {
     }
 }
 
-/// The same ray in local coordinates; its direction keeps its length, so that t means the same on both sides.
+/// The ray in local coordinates. Its direction is not normalised, so that t is the same in both spaces.
 fn localised(ray: &Ray, to_local: &Affine3A) -> Ray {
     Ray { o: to_local.transform_point3(ray.o), d: to_local.transform_vector3(ray.d), ..*ray }
 }
@@ -140,7 +140,7 @@ fn disk(center: Vec3, du: Vec3, dv: Vec3) -> Placement {
     let n2 = normal.length_squared();
     let to_a = dv.cross(normal) / n2;
     let to_b = normal.cross(du) / n2;
-    // The support of an ellipse along an axis is the length of the half-axes' components there.
+    // The half-width of an ellipse along an axis is the length of the half-axes' components on that axis.
     let reach = Vec3::from_array(std::array::from_fn(|k| du[k].hypot(dv[k])));
     let bounds = Bounds { min: center - reach, max: center + reach };
     (n2 != 0.0).then_some((Shape::Disk { center, normal, to_a, to_b }, bounds))
@@ -174,7 +174,7 @@ fn instance(
     if inner.is_empty() {
         return Ok(None);
     }
-    // Allow for the rounding of a local ray, which is relative to the local coordinates.
+    // Include the rounding error of a local ray, which is relative to the local coordinates.
     let linear = to_world.matrix3;
     let lengths = Mat3A::from_cols(linear.x_axis.abs(), linear.y_axis.abs(), linear.z_axis.abs());
     let local = Vec3::splat(inner.min.abs().max(inner.max.abs()).max_element());
@@ -184,7 +184,7 @@ fn instance(
     Ok(Some((Shape::Instance { tree: Arc::clone(tree), to_local, index }, bounds)))
 }
 
-/// The first parameter of two that lies in the ray's interval and passes a test.
+/// The first of two parameters that is in the ray's interval and passes a test.
 fn first_of(
     ray: &Ray,
     ts: [f32; 2],
@@ -203,7 +203,8 @@ fn roots(a: f32, b: f32, c: f32, discriminant: f32) -> Option<[f32; 2]> {
     Some([c / q, q / a])
 }
 
-/// Take the discriminant from the nearest point of the line \[Haines19\], so that far origins keep their digits.
+/// The discriminant is computed from the point of the line nearest to the centre \[Haines19\], which keeps precision
+/// for distant origins.
 fn meet_sphere(ray: &Ray, center: Vec3, radius: f32) -> Option<(f32, f32, f32)> {
     let f = ray.o - center;
     let a = ray.d.length_squared();
@@ -235,7 +236,7 @@ fn meet_cylinder(
     height: f32,
     radius: f32,
 ) -> Option<(f32, f32, f32)> {
-    // Work in the plane across the axis, where the cylinder is a circle.
+    // Work in the plane perpendicular to the axis, where the cylinder is a circle.
     let f = ray.o - foot;
     let across = |x: Vec3| x - axis * x.dot(axis);
     let (fp, dp) = (across(f), across(ray.d));

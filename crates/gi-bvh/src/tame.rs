@@ -1,16 +1,16 @@
-//! Rays that the kernels cannot take as they are: from far outside, of extreme length, or not numbers at all.
+//! Rays that the kernels cannot trace unchanged: origins far outside, extreme lengths, or values that are not finite.
 
 use glam::Vec3;
 
 use crate::bounds::Bounds;
 use crate::ray::Ray;
 
-/// Directions whose largest component lies outside [1 / this, this] are rescaled.
+/// Directions are rescaled if their largest component is outside [1 / LONGEST, LONGEST].
 const LONGEST: f32 = 1_048_576.0;
-/// Origins beyond this many times the scene's largest coordinate are moved closer.
+/// Origins farther away than this multiple of the scene's largest coordinate are moved closer.
 pub(super) const REACH: f32 = 2.0;
 
-/// Whether the kernels may take a ray whose scene reaches to `reach` (NaN fails every comparison).
+/// Whether the kernels can trace a ray unchanged in a scene of this `reach` (NaN fails every comparison).
 #[inline(always)]
 pub(super) fn is_tame(ray: &Ray, reach: f32) -> bool {
     let longest = ray.d.abs().max_element();
@@ -20,7 +20,7 @@ pub(super) fn is_tame(ray: &Ray, reach: f32) -> bool {
         && ray.tmin <= ray.tmax
 }
 
-/// A ray moved and rescaled; parameter t' of it is t = (t' * scale + shift) of the original.
+/// A moved and rescaled ray; its parameter t' corresponds to t = (t' * scale + shift) of the original.
 pub(super) struct Tamed {
     pub ray: Ray,
     scale: f64,
@@ -29,7 +29,7 @@ pub(super) struct Tamed {
 }
 
 impl Tamed {
-    /// The part of `ray` that passes the box, in terms that the kernels can take; nothing if it cannot hit anything.
+    /// The part of `ray` that passes the box, in a form that the kernels can trace; `None` if it cannot hit anything.
     pub(super) fn new(ray: &Ray, bounds: Bounds) -> Option<Self> {
         let longest = ray.d.abs().max_element();
         let sound = ray.o.is_finite() && ray.d.is_finite() && longest > 0.0 && ray.tmin <= ray.tmax;
@@ -40,7 +40,7 @@ impl Tamed {
         let d = ray.d.to_array().map(|x| f64::from(x) / f64::from(longest));
         let scale = 1.0 / f64::from(longest);
         let (tmin, tmax) = (f64::from(ray.tmin) / scale, f64::from(ray.tmax) / scale);
-        // Enter a box somewhat larger than the scene's.
+        // Enter a box that is slightly larger than the scene's.
         let (mut entry, mut exit) = (f64::NEG_INFINITY, f64::INFINITY);
         let margin = f64::from(bounds.min.abs().max(bounds.max.abs()).max_element()) / 1024.0;
         for axis in 0..3 {
@@ -74,7 +74,7 @@ impl Tamed {
         })
     }
 
-    /// The original's parameter, kept inside its interval against rounding.
+    /// The original's parameter, clamped to its interval against rounding.
     pub(super) fn untame(&self, t: f32) -> f32 {
         let t = (f64::from(t) * self.scale + self.shift) as f32;
         t.max(self.original.tmin.next_up()).min(self.original.tmax)

@@ -1,20 +1,20 @@
-//! What a kernel computes once per ray.
+//! Values that a kernel computes once per ray.
 
 use crate::ray::Ray;
 
-/// Direction components below this count as this, so that their reciprocal stays finite.
+/// Smaller direction components are replaced by this, so that their reciprocal stays finite.
 pub(super) const SMALLEST_STEP: f32 = 1e-18;
 
 /// The ray's reciprocal direction, octant, and the shear of the watertight triangle test \[Woop13\].
 pub(super) struct Walk {
     pub inv: [f32; 3],
-    /// 1 where the ray runs toward smaller coordinates.
+    /// 1 if the ray runs toward smaller coordinates.
     pub negative: [usize; 3],
-    /// Where this ray's octant stands in [`Node::order`](super::layout::Node::order).
+    /// Bit position of this ray's octant in [`Node::order`](super::layout::Node::order).
     pub order_shift: u32,
-    /// Axes permuted so that the ray runs mostly along the last.
+    /// Axes permuted so that the last one is the main direction of the ray.
     pub axes: [usize; 3],
-    /// What takes the ray to (0, 0, 1) in the permuted axes.
+    /// The shear that maps the ray to (0, 0, 1) in the permuted axes.
     pub shear: [f32; 3],
 }
 
@@ -46,8 +46,8 @@ fn reciprocal(x: f32) -> f32 {
     if x.abs() < SMALLEST_STEP { (1.0 / SMALLEST_STEP).copysign(x) } else { 1.0 / x }
 }
 
-/// The axes in cyclic order, the direction's largest last; bit k tells whether component k is larger than the next.
-/// From a table: directions are random, and branches on them are mispredicted.
+/// The axes in cyclic order, with the largest component of the direction last. Bit k of `larger`: component k is larger
+/// than the next. It is a table because directions are random, so branches on them are mispredicted.
 #[inline(always)]
 pub(super) fn main_axes(larger: usize) -> [usize; 3] {
     const X: [usize; 3] = [1, 2, 0];

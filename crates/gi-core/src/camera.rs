@@ -1,4 +1,4 @@
-//! Cameras: from a point of the picture to a ray, and from a point of the world to the picture.
+//! Cameras: map a point of the picture to a ray, and a point of the world to the picture.
 
 use glam::{Affine3A, Vec2, Vec3};
 
@@ -6,18 +6,18 @@ use crate::math::sqr;
 use crate::ray::Ray;
 use crate::warp;
 
-/// What a scene says about its camera. Local axes: looks along +z, +y up, **+x to the left** (as Mitsuba).
+/// A camera as the scene describes it. Local axes: it looks along +z, +y is up, **+x is to the left** (as in Mitsuba).
 #[derive(Clone, Debug)]
 pub struct CameraSpec {
     /// From camera to world.
     pub to_world: Affine3A,
     /// How points are projected.
     pub projection: Projection,
-    /// Pixels across and down.
+    /// Width and height in pixels.
     pub size: [usize; 2],
-    /// Nothing nearer is seen (world units along the axis); 0 sees all.
+    /// Objects nearer than this are invisible (world units along the axis); 0 for no limit.
     pub near: f32,
-    /// Shift of the picture's middle, in fractions of its width and height.
+    /// Offset of the picture's centre, in fractions of its width and height.
     pub principal_point_offset: Vec2,
 }
 
@@ -30,7 +30,7 @@ pub enum Projection {
         fov_x: f32,
         /// Radius of the lens, world units.
         aperture_radius: f32,
-        /// Distance along the axis of what is sharp, world units.
+        /// Distance of the sharp plane along the axis, world units.
         focus_distance: f32,
     },
     /// Parallel rays; the picture's width is 2 units of camera space.
@@ -50,7 +50,7 @@ impl CameraSpec {
     }
 }
 
-/// A camera ready for use.
+/// A camera prepared for rendering.
 #[derive(Clone, Debug)]
 pub struct Camera {
     size: [usize; 2],
@@ -68,22 +68,22 @@ pub struct Camera {
     pixel_area: f32,
 }
 
-/// How a point of the world meets the camera.
+/// The connection of a point of the world with the camera.
 #[derive(Clone, Copy, Debug)]
 pub struct Connection {
-    /// Where on the film, in pixels from the top left corner.
+    /// Position on the film, in pixels from the top left corner.
     pub film: [f32; 2],
     /// Unit direction from the point to the camera.
     pub wi: Vec3,
-    /// Where its way ends: where the camera's ray through the point begins to see, on the lens where `near` is 0.
+    /// The end of the connection: the start of the camera's ray through the point, which is on the lens if `near` is 0.
     pub end: Vec3,
-    /// Power that leaves the point toward the camera per solid angle (times the cosine at the point), times
-    /// this, is the radiance that a pixel would see if all of it fell on that one pixel.
+    /// Factor from the power that leaves the point toward the camera per solid angle (times the cosine at the point) to
+    /// the radiance of a pixel, if all of this power falls on that pixel.
     pub importance: f32,
 }
 
 impl Camera {
-    /// Make a camera ready.
+    /// Prepare a camera.
     pub fn new(spec: &CameraSpec) -> Self {
         let [w, h] = spec.size.map(|n| n as f32);
         let (half_x, aperture, focus, orthographic) = match spec.projection {
@@ -109,7 +109,7 @@ impl Camera {
         }
     }
 
-    /// Pixels across and down.
+    /// Width and height in pixels.
     pub fn size(&self) -> [usize; 2] {
         self.size
     }
@@ -119,8 +119,8 @@ impl Camera {
         self.aperture > 0.0
     }
 
-    /// The ray, of unit direction, that sees the film at `film` (pixels from the top left corner) through the
-    /// point of the lens that `u` draws.
+    /// The ray with unit direction through the position `film` (pixels from the top left corner) and the point of the
+    /// lens that `u` selects.
     #[inline]
     pub fn ray(&self, film: [f32; 2], u: [f32; 2]) -> Ray {
         let p = self.film_to_plane(Vec2::from_array(film));
@@ -132,14 +132,14 @@ impl Camera {
         } else {
             (Vec3::ZERO, p.extend(1.0))
         };
-        // Parameters count world lengths along the unit direction.
+        // Parameters are world lengths along the unit direction.
         let axis_speed = d.z / d.length();
         let d = self.to_world.transform_vector3(d).normalize();
         Ray { tmin: self.near / axis_speed, ..Ray::new(self.to_world.transform_point3(o), d) }
     }
 
-    /// How the world point `p` meets the camera through the point of the lens that `u` draws;
-    /// `None` where it is more than `margin` pixels outside of the picture.
+    /// Connect the world point `p` with the camera through the point of the lens that `u` selects. `None` if it is more
+    /// than `margin` pixels outside the picture.
     pub fn connect(&self, p: Vec3, u: [f32; 2], margin: f32) -> Option<Connection> {
         let local = self.to_local.transform_point3(p);
         if local.z <= self.near.max(0.0) {
@@ -156,7 +156,7 @@ impl Camera {
         } else {
             Vec3::ZERO
         };
-        // Where the ray from the lens through p meets the plane that is sharp tells where it falls on the film.
+        // The intersection of the ray from the lens through p with the sharp plane gives the position on the film.
         let d = local - lens;
         let sharp = lens + d * (self.focus / d.z);
         let film = self.plane_to_film(sharp.truncate() / self.focus, margin)?;
@@ -164,18 +164,18 @@ impl Camera {
         let to = self.to_world.transform_point3(lens) - p;
         let distance_sq = to.length_squared();
         let cos = d.z / d.length();
-        // A pixel sees the solid angle pixel_area cos^3; the point fills 1 / d^2.
+        // A pixel covers the solid angle pixel_area cos^3; the point covers 1 / d^2.
         let importance = 1.0 / (self.pixel_area * cos * sqr(cos) * distance_sq);
         Some(Connection { film, wi: to / distance_sq.sqrt(), end, importance })
     }
 
-    /// Width of what a pixel sees of a surface that faces it, in units of its distance; for orthographic cameras
-    /// in units of the distance 1 (world).
+    /// Width of the part of a surface that a pixel covers, if the surface faces the camera, relative to its distance.
+    /// For orthographic cameras, the distance counts as 1 (world).
     pub fn pixel_width(&self) -> f32 {
         self.pixel_area.sqrt()
     }
 
-    /// Film to the plane z = 1: x to the left, y up.
+    /// From the film to the plane z = 1: x to the left, y up.
     #[inline]
     fn film_to_plane(&self, film: Vec2) -> Vec2 {
         let [w, h] = self.size.map(|n| n as f32);
@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_pixel_sees_connects_back_to_it() {
+    fn a_point_seen_by_a_pixel_connects_back_to_it() {
         let mut rng = Pcg::new(3, 0);
         for camera in cameras() {
             for _ in 0..1000 {
@@ -238,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn light_that_goes_to_a_camera_ends_where_its_ray_begins_to_see() {
+    fn connections_end_at_the_start_of_the_cameras_ray() {
         let mut rng = Pcg::new(4, 0);
         for near in [0.0, 0.7] {
             for camera in cameras().map(|camera| Camera { near, ..camera }) {
@@ -264,8 +264,8 @@ mod tests {
 
     #[test]
     fn importance_integrates_to_the_number_of_pixels() {
-        // A lambertian plane of radiance 1 across the view, sampled uniformly in area: the sum of
-        // cos * importance * area over the pixels must be one a pixel.
+        // A Lambertian plane of radiance 1 across the view, sampled uniformly by area: the sum of cos * importance *
+        // area over the pixels must be one per pixel.
         for camera in cameras() {
             let mid = camera.ray([32.0, 24.0], [0.5; 2]);
             let (center, n) = (mid.at(6.0), -mid.d);

@@ -17,11 +17,11 @@ pub struct Canvas {
 impl Canvas {
     /// Draw on `pixels`, row by row from the top.
     pub fn over(size: [usize; 2], pixels: Vec<Rgb>) -> Self {
-        assert_eq!(pixels.len(), size[0] * size[1], "a canvas has its pixels");
+        assert_eq!(pixels.len(), size[0] * size[1], "one colour per pixel");
         Canvas { size, pixels }
     }
 
-    /// Pixels across and down.
+    /// Width and height in pixels.
     pub fn size(&self) -> [usize; 2] {
         self.size
     }
@@ -52,8 +52,8 @@ impl Canvas {
         });
     }
 
-    /// Blend `colour` into pixels. `inside` gives the distance of a pixel's centre from the edge, positive inside (pixels). Only
-    /// pixels within `reach` of the box round `a` and `b` change.
+    /// Blend `colour` into pixels. `inside` gives the distance of a pixel's centre from the edge, positive inside
+    /// (pixels). Only pixels within `reach` of the box around `a` and `b` change.
     fn cover(&mut self, a: Vec2, b: Vec2, reach: f32, colour: Rgb, inside: impl Fn(Vec2) -> f32) {
         let (low, high) = (a.min(b) - (reach + 1.0), a.max(b) + (reach + 1.0));
         if !(low.is_finite() && high.is_finite()) {
@@ -75,8 +75,8 @@ impl Canvas {
     }
 }
 
-/// Where the picture shows the world point `p` on a surface with normal `n`. `None` if it is outside of the picture, seen from
-/// behind, or occluded.
+/// The position in the picture of the world point `p` on a surface with normal `n`. `None` if it is outside the
+/// picture, seen from behind, or occluded.
 pub fn seen_at(scene: &Scene, camera: &Camera, p: Vec3, n: Vec3) -> Option<Vec2> {
     let c = camera.connect(p, [0.5; 2], 0.0)?;
     let facing = c.wi.dot(n) > 0.0;
@@ -84,8 +84,8 @@ pub fn seen_at(scene: &Scene, camera: &Camera, p: Vec3, n: Vec3) -> Option<Vec2>
     (facing && !scene.transmittance(ray).is_black()).then(|| Vec2::from_array(c.film))
 }
 
-/// Where the picture shows the world point `p`, which is not on a surface. `None` if it is outside of the picture, or an opaque
-/// surface occludes it. Refraction is ignored.
+/// The position in the picture of the world point `p`, which is not on a surface. `None` if it is outside the picture,
+/// or if an opaque surface occludes it. Refraction is ignored.
 pub fn seen_within(scene: &Scene, camera: &Camera, p: Vec3) -> Option<Vec2> {
     let c = camera.connect(p, [0.5; 2], 0.0)?;
     let mut ray = scene.tree().shadow_ray(p, Vec3::ZERO, c.end);
@@ -98,8 +98,8 @@ pub fn seen_within(scene: &Scene, camera: &Camera, p: Vec3) -> Option<Vec2> {
     Some(Vec2::from_array(c.film))
 }
 
-/// The colour of a number in [0, 1]: viridis, dark blue over green to yellow, which reads the same in grey and to the
-/// colour-blind.
+/// The colour of a number in [0, 1]: viridis, from dark blue over green to yellow. It is readable in grey and for
+/// colour-blind readers.
 pub fn viridis(t: f32) -> Rgb {
     let colour = colorous::VIRIDIS.eval_continuous(f64::from(t.clamp(0.0, 1.0)));
     Rgb::from([colour.r, colour.g, colour.b].map(srgb_to_linear))
@@ -121,7 +121,7 @@ mod tests {
     use crate::texture::Texture;
 
     #[test]
-    fn points_in_glass_are_seen_and_points_behind_walls_are_not() {
+    fn points_in_glass_are_visible_and_points_behind_walls_are_not() {
         let sphere = |x: f32, material| {
             let (center, axes) = (Vec3::X * x, Frame::from_normal(Vec3::Z));
             Shape::new("ball", Geometry::Sphere { center, radius: 1.0, axes }, material)
@@ -166,7 +166,8 @@ mod tests {
         assert!((ring / (std::f32::consts::TAU * 20.0) - 1.0).abs() < 0.01, "{ring}");
         let line = covered(&|c| c.line(middle, middle + Vec2::new(30.0, 0.0), 2.0, Rgb::WHITE));
         assert!((line / (30.0 * 2.0 + std::f32::consts::PI) - 1.0).abs() < 0.02, "{line}");
-        // A quarter of a disc at the corner, and nothing far outside or where there is no place.
+        // A disc at the corner covers a quarter of its area; shapes far outside, or at positions that are not finite,
+        // cover nothing.
         let corner = covered(&|c| c.disc(Vec2::ZERO, 10.0, Rgb::WHITE));
         assert!((corner / (std::f32::consts::PI * 25.0) - 1.0).abs() < 0.02, "{corner}");
         assert_eq!(covered(&|c| c.disc(Vec2::splat(1e30), 5.0, Rgb::WHITE)), 0.0);

@@ -1,6 +1,6 @@
-//! Focused light: caustics from mirrors and glass. Light paths trace photons through delta scatterings; each photon is stored
-//! where the path first meets a surface with other lobes. Virtual lights and eye paths find this light badly: paths reach a
-//! small lamp behind glass only by luck, which gives single bright pixels.
+//! Focused light: caustics from mirrors and glass. Light paths trace photons through delta scatterings; each photon is
+//! stored where the path first meets a surface with other lobes. Virtual lights and eye paths find this light badly:
+//! paths reach a small lamp behind glass only by luck, which gives single bright pixels.
 //!
 //! | | |
 //! |---|---|
@@ -73,7 +73,7 @@ impl FocusedLight {
         self.map.photons.len()
     }
 
-    /// Mean radius in this pass over the pilot's photons, world units: how far light is blurred.
+    /// Mean radius in this pass over the pilot's photons, world units: the size of the blur.
     pub fn mean_radius(&self) -> f64 {
         let of = |q: &Photon| f64::from(radius(self.largest, self.level(q.p, q.n)));
         // A sample of the photons is enough.
@@ -97,8 +97,8 @@ impl FocusedLight {
         }
     }
 
-    /// Radiance of focused light that a point scatters toward `wo`. Only photons after at most `deepest` scatterings count. `None`
-    /// if nothing focuses light.
+    /// Radiance of focused light that a point scatters toward `wo`. Only photons after at most `deepest` scatterings
+    /// count. `None` if nothing focuses light.
     pub fn radiance(
         &self,
         scene: &Scene,
@@ -128,7 +128,7 @@ impl FocusedLight {
         if all.is_black() {
             return Some(all);
         }
-        // Walls in the disc, and edges.
+        // Account for walls in the disc, and for edges.
         let side = 1f32.copysign(wo.dot(n));
         let disc = |side: f32| Disc::new(scene, p, n * side, r, SAME_SURFACE);
         let mut rng = numbers(p, self.shrink);
@@ -149,8 +149,8 @@ impl FocusedLight {
         Self::new(scene, seed, if matters { pixels } else { 0 })
     }
 
-    /// Add focused light to the estimate of a cache at a vertex. Without an estimate the path continues for all other light.
-    /// Lobes of a roughness below 0.1 are left to paths.
+    /// Add focused light to the estimate of a cache at a vertex. Without an estimate the path continues for all other
+    /// light. Lobes of a roughness below 0.1 are left to paths.
     pub fn add_to(
         &self,
         estimate: Option<Estimate>,
@@ -165,7 +165,7 @@ impl FocusedLight {
         let radiance = |bsdf: &Bsdf| self.radiance(scene, (&v.surface, v.wo, bsdf), deepest);
         match estimate {
             _ if !self.is_some() => estimate,
-            // Nothing else accounts for narrow lobes here.
+            // Here, only paths find the light in narrow lobes.
             Some(_) if v.bsdf.is_sharp(MIN_ROUGHNESS) => estimate,
             Some(known) => Some(Estimate { caustic: radiance(&v.bsdf), ..known }),
             None => {

@@ -1,7 +1,8 @@
 //! The part of a disc on a surface that is visible from just above its centre.
 //!
-//! A density estimate divides the light on a disc by its area. At the edge of a surface a part of the disc lies in the air, and
-//! behind a thin wall a part belongs to another room. Photons there must not count, and the area must exclude the same part.
+//! A density estimate divides the light on a disc by its area. At the edge of a surface a part of the disc lies in the
+//! air, and behind a thin wall a part belongs to another room. Photons there must not count, and the area must exclude
+//! the same part.
 
 use glam::Vec3;
 
@@ -11,8 +12,8 @@ use crate::ray::Ray;
 use crate::scene::Scene;
 use crate::warp;
 
-/// Height of the viewpoint above the surface, in radii of the disc. Lower obstacles do not hide photons, and a surface that bends
-/// less is still one surface.
+/// Height of the viewpoint above the surface, in radii of the disc. Lower obstacles do not hide photons, and a surface
+/// whose curvature stays below this height counts as one surface.
 const HEIGHT: f32 = 0.25;
 /// Largest depth of the surface below the disc, in radii.
 const DEPTH: f32 = 0.5;
@@ -39,8 +40,8 @@ pub struct Disc<'a> {
 }
 
 impl<'a> Disc<'a> {
-    /// The disc of `radius` round the surface point `p`, seen from the side of the unit normal `n`. A surface belongs to it if the
-    /// cosine between the normals is at least `min_cos`.
+    /// The disc of `radius` around the surface point `p`, seen from the side of the unit normal `n`. A surface belongs
+    /// to it if the cosine between the normals is at least `min_cos`.
     pub fn new(scene: &'a Scene, p: Vec3, n: Vec3, radius: f32, min_cos: f32) -> Self {
         let lift = scene.tree().offset_origin(p, n, n).distance(p);
         let height = (HEIGHT * radius).max(LEAST_LIFTS * lift);
@@ -81,7 +82,7 @@ impl<'a> Disc<'a> {
             if surface.ng.dot(n).abs() >= self.min_cos {
                 return Some(surface.p);
             }
-            // A sheet across the disc that lets light pass hides nothing.
+            // A transparent sheet across the disc hides nothing.
             let bsdf = self.scene.bsdf(&surface, n, Transport::Radiance);
             if bsdf.straight_through(n).is_black() {
                 return None;
@@ -93,7 +94,7 @@ impl<'a> Disc<'a> {
 
     /// Fraction of the disc that lies on visible surfaces, from `count` evenly spaced probes; `offset` shifts them.
     pub fn share(&self, count: u32, offset: [f32; 2]) -> f32 {
-        // A lattice of the golden ratio.
+        // A golden-ratio lattice.
         let u = |i: u32| {
             let lattice = [(i as f32 + 0.5) / count as f32, i as f32 * 0.618_034];
             [0, 1].map(|k| (lattice[k] + offset[k]).fract())
@@ -101,8 +102,8 @@ impl<'a> Disc<'a> {
         (0..count).filter(|i| self.meets(u(*i))).count() as f32 / count as f32
     }
 
-    /// An unbiased estimate of one over the visible fraction of the disc: the number of random points until one is visible has that
-    /// mean. A fully visible disc needs one trial. `u` gives uniform points.
+    /// An unbiased estimate of one over the visible fraction of the disc: the number of random points until one is
+    /// visible has that mean. A fully visible disc needs one trial. `u` gives uniform points.
     pub fn inverse_share(&self, mut u: impl FnMut() -> [f32; 2]) -> f32 {
         let first = u();
         if self.meets(first) {
@@ -131,7 +132,7 @@ mod tests {
         Geometry::Mesh(Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() })
     }
 
-    /// A floor from -1 to 1, and over the line x = 0.05 a wall or a sheet that lets light pass.
+    /// A floor from -1 to 1. Above the line x = 0.05 stands a wall of the given material, which may be transparent.
     fn scene(wall: Material) -> Scene {
         let floor = [[-1.0, 0.0, -1.0], [-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0]];
         let across = [[0.05, 0.0, -1.0], [0.05, 0.0, 1.0], [0.05, 1.0, 1.0], [0.05, 1.0, -1.0]];
@@ -140,13 +141,13 @@ mod tests {
         Scene::new(SceneParts { shapes, materials, ..SceneParts::default() }).expect("a scene")
     }
 
-    /// Share of a disc of radius 1 on one side of a chord at distance `h` from its middle, that which has the middle.
+    /// Fraction of a disc of radius 1 on one side of a chord at distance `h` from its centre, the side with the centre.
     fn beside_chord(h: f32) -> f32 {
         1.0 - (h.acos() - h * (1.0 - h * h).sqrt()) / std::f32::consts::PI
     }
 
     #[test]
-    fn what_hangs_over_an_edge_or_lies_behind_a_wall_is_left_out() {
+    fn parts_beyond_an_edge_or_behind_a_wall_are_excluded() {
         let diffuse = Material::Diffuse { reflectance: Texture::grey(0.5) };
         let scenes = [scene(diffuse), scene(Material::Null)];
         let mut rng = Pcg::new(3, 1);
@@ -175,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_close_above_lowers_the_viewpoint() {
+    fn an_obstacle_close_above_lowers_the_viewpoint() {
         let shelf = [[-1.0, 0.01, -1.0], [-1.0, 0.01, 1.0], [0.5, 0.01, 1.0], [0.5, 0.01, -1.0]];
         let floor = [[-1.0, 0.0, -1.0], [-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0]];
         let shapes = [floor, shelf].map(|m| Shape::new("square", mesh(m), 0)).to_vec();

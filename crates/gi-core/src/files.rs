@@ -12,10 +12,11 @@ use tempfile::NamedTempFile;
 /// A file that is being written.
 pub type Out = BufWriter<NamedTempFile>;
 
-/// Held while a file is being written; taken whole by who ends the process.
+/// Read-locked while a file is being written; write-locked to end the process.
 static WRITING: RwLock<()> = RwLock::new(());
 
-/// Wait until no file is half-written, and let none begin while the result lives. For ending the process.
+/// Wait until no file is half-written, and block further writes while the returned guard exists. Used to end the
+/// process.
 pub fn hold_writes() -> RwLockWriteGuard<'static, ()> {
     WRITING.write().unwrap_or_else(PoisonError::into_inner)
 }
@@ -23,10 +24,10 @@ pub fn hold_writes() -> RwLockWriteGuard<'static, ()> {
 /// Read a file that the user named.
 ///
 /// # Errors
-/// One line with the file's name and the cause.
+/// A message of one line with the file's name and the cause.
 pub fn read(path: &Path) -> std::result::Result<Vec<u8>, String> {
     let cannot = |why: &dyn std::fmt::Display| format!("cannot read {}: {why}", path.display());
-    // A device may never end.
+    // A device might never end.
     if !path.metadata().map_err(|e| cannot(&e))?.is_file() {
         return Err(cannot(&"it is not a regular file"));
     }
@@ -36,7 +37,7 @@ pub fn read(path: &Path) -> std::result::Result<Vec<u8>, String> {
 /// Parse the name of a file of points to write: a point cloud (.ply) or a table (.csv).
 ///
 /// # Errors
-/// The endings that are known.
+/// The message names the allowed extensions.
 pub fn points_file(name: &str) -> std::result::Result<PathBuf, String> {
     let path = PathBuf::from(name);
     let known = |e: &OsStr| ["ply", "csv"].iter().any(|k| e.eq_ignore_ascii_case(k));
@@ -60,7 +61,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
 /// The same, with `fill` writing the bytes.
 ///
 /// # Errors
-/// What `fill` or the system says, without the file's name; the file is as it was.
+/// The error of `fill` or of the system, without the file's name. The file is unchanged.
 pub fn write_with(path: &Path, fill: impl FnOnce(&mut Out) -> Result<()>) -> Result<()> {
     let _whole = WRITING.read().unwrap_or_else(PoisonError::into_inner);
     refuse_special(path)?;
@@ -78,7 +79,7 @@ pub fn write_with(path: &Path, fill: impl FnOnce(&mut Out) -> Result<()>) -> Res
 /// Check before rendering that `path` can be written. An existing file stays unchanged.
 ///
 /// # Errors
-/// Why it cannot, without the file's name.
+/// The reason why it cannot be written, without the file's name.
 pub fn check_writable(path: &Path) -> Result<()> {
     let _whole = WRITING.read().unwrap_or_else(PoisonError::into_inner);
     refuse_special(path)?;
@@ -99,7 +100,7 @@ pub fn is_same(a: &Path, b: &Path) -> bool {
 /// Refuse what no regular file can replace: a folder, a device, a pipe.
 ///
 /// # Errors
-/// What it is.
+/// A message that says what it is.
 pub fn refuse_special(path: &Path) -> Result<()> {
     match std::fs::metadata(path) {
         Ok(there) if there.is_dir() => Err(Error::new(ErrorKind::IsADirectory, "it is a folder")),
@@ -110,10 +111,11 @@ pub fn refuse_special(path: &Path) -> Result<()> {
     }
 }
 
-/// Most symbolic links that are followed; a longer chain is taken for a circle, as systems do.
+/// Largest number of symbolic links that are followed; a longer chain is assumed to be a circle, as operating systems
+/// do.
 const MAX_LINKS: usize = 40;
 
-/// Where a name leads if it is a symbolic link, perhaps to a file that is not there yet; else the name itself.
+/// The target of a symbolic link, which need not exist; for other names, the name itself.
 fn target(path: &Path) -> Result<PathBuf> {
     let mut path = path.to_path_buf();
     for _ in 0..MAX_LINKS {
@@ -191,7 +193,7 @@ mod tests {
             out.flush()?;
             Err(Error::other("no more"))
         };
-        let error = write_with(&path, half).expect_err("what fails is told");
+        let error = write_with(&path, half).expect_err("errors are passed on");
         assert_eq!(error.to_string(), "no more");
         assert_eq!(std::fs::read(&path).expect("a file"), b"old");
         assert_eq!(names(folder.path()), ["a.txt"]);
@@ -247,7 +249,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_symbolic_link_is_written_through_even_to_a_file_that_is_not_there() {
+    fn a_symbolic_link_is_written_through_even_if_its_target_does_not_exist() {
         let folder = tempfile::tempdir().expect("a folder");
         let at = |name: &str| folder.path().join(name);
         let link = |to: &str, name: &str| std::os::unix::fs::symlink(to, at(name)).expect("a link");
@@ -298,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_is_the_same_by_whatever_name() {
+    fn different_names_of_the_same_file_are_recognised() {
         let folder = tempfile::tempdir().expect("a folder");
         let at = |name: &str| folder.path().join(name);
         write(&at("a.txt"), b"there").expect("written");

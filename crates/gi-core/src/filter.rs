@@ -1,23 +1,23 @@
-//! Reconstruction filters, sampled rather than splatted: a pixel's sample positions are drawn in proportion to
-//! the filter \[Ernst06\], so that pixels stay independent of each other and of the order of the work.
+//! Reconstruction filters, by sampling instead of splatting: a pixel's sample positions are distributed in proportion
+//! to the filter \[Ernst06\], so that pixels do not depend on each other or on the order of the work.
 
 use std::f32::consts::PI;
 
 use crate::math::sqr;
 
-/// A reconstruction filter, separable; lengths in pixels. Radii and constants as in Mitsuba.
+/// A separable reconstruction filter; lengths in pixels. Radii and constants as in Mitsuba.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Filter {
     /// One pixel wide.
     Box,
     /// A triangle of radius 1.
     Tent,
-    /// A Gaussian cut at four standard deviations and lowered to end at zero.
+    /// A Gaussian, cut off at four standard deviations and shifted down so that it ends at zero.
     Gaussian {
-        /// Standard deviation, 0.5 unless said.
+        /// Standard deviation; 0.5 by default.
         stddev: f32,
     },
-    /// Mitchell-Netravali with parameters (b, c), 1/3 each unless said.
+    /// Mitchell-Netravali with parameters (b, c); 1/3 each by default.
     Mitchell {
         /// Blur.
         b: f32,
@@ -28,7 +28,7 @@ pub enum Filter {
     CatmullRom,
     /// A windowed sinc.
     Lanczos {
-        /// Lobes, 3 unless said.
+        /// Number of lobes; 3 by default.
         lobes: u32,
     },
 }
@@ -45,7 +45,7 @@ impl Filter {
         }
     }
 
-    /// The filter at distance `x` from the pixel's middle along one axis, not normalised.
+    /// The unnormalised filter at distance `x` from the pixel's centre along one axis.
     pub fn eval(self, x: f32) -> f32 {
         let x = x.abs();
         if x >= self.radius() {
@@ -87,13 +87,13 @@ fn sinc(x: f32) -> f32 {
 #[derive(Clone, Debug)]
 pub struct FilterTable {
     filter: Filter,
-    /// Values at distances k / STEPS from the middle, up to the radius and one beyond.
+    /// Values at distances k / STEPS from the centre, up to the radius and one beyond.
     values: Vec<f32>,
     /// One over the filter's integral along one axis.
     normalisation: f32,
 }
 
-/// Entries of the table a pixel: the filters are straight lines over a sixty-fourth of one.
+/// Table entries per pixel: between them, filters are interpolated linearly.
 const STEPS: f32 = 64.0;
 
 impl FilterTable {
@@ -109,18 +109,18 @@ impl FilterTable {
         FilterTable { filter, values, normalisation: (0.5 / half) as f32 }
     }
 
-    /// Which filter this is.
+    /// The filter.
     pub fn filter(&self) -> Filter {
         self.filter
     }
 
-    /// How many pixels to each side of a sample's own the filter reaches into.
+    /// Number of pixels that the filter reaches on each side of a sample's own pixel.
     pub fn reach(&self) -> usize {
-        // A sample lies up to half a pixel off its pixel's middle.
+        // A sample is up to half a pixel away from its pixel's centre.
         (self.filter.radius() + 0.5).ceil() as usize - 1
     }
 
-    /// The filter at distance `x` along one axis, not normalised.
+    /// The unnormalised filter at distance `x` along one axis.
     #[inline]
     pub fn weight(&self, x: f32) -> f32 {
         if self.filter == Filter::Tent {
@@ -134,8 +134,8 @@ impl FilterTable {
         }
     }
 
-    /// Choose the pixel that receives light which falls on the film at `film` (pixels from the corner), and the weight. On average
-    /// every pixel receives the value of the normalised filter at its distance. The pixel may lie outside of the picture.
+    /// Choose the pixel that receives light at position `film` (pixels from the corner), and its weight. On average,
+    /// every pixel receives the value of the normalised filter at its distance. The pixel may be outside the picture.
     #[inline]
     pub fn splat(&self, film: [f32; 2], u: [f32; 2]) -> ([i32; 2], f32) {
         let (x, wx) = self.splat_axis(film[0], u[0]);
@@ -185,7 +185,7 @@ mod tests {
             let mut integral = 0.0f64;
             for i in 0..samples {
                 let x = (i as f32 / (samples - 1) as f32 * 2.0 - 1.0) * (filter.radius() + 0.3);
-                // The box jumps within the last step of its table.
+                // The box filter is discontinuous within the last step of its table.
                 let near_jump = filter == Filter::Box && (x.abs() - 0.5).abs() < 1.0 / STEPS;
                 assert!(
                     near_jump || (table.weight(x) - filter.eval(x)).abs() < 2e-3,
@@ -203,14 +203,14 @@ mod tests {
     }
 
     #[test]
-    fn splats_give_each_pixel_the_filters_value_at_its_distance() {
+    fn on_average_splats_give_each_pixel_the_filters_value() {
         for filter in ALL {
             let table = FilterTable::new(filter);
             let (n, x) = (20_000, 7.3f32);
             let mut got = [0.0f64; 16];
             for i in 0..n {
                 let ([px, _], w) = table.splat([x, 3.5], [(i as f32 + 0.5) / n as f32, 0.5]);
-                // The second axis: at u = 0.5 the middle pixel is chosen, whose weight is a constant of the filter.
+                // On the second axis, u = 0.5 chooses the middle pixel, whose weight is a constant of the filter.
                 let (_, wy) = table.splat_axis(3.5, 0.5);
                 got[px as usize] += f64::from(w / wy) / n as f64;
             }

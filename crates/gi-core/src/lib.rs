@@ -1,4 +1,4 @@
-//! The world and the walks: everything that the techniques share.
+//! The scene, and the walks of eye paths and light paths: everything that the techniques share.
 //!
 //! | symbol | here |
 //! |---|---|

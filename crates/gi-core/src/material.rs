@@ -1,4 +1,5 @@
-//! Materials as a scene gives them: parameters are textures. [`crate::bsdf::Bsdf`] is a material at a point.
+//! Materials as the scene describes them: their parameters are textures. [`crate::bsdf::Bsdf`] is a material at a
+//! point.
 
 use crate::math::Rgb;
 use crate::texture::Texture;
@@ -15,7 +16,7 @@ pub enum Distribution {
 /// Roughness of a microfacet surface.
 #[derive(Clone, Debug)]
 pub struct Roughness {
-    /// Which distribution.
+    /// The distribution.
     pub distribution: Distribution,
     /// Width along the first tangent.
     pub alpha_u: Texture,
@@ -23,12 +24,12 @@ pub struct Roughness {
     pub alpha_v: Texture,
 }
 
-/// What is done about bent shading normals that face away from the eye or the light.
+/// Corrections of bent shading normals that face away from the eye or the light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BentNormals {
-    /// Whether those that face away from the eye are flipped about the unbent normal \[Schuessler17\].
+    /// Whether normals that face away from the eye are flipped about the unbent normal \[Schuessler17\].
     pub flipped: bool,
-    /// Whether light fades out toward where the unbent normal faces away from it \[Estevez19\].
+    /// Whether light fades out toward directions from which the unbent normal faces away \[Estevez19\].
     pub shadowed: bool,
 }
 
@@ -38,63 +39,64 @@ impl Default for BentNormals {
     }
 }
 
-/// Parameters of the principled model \[Burley12, Burley15\], as Mitsuba 3 names them. All but `eta` lie in [0, 1].
+/// Parameters of the principled model \[Burley12, Burley15\], with the names of Mitsuba 3. All except `eta` are in [0,
+/// 1].
 #[derive(Clone, Debug)]
 pub struct Principled {
-    /// Colour of the base, of metals and of what is refracted.
+    /// Colour of the base, of metals, and of refracted light.
     pub base_color: Texture,
-    /// Root of the facets' width.
+    /// Square root of the facets' width.
     pub roughness: Texture,
-    /// How much the facets' widths differ along the two tangents.
+    /// How much the facets' widths differ between the two tangents.
     pub anisotropic: Texture,
-    /// Share of the metal.
+    /// Fraction of metal.
     pub metallic: Texture,
-    /// Share of the glass in what is not metal.
+    /// Fraction of glass in the part that is not metal.
     pub spec_trans: Texture,
     /// Index inside over index outside.
     pub eta: f32,
-    /// How much of the colour's hue the dielectric reflection takes on.
+    /// How much of the colour's hue the dielectric reflection has.
     pub spec_tint: Texture,
     /// Strength of the sheen.
     pub sheen: Texture,
-    /// How much of the colour's hue the sheen takes on.
+    /// How much of the colour's hue the sheen has.
     pub sheen_tint: Texture,
-    /// Share of the flattened form in the base.
+    /// Fraction of the flattened form in the base.
     pub flatness: Texture,
     /// Strength of the clearcoat.
     pub clearcoat: Texture,
-    /// How sharp the clearcoat's reflection is.
+    /// Sharpness of the clearcoat's reflection.
     pub clearcoat_gloss: Texture,
 }
 
-/// Parameters of the principled model of a sheet \[Burley15\], as Mitsuba 3 names them. All but `eta` and `diff_trans` lie
-/// in [0, 1].
+/// Parameters of the principled model of a sheet \[Burley15\], with the names of Mitsuba 3. All except `eta` and
+/// `diff_trans` are in [0, 1].
 #[derive(Clone, Debug)]
 pub struct PrincipledThin {
-    /// Colour of the base, and of what passes.
+    /// Colour of the base, and of transmitted light.
     pub base_color: Texture,
-    /// Root of the facets' width.
+    /// Square root of the facets' width.
     pub roughness: Texture,
-    /// How much the facets' widths differ along the two tangents.
+    /// How much the facets' widths differ between the two tangents.
     pub anisotropic: Texture,
-    /// Share of the facets that reflect and let light pass.
+    /// Fraction of the facets, which reflect and transmit light.
     pub spec_trans: Texture,
-    /// Twice the share of the base that lets light pass diffusely, in [0, 2].
+    /// Twice the fraction of the base that transmits light diffusely, in [0, 2].
     pub diff_trans: Texture,
-    /// Index of the sheet over index round it.
+    /// Index of the sheet over the index around it.
     pub eta: Texture,
-    /// How much of the colour's hue the reflection takes on.
+    /// How much of the colour's hue the reflection has.
     pub spec_tint: Texture,
     /// Strength of the sheen.
     pub sheen: Texture,
-    /// How much of the colour's hue the sheen takes on.
+    /// How much of the colour's hue the sheen has.
     pub sheen_tint: Texture,
-    /// Share of the flattened form in the base.
+    /// Fraction of the flattened form in the base.
     pub flatness: Texture,
 }
 
-/// How a surface scatters light. Children are indices into the same table of materials
-/// and must stand before their parent.
+/// How a surface scatters light. Children are indices into the same table of materials, and must come before their
+/// parent.
 #[derive(Clone, Debug)]
 pub enum Material {
     /// Lambert.
@@ -133,7 +135,7 @@ pub enum Material {
     },
     /// A pane: both interfaces at once, no refraction.
     ThinDielectric {
-        /// Index of the pane over index round it.
+        /// Index of the pane over the index around it.
         eta: f32,
         /// Factor on reflection.
         reflectance: Texture,
@@ -148,7 +150,7 @@ pub enum Material {
         diffuse: Texture,
         /// Factor on the coat's reflection.
         specular: Texture,
-        /// Whether light that bounces inside the coat is tinted each time.
+        /// Whether light that is reflected inside the coat is tinted each time.
         nonlinear: bool,
         /// Facets of the coat, if rough (isotropic; `alpha_u` counts and must be constant).
         roughness: Option<Roughness>,
@@ -166,53 +168,53 @@ pub enum Material {
     Principled(Box<Principled>),
     /// Burley's principled model of a sheet without thickness.
     PrincipledThin(Box<PrincipledThin>),
-    /// Nothing there: light passes straight through.
+    /// No surface: light passes straight through.
     Null,
-    /// Partly there.
+    /// A partly transparent surface.
     Mask {
-        /// 1 is opaque, 0 lets all light through.
+        /// Opacity: 1 is opaque, 0 transmits all light.
         opacity: Texture,
-        /// What is there.
+        /// The material of the opaque part.
         inner: usize,
     },
-    /// A one-sided material on both sides.
+    /// Two one-sided materials, one for each side.
     TwoSided {
         /// On the side of the normal.
         front: usize,
-        /// Against the normal.
+        /// On the opposite side.
         back: usize,
     },
     /// A mixture.
     Blend {
-        /// Share of `second`, in [0, 1].
+        /// Weight of `second`, in [0, 1].
         weight: Texture,
-        /// At weight 0.
+        /// The material for weight 0.
         first: usize,
-        /// At weight 1.
+        /// The material for weight 1.
         second: usize,
     },
-    /// Shading normals bent by a height field.
+    /// Shading normals from a height field.
     Bump {
-        /// Height in world units per unit of texture coordinate stretch.
+        /// Height in world units per unit of texture coordinates.
         height: Texture,
-        /// What is bent.
+        /// The material whose normals are changed.
         inner: usize,
-        /// What is done about normals that face away.
+        /// Corrections of normals that face away.
         normals: BentNormals,
     },
     /// Shading normals from a picture: (r, g, b) = (n + 1) / 2 in the frame (dp/du, dp/dv, n).
     NormalMap {
         /// Encoded normals, linear.
         map: Texture,
-        /// What is bent.
+        /// The material whose normals are changed.
         inner: usize,
-        /// What is done about normals that face away.
+        /// Corrections of normals that face away.
         normals: BentNormals,
     },
 }
 
 impl Material {
-    /// The materials that this one is made of.
+    /// The materials that this one uses.
     pub fn children(&self) -> Vec<usize> {
         match self {
             Material::Mask { inner, .. }

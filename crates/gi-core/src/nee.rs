@@ -1,5 +1,5 @@
-//! Next-event estimation: sample a light from a point of a surface or a medium. Multiple importance sampling weights it against
-//! BSDF or phase function sampling.
+//! Next-event estimation: sample a light from a point of a surface or a medium. Multiple importance sampling weights it
+//! against BSDF or phase function sampling.
 
 use crate::medium::MediumId;
 use glam::Vec3;
@@ -11,16 +11,16 @@ use crate::math::{Rgb, sqr};
 use crate::sampler::Sampler;
 use crate::scene::Scene;
 
-/// Weight of a sample drawn with density `pdf` that the other strategy draws with density `other`:
-/// the power heuristic with exponent 2 [Veach97, 9.2.4].
+/// Weight of a sample with density `pdf`, if the other strategy has density `other` for it: the power heuristic with
+/// exponent 2 [Veach97, 9.2.4].
 #[inline]
 pub fn power_heuristic(pdf: f32, other: f32) -> f32 {
-    // Divided through by pdf^2, so that large densities do not overflow.
+    // Divided by pdf^2, so that large densities do not overflow.
     1.0 / (1.0 + sqr(other / pdf))
 }
 
-/// Radiance scattered along `wo` of light straight from a light source, by one light sample. Rays that hit a light contribute the
-/// rest, weighted by [`emitter_weight`].
+/// Radiance scattered along `wo`, from light straight from a light source, by one light sample. Rays that hit a light
+/// contribute the rest, weighted by [`emitter_weight`].
 #[inline]
 pub fn direct_light(
     scene: &Scene,
@@ -46,8 +46,8 @@ pub fn direct_light_through_media(
     })
 }
 
-/// Radiance scattered along `wo` at the point `p` inside a medium, over its scattering coefficient, of light straight from a light
-/// source. One light sample, weighted against phase function sampling.
+/// Radiance scattered along `wo` at the point `p` inside a medium, divided by the scattering coefficient, from light
+/// straight from a light source. One light sample, weighted against phase function sampling.
 #[inline]
 pub fn direct_light_within(
     scene: &Scene,
@@ -81,7 +81,7 @@ fn light_within(
 ) -> Rgb {
     let u = sampler.next_2d();
     let Some(light) = scene.sample_light(p, u) else { return Rgb::BLACK };
-    // A phase function is its own density.
+    // A phase function equals its own density.
     let phase = scene.medium(medium).phase.eval(wo, light.wi);
     let arriving = light.radiance * phase;
     if arriving.is_black() {
@@ -114,8 +114,8 @@ fn direct_light_seen(
     arriving * visibility(&light) * (weight / light.pdf_w)
 }
 
-/// Weight of a light hit by a ray that BSDF sampling drew with density `pdf_bsdf` and light sampling draws with `pdf_light`.
-/// `None` stands for a delta lobe or the camera: light sampling cannot find these paths.
+/// Weight of a light that a ray hit, where BSDF sampling has density `pdf_bsdf` and light sampling has density
+/// `pdf_light`. `None` stands for a delta lobe or the camera: light sampling cannot find these paths.
 #[inline]
 pub fn emitter_weight(pdf_bsdf: Option<f32>, pdf_light: f32) -> f32 {
     pdf_bsdf.map_or(1.0, |pdf| power_heuristic(pdf, pdf_light))

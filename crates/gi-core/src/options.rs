@@ -1,7 +1,7 @@
-//! Options of the command line that several techniques share, and what all parameters have in common.
+//! Command-line options that several techniques share, and the trait of all parameters.
 //!
-//! A technique states its own options in its `params.rs`: type, default, valid range and help of each stand together, and
-//! what is stated here is flattened into them.
+//! A technique declares its own options in its `params.rs`: type, default, valid range and help of each option are in
+//! one place. The options in this file are flattened into them.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -11,10 +11,10 @@ use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, ValueEnum};
 
 /// The parameters of a technique: its part of the command line.
 pub trait Parameters: Args {
-    /// Check what depends on several options.
+    /// Check rules that involve several options.
     ///
     /// # Errors
-    /// One line that names the options and says what is wrong with them.
+    /// A message of one line that names the options and says what is wrong with them.
     fn check(&self) -> Result<(), String> {
         Ok(())
     }
@@ -32,7 +32,7 @@ pub trait Parameters: Args {
         false
     }
 
-    /// Files to write besides the picture. [`crate::technique::Technique::export`] returns their contents.
+    /// Files to write in addition to the picture. [`crate::technique::Technique::export`] returns their contents.
     fn outputs(&self) -> Vec<PathBuf> {
         Vec::new()
     }
@@ -56,7 +56,7 @@ pub fn number<T: FromStr + 'static>(
 /// Parse the position of a pixel: its column and its row, counted from the top left corner.
 ///
 /// # Errors
-/// The expected format.
+/// A message with the expected format.
 pub fn pixel(text: &str) -> Result<[usize; 2], String> {
     let wrong = "expected two pixel coordinates from the top left corner: X,Y";
     let (x, y) = text.split_once(',').ok_or(wrong)?;
@@ -64,10 +64,10 @@ pub fn pixel(text: &str) -> Result<[usize; 2], String> {
     Ok([number(x)?, number(y)?])
 }
 
-/// Where Russian roulette begins if the program has no `--rr-depth`, or the user does not give it.
+/// Default start of Russian roulette, for programs without `--rr-depth` and if the user does not set it.
 const RR_DEPTH: u32 = 5;
 
-/// How long paths may be. These are the options `--max-depth`, and `--rr-depth` in programs that add [`rr_depth`].
+/// Limits of path lengths. These are the options `--max-depth`, and `--rr-depth` in programs that add [`rr_depth`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PathLimits {
     /// The largest number of segments of a path; `None` is unbounded.
@@ -106,7 +106,7 @@ fn max_depth() -> Arg {
         .help("Largest number of segments of a path: 1 shows only lights, 2 adds direct light; -1 is unbounded")
 }
 
-/// The option `--rr-depth`. [`PathLimits`] reads it where a program has it.
+/// The option `--rr-depth`. [`PathLimits`] reads it in programs that have it.
 pub fn rr_depth() -> Arg {
     static DEFAULT: LazyLock<String> = LazyLock::new(|| RR_DEPTH.to_string());
     Arg::new("rr_depth")
@@ -138,7 +138,7 @@ impl FromArgMatches for PathLimits {
         if let Some(most) = matches.get_one("max_depth") {
             self.max_depth = *most;
         }
-        // Not all programs have `--rr-depth`; in the others clap does not know the name.
+        // Not all programs have `--rr-depth`; in the others, clap does not know the name.
         if let Ok(Some(depth)) = matches.try_get_one("rr_depth") {
             self.rr_depth = *depth;
         }
@@ -204,7 +204,7 @@ impl From<Caustics> for CausticOptions {
 mod tests {
     use super::*;
 
-    /// What a program with these options makes of a command line.
+    /// Parse a command line in a program with these options.
     fn parse<A: Args>(arguments: &[&str]) -> Result<A, clap::Error> {
         let command = A::augment_args(Command::new("test").no_binary_name(true));
         A::from_arg_matches(&command.try_get_matches_from(arguments)?)
@@ -238,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_outside_of_their_range_are_refused_with_it() {
+    fn numbers_outside_their_range_are_refused_and_the_error_states_the_range() {
         let share = number("a number from 0 to 1", |x: &f32| (0.0..=1.0).contains(x));
         assert_eq!(share("0.5"), Ok(0.5));
         for wrong in ["1.1", "nan", "x", ""] {

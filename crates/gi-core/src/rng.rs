@@ -14,13 +14,13 @@ pub fn hash_u32(x: u32) -> u32 {
     (word >> 22) ^ word
 }
 
-/// Mix several words into one hash, order mattering.
+/// Mix several words into one hash that depends on their order.
 #[inline]
 pub fn hash_words(words: &[u32]) -> u32 {
     words.iter().fold(0x9e37_79b9, |h, &w| hash_u32(h ^ w).wrapping_add(h.rotate_left(5)))
 }
 
-/// PCG32 (XSH-RR 64/32) \[ONeill14\]: one stream of random numbers.
+/// PCG32 (XSH-RR 64/32) \[ONeill14\]: a stream of random numbers.
 #[derive(Clone, Debug)]
 pub struct Pcg {
     state: u64,
@@ -28,7 +28,7 @@ pub struct Pcg {
 }
 
 impl Pcg {
-    /// The stream `stream` of the generator seeded by `seed`; different streams never overlap.
+    /// Stream `stream` of the generator with this seed; different streams never overlap.
     pub fn new(seed: u64, stream: u64) -> Self {
         let mut rng = Pcg { state: 0, increment: (stream << 1) | 1 };
         rng.next_u32();
@@ -58,7 +58,7 @@ impl Pcg {
         [self.next_f32(), self.next_f32()]
     }
 
-    /// Uniform in 0..n (n > 0), without modulo bias worth a test below 2^24.
+    /// Uniform in 0..n (n > 0); for n below 2^24, the modulo bias is negligible.
     #[inline]
     pub fn next_below(&mut self, n: u32) -> u32 {
         ((u64::from(self.next_u32()) * u64::from(n)) >> 32) as u32

@@ -1,15 +1,15 @@
-//! Stratified random numbers: padded (0,2)-sequences, Owen-scrambled, without tables \[Burley20\].
+//! Stratified random numbers: padded (0,2)-sequences with Owen scrambling, without tables \[Burley20\].
 //!
-//! Every number is a pure function of (seed, pixel or stream, sample index, dimension). Each pair of dimensions is
-//! the two-dimensional Sobol sequence, scrambled and shuffled with a seed of its own: within every aligned block
-//! of 2^k indices each pair is stratified in all elementary intervals, and pairs are independent of one another.
+//! Every number is a pure function of (seed, pixel or stream, sample index, dimension). Each pair of dimensions is the
+//! two-dimensional Sobol sequence, scrambled and shuffled with its own seed. Within every aligned block of 2^k indices,
+//! each pair is stratified in all elementary intervals. Different pairs are independent.
 
 use crate::rng::{bits_to_unit, hash_u32, hash_words};
 
 /// The numbers of one path.
 #[derive(Clone, Debug)]
 pub struct Sampler {
-    /// Sample index, its bits reversed: the pass for camera paths, the running number of the path for light paths.
+    /// Sample index with its bits reversed: the pass for camera paths, the index of the path for light paths.
     reversed_index: u32,
     /// Hash of the seed and the pixel or stream.
     key: u32,
@@ -17,7 +17,7 @@ pub struct Sampler {
     dimension: u32,
 }
 
-/// What makes the scrambles of a pair's two dimensions differ from its shuffle, and from each other.
+/// Constants that make the scrambles of a pair's two dimensions differ from its shuffle, and from each other.
 const FIRST: u32 = 0xa511_e9b3;
 const SECOND: u32 = 0x63d8_3595;
 
@@ -47,7 +47,7 @@ impl Sampler {
         [bits_to_unit(x), bits_to_unit(y)]
     }
 
-    /// Skip a dimension, so that later ones stay the same.
+    /// Skip a dimension, so that later ones keep their numbers.
     #[inline]
     pub fn skip(&mut self) {
         self.dimension += 1;
@@ -59,8 +59,8 @@ impl Sampler {
         self.dimension = d;
     }
 
-    /// Seed of the next dimension, and the sample index as that dimension shuffles it. (The first Sobol dimension is
-    /// the index with its bits reversed, and Owen's scramble works on reversed bits: the two cancel.)
+    /// Seed of the next dimension, and the sample index after that dimension's shuffle. (The first Sobol dimension is
+    /// the index with its bits reversed, and Owen's scramble works on reversed bits: the two reversals cancel.)
     #[inline]
     fn next_index(&mut self) -> (u32, u32) {
         let seed = hash_u32(self.key ^ self.dimension.wrapping_mul(0x9e37_79b9));
@@ -79,7 +79,8 @@ fn scramble(mut x: u32, seed: u32) -> u32 {
     x ^ x.wrapping_mul(0x53a2_2864)
 }
 
-/// The second Sobol dimension of an index, its bits reversed: the Pascal matrix modulo 2 applied in five folding steps.
+/// The second Sobol dimension of an index, with its bits reversed: the Pascal matrix modulo 2, applied in five folding
+/// steps.
 #[inline]
 fn sobol_second_reversed(index: u32) -> u32 {
     let mut x = index;
@@ -152,7 +153,8 @@ mod tests {
         };
         let base = column(0, 0);
         for other in [column(0, 1), column(0, 2), column(1, 0), column(2, 0)] {
-            // Independent columns have a correlation of standard deviation 1/sqrt(n); five of them is 3e-7 likely.
+            // For independent columns, the correlation has a standard deviation of 1/sqrt(n); more than five of these
+            // has a probability of 3e-7.
             assert!(correlation(&base, &other).abs() < 5.0 / (n as f32).sqrt());
         }
     }

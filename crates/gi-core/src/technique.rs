@@ -1,4 +1,4 @@
-//! The one shape of every technique: prepare once, then passes.
+//! The interface of every technique: prepare once, then make passes.
 
 use crate::medium::MediumId;
 use std::path::Path;
@@ -14,20 +14,21 @@ use crate::scene::Scene;
 pub struct Setting<'a> {
     /// The world.
     pub scene: &'a Scene,
-    /// Hash of the shapes, materials and lights, without the camera. A saved cache or map is valid only for the same hash.
+    /// Hash of the shapes, materials and lights, without the camera. A saved cache or map is valid only for the same
+    /// hash.
     pub world: u64,
     /// The eye.
     pub camera: &'a Camera,
     /// Seed of every random number.
     pub seed: u32,
-    /// Which light the picture shows. A technique may skip the rest.
+    /// The light that the picture shows. A technique may skip the rest.
     pub show: Show,
     /// Which surface the layers Albedo, N and Z describe.
     pub surface_layers: SurfaceLayers,
 }
 
 impl Setting<'_> {
-    /// The medium that the camera stands in: one for all pixels, even if its lens reaches through a boundary.
+    /// The medium around the camera: the same for all pixels, even if the lens extends across a boundary.
     pub fn camera_medium(&self) -> Option<MediumId> {
         let [w, h] = self.camera.size();
         let ray = self.camera.ray([0.5 * w as f32, 0.5 * h as f32], [0.5; 2]);
@@ -35,8 +36,8 @@ impl Setting<'_> {
     }
 }
 
-/// A technique of global illumination. After any number of passes the film holds a valid picture. A pass depends only on what
-/// `prepare` and earlier passes left in `self`.
+/// A technique of global illumination. After any number of passes, the film contains a valid picture. A pass depends
+/// only on the state of `self` after `prepare` and earlier passes.
 pub trait Technique<'a>: Sized {
     /// The technique's parameters.
     type Params;
@@ -44,7 +45,7 @@ pub trait Technique<'a>: Sized {
     /// Work that is done once: fill caches, build maps.
     ///
     /// # Errors
-    /// One line about what the user gave and what cannot be used here: a cache of another scene, say.
+    /// A message of one line about user input that cannot be used here, such as a cache of another scene.
     fn prepare(setting: Setting<'a>, params: &Self::Params) -> Result<Self, String>;
 
     /// Make pass number `index` and add it to the film.
@@ -55,13 +56,13 @@ pub trait Technique<'a>: Sized {
         false
     }
 
-    /// Whether a pass does not depend on earlier passes. Ranges of passes can then be rendered apart and merged.
+    /// Whether a pass does not depend on earlier passes. Ranges of passes can then be rendered separately and merged.
     fn passes_are_independent(&self) -> bool {
         true
     }
 
-    /// The state that passes have left in `self`, for a checkpoint. The film is saved separately. `None` if the technique does not
-    /// support checkpoints.
+    /// The state of `self` after the passes so far, for a checkpoint. The film is saved separately. `None` if the
+    /// technique does not support checkpoints.
     fn save_state(&self) -> Option<Vec<u8>> {
         None
     }
@@ -69,9 +70,9 @@ pub trait Technique<'a>: Sized {
     /// Continue from the state of [`Technique::save_state`].
     ///
     /// # Errors
-    /// One line: the state belongs to other parameters, or is damaged.
+    /// A message of one line: the state belongs to other parameters, or is damaged.
     fn restore(&mut self, _state: &[u8]) -> Result<(), String> {
-        Err("this program cannot go on from a checkpoint".into())
+        Err("this program cannot continue from a checkpoint".into())
     }
 
     /// Statistics of the run so far, as names and numbers.
@@ -79,27 +80,27 @@ pub trait Technique<'a>: Sized {
         Vec::new()
     }
 
-    /// Which kinds of light path the estimator can find, for the picture's metadata.
+    /// The kinds of light path that the estimator can find, for the picture's metadata.
     fn reach(&self) -> String;
 
-    /// Technique pictures that the parameters ask for.
+    /// The technique's own pictures that the parameters request.
     fn pictures(&self, _film: &Film) -> Vec<Picture> {
         Vec::new()
     }
 
-    /// The contents of a file that the parameters ask for, see [`crate::options::Parameters::outputs`].
+    /// The contents of a file that the parameters request, see [`crate::options::Parameters::outputs`].
     fn export(&self, path: &Path) -> Vec<u8> {
-        unreachable!("the parameters do not ask for {}", path.display())
+        unreachable!("the parameters do not request {}", path.display())
     }
 }
 
-/// A technique picture: layers of the EXR, and a PNG.
+/// A picture that a technique draws: layers of the EXR, and a PNG.
 #[derive(Clone, Debug)]
 pub struct Picture {
     /// One lower-case word or several joined by hyphens: `OUT.name.png`, and layers `Name.*`.
     pub name: String,
-    /// Channels of the layer, in row order. If there are none, the layer holds the view.
+    /// Channels of the layer, in row order. If there are none, the layer contains the display image.
     pub channels: Vec<(String, Vec<f32>)>,
-    /// What the PNG shows, linear, in row order.
+    /// Content of the PNG, linear, in row order.
     pub view: Vec<Rgb>,
 }

@@ -1,5 +1,5 @@
-//! The light walk: paths from the lights, vertex by vertex. Its twin is [`crate::eye::EyeWalk`]. Light tracing, photon maps,
-//! progressive photon mapping and virtual point lights all use it.
+//! The light walk: paths from the lights, vertex by vertex. Its twin is [`crate::eye::EyeWalk`]. Light tracing, photon
+//! maps, progressive photon mapping and virtual point lights all use it.
 
 use crate::medium::MediumId;
 use glam::Vec3;
@@ -28,7 +28,8 @@ pub struct LightVertex<'a> {
     pub wo: Vec3,
     /// How the light scatters here ([`Transport::Power`]).
     pub bsdf: Bsdf<'a>,
-    /// Power that arrives, before this surface absorbs any. It is divided by all densities, but not by the number of paths.
+    /// Power that arrives, before this surface absorbs light. It is divided by all densities, but not by the number of
+    /// paths.
     pub power: Rgb,
     /// Number of scatterings before this point. Passing straight through a surface is not one.
     pub depth: u32,
@@ -40,7 +41,7 @@ pub struct LightVertex<'a> {
     pub medium: Option<MediumId>,
 }
 
-/// A light path that is being walked.
+/// A light path in progress.
 pub struct LightWalk<'a> {
     scene: &'a Scene,
     sampler: Sampler,
@@ -49,7 +50,7 @@ pub struct LightWalk<'a> {
     /// The flat primitive that the ray leaves.
     left: Option<u32>,
     power: Rgb,
-    /// Number of surface points met, straight passes included. Each has its own sampler dimensions.
+    /// Number of surface points hit so far, including straight passes. Each has its own sampler dimensions.
     met: u32,
     depth: u32,
     non_delta: u32,
@@ -97,7 +98,7 @@ impl<'a> LightWalk<'a> {
         }
     }
 
-    /// Where the path began.
+    /// The start of the path.
     pub fn emission(&self) -> &Emission {
         &self.emission
     }
@@ -117,8 +118,8 @@ impl<'a> LightWalk<'a> {
         self.power
     }
 
-    /// The sampler, for random numbers that a technique needs at a vertex, for example a lens point. It may use at most six
-    /// dimensions per vertex.
+    /// The sampler, for random numbers that a technique needs at a vertex, for example a lens point. It may use at most
+    /// six dimensions per vertex.
     pub fn sampler(&mut self) -> &mut Sampler {
         &mut self.sampler
     }
@@ -133,7 +134,7 @@ impl<'a> LightWalk<'a> {
         Some(self.vertex(surface))
     }
 
-    /// The path has reached `surface`.
+    /// The vertex at `surface`, which the path has reached.
     fn vertex(&self, surface: Surface) -> LightVertex<'a> {
         let wo = -self.ray.d;
         let bsdf = self.scene.bsdf(&surface, wo, Transport::Power);
@@ -141,7 +142,8 @@ impl<'a> LightWalk<'a> {
         LightVertex { surface, wo, bsdf, power, depth, non_delta, after_delta, medium }
     }
 
-    /// Draw the direction in which the path continues from a vertex of [`LightWalk::next_vertex`]. Returns whether it does.
+    /// Sample the direction in which the path continues from a vertex of [`LightWalk::next_vertex`]. Returns whether it
+    /// continues.
     pub fn scatter(&mut self, vertex: &LightVertex<'a>, roulette: Roulette) -> bool {
         self.sampler
             .jump_to(EMISSION_DIMENSIONS + (self.met + 1) * VERTEX_DIMENSIONS - SCATTER_DIMENSIONS);
@@ -186,10 +188,10 @@ impl<'a> LightWalk<'a> {
 pub enum Roulette {
     /// Never.
     Off,
-    /// With the probability that the surface absorbs the light: powers stay nearly equal \[Jensen01\]. Very long paths may end
-    /// even where nothing absorbs.
+    /// With the probability that the surface absorbs the light: powers stay nearly equal \[Jensen01\]. Very long paths
+    /// may end even without absorption.
     ByAlbedo {
-        /// The first scattering that may end the path; 1 is the first of all.
+        /// The first scattering that may end the path; 1 is the very first.
         from: u32,
     },
     /// The caller has decided, with a known survival probability.
@@ -201,8 +203,8 @@ pub enum Roulette {
     },
 }
 
-/// From this depth on roulette is also played where nothing absorbs. Otherwise a path that total reflection has trapped in glass
-/// would never end.
+/// From this depth on, roulette also ends paths that nothing absorbs. Otherwise a path that total reflection traps in
+/// glass would never end.
 const LONG: u32 = 1000;
 /// Largest survival probability at a scattering of a long path.
 const MAX_SURVIVAL: f32 = 0.999;
@@ -233,7 +235,7 @@ mod tests {
     use crate::scene::SceneParts;
     use crate::texture::Texture;
 
-    /// A point light in a sphere of this albedo.
+    /// A point light in a sphere with this albedo.
     fn lit_sphere(albedo: f32) -> Scene {
         let axes = Frame::from_normal(Vec3::Z);
         let sphere = Geometry::Sphere { center: Vec3::ZERO, radius: 1.0, axes };
@@ -245,26 +247,26 @@ mod tests {
     }
 
     #[test]
-    fn paths_that_nothing_absorbs_end() {
+    fn paths_without_absorption_end() {
         let scene = lit_sphere(1.0);
         let mut scatterings = 0.0;
         for path in 0..100 {
             let mut walk = LightWalk::begin(&scene, Sampler::new(1, 0, path)).expect("it shines");
             while let Some(vertex) = walk.next_vertex() {
-                // One in 10^17 is longer.
-                assert!(vertex.depth < 40_000, "path {path} goes on and on");
+                // One path in 10^17 is longer.
+                assert!(vertex.depth < 40_000, "path {path} does not end");
                 scatterings += 0.01;
                 if !walk.scatter(&vertex, Roulette::ByAlbedo { from: 1 }) {
                     break;
                 }
             }
         }
-        // 1000 and then as many again in the mean, which a hundred paths tell to 100.
+        // 1000 scatterings, and on average as many again. The mean of a hundred paths has a standard error of 100.
         assert!((scatterings - 2000.0f64).abs() < 400.0, "{scatterings}");
     }
 
     #[test]
-    fn what_a_visitor_draws_does_not_know_that_the_path_survived() {
+    fn a_techniques_random_numbers_do_not_depend_on_the_survival_of_the_path() {
         let scene = lit_sphere(0.5);
         let (mut sum, mut count) = (0.0f64, 0u32);
         for path in 0..20_000 {

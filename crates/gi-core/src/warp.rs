@@ -1,6 +1,6 @@
-//! Warps of the unit square to directions and shapes, each with its density.
+//! Maps from the unit square to directions and shapes, each with its density.
 //!
-//! `x_pdf` returns the density at a point that `x` returned, in the measure that its name or doc says.
+//! `x_pdf` returns the density at a point that `x` returned, in the measure that its name or doc states.
 
 use std::f32::consts::PI;
 
@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3};
 
 use crate::math::{INV_PI, safe_sqrt, sqr};
 
-/// The unit disk, keeping areas and nearly keeping shapes \[Shirley97\].
+/// The unit disk; preserves areas, and nearly preserves shapes \[Shirley97\].
 #[inline]
 pub fn disk([u, v]: [f32; 2]) -> Vec2 {
     let (x, y) = (2.0 * u - 1.0, 2.0 * v - 1.0);
@@ -30,7 +30,7 @@ pub fn disk_pdf() -> f32 {
     INV_PI
 }
 
-/// The hemisphere round +z in proportion to the cosine: the disk lifted up (Malley's method).
+/// The hemisphere around +z in proportion to the cosine: the disk projected up (Malley's method).
 #[inline]
 pub fn cosine_hemisphere(u: [f32; 2]) -> Vec3 {
     let p = disk(u);
@@ -58,7 +58,7 @@ pub fn sphere_pdf() -> f32 {
     0.25 * INV_PI
 }
 
-/// The hemisphere round +z.
+/// The hemisphere around +z.
 #[inline]
 pub fn hemisphere([u, v]: [f32; 2]) -> Vec3 {
     sphere([0.5 * u, v])
@@ -70,8 +70,8 @@ pub fn hemisphere_pdf() -> f32 {
     0.5 * INV_PI
 }
 
-/// Directions within a cone round +z. `one_minus_cos` of the half angle says its size without
-/// losing narrow cones to rounding.
+/// Directions within a cone around +z. The size is given as `one_minus_cos` of the half angle, which is accurate for
+/// narrow cones.
 #[inline]
 pub fn cone([u, v]: [f32; 2], one_minus_cos: f32) -> Vec3 {
     let h = u * one_minus_cos; // 1 - cos(theta)
@@ -121,7 +121,8 @@ pub fn spherical_triangle(
     let norm = (n_ab.length_squared() * n_ac.length_squared()).sqrt();
     let cos_alpha = (n_ab.dot(n_ac) / norm).clamp(-1.0, 1.0);
     let sin_alpha = safe_sqrt(1.0 - sqr(cos_alpha));
-    // Choose the sub-triangle (a, b, c') of area u times the whole: s and t are sine and cosine of its area less alpha.
+    // Choose the sub-triangle (a, b, c') whose area is u times that of the whole: s and t are the sine and cosine of
+    // its area minus alpha.
     let (sin_area, cos_area) = (u * solid_angle).sin_cos();
     let s = sin_area * cos_alpha - cos_area * sin_alpha;
     let t = cos_area * cos_alpha + sin_area * sin_alpha;
@@ -131,7 +132,7 @@ pub fn spherical_triangle(
         return None;
     }
     let cos_b = (((t * q - s * p) * cos_alpha - q) / denominator).clamp(-1.0, 1.0);
-    // Along a great circle from x through y.
+    // The point on the great circle from x through y.
     let toward =
         |x: Vec3, y: Vec3, cos: f32, sin: f32| x * cos + (y - x * y.dot(x)).normalize() * sin;
     let c_new = toward(a, c, cos_b, safe_sqrt(1.0 - sqr(cos_b)));
@@ -159,8 +160,8 @@ mod tests {
             if solid_angle(a, b, c) < 0.05 {
                 continue;
             }
-            // The vector area of a spherical triangle is half the sum of its edges' angles times their normals;
-            // it equals the integral of the direction over the triangle.
+            // The vector area of a spherical triangle is half the sum of its edges' angles times their normals. It
+            // equals the integral of the direction over the triangle.
             let edge = |p: Vec3, q: Vec3| p.cross(q).normalize() * p.dot(q).acos() * 0.5;
             let orientation = a.dot(b.cross(c)).signum();
             let expected = (edge(a, b) + edge(b, c) + edge(c, a)) * orientation;

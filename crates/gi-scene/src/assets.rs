@@ -1,4 +1,5 @@
-//! The files besides the text: meshes and pictures, found first, then read in parallel, each once.
+//! Mesh and picture files that a scene names. All names are collected first; then the files are read in parallel, each
+//! once.
 
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -16,13 +17,13 @@ use crate::shapes::mesh_file::{MeshFile, Placement, ReadMesh};
 use crate::shapes::smooth;
 use crate::texels::BitmapFile;
 
-/// What was read, by the object that asked for it.
+/// The contents of these files, by the object that names them.
 #[derive(Debug, Default)]
 pub(crate) struct Assets {
     bitmap_of: HashMap<ObjectId, usize>,
     bitmaps: Vec<(BitmapFile, Option<Arc<Bitmap>>)>,
     meshes: HashMap<ObjectId, (MeshFile, bool, Mesh)>,
-    /// Hash of all bytes read.
+    /// Hash of all bytes that were read.
     pub(crate) hash: Hash,
 }
 
@@ -34,7 +35,7 @@ struct Wanted<K> {
 }
 
 impl Assets {
-    /// Find and read everything that a document names.
+    /// Find and read all mesh and picture files that a document names.
     pub(crate) fn load(doc: &Document, report: &Report) -> Assets {
         let mut missing = Vec::new();
         let (mut bitmaps, mut meshes) = (Vec::new(), Vec::new());
@@ -105,7 +106,7 @@ impl Assets {
             }
             raw.push(read.map(|(read, _)| (read.mesh, read.portable)));
         }
-        // Each shape gets its copy, moved to its place; the last that wants a file takes it.
+        // Each shape gets its own copy, moved into place; the last shape that uses a file takes the original.
         let mut last = vec![0; raw.len()];
         index.iter().enumerate().for_each(|(w, &i)| last[i] = w);
         let jobs: Vec<_> = wanted
@@ -134,24 +135,24 @@ impl Assets {
         self.meshes = done.into_iter().map(|(.., mesh)| mesh).collect();
     }
 
-    /// The picture that an object names; `None` if it could not be read (which is reported).
+    /// The picture that an object names, or `None` if it could not be read. (The error is reported already.)
     pub(crate) fn bitmap(&self, object: ObjectId) -> Option<Arc<Bitmap>> {
         self.bitmaps[*self.bitmap_of.get(&object)?].1.clone()
     }
 
-    /// Where that picture came from.
+    /// The file of that picture.
     pub(crate) fn bitmap_file(&self, object: ObjectId) -> Option<&BitmapFile> {
         Some(&self.bitmaps[*self.bitmap_of.get(&object)?].0)
     }
 
-    /// The mesh that a shape names, in world space, and whether Mitsuba 3 reads the file too;
-    /// a second time there is none.
+    /// The mesh that a shape names, in world space, and whether Mitsuba 3 reads its file too.
+    /// Each mesh can be taken once.
     pub(crate) fn take_mesh(&mut self, object: ObjectId) -> Option<(MeshFile, bool, Mesh)> {
         self.meshes.remove(&object)
     }
 }
 
-/// The different keys in order of first appearance, and which of them each wish is.
+/// The distinct keys in order of first appearance, and for each entry of `wanted` the index of its key.
 fn unique<K: Clone + PartialEq + Keyed>(wanted: &[Wanted<K>]) -> (Vec<K>, Vec<usize>) {
     let mut keys: Vec<K> = Vec::new();
     let mut by_path: HashMap<PathBuf, Vec<usize>> = HashMap::new();
@@ -170,14 +171,14 @@ fn unique<K: Clone + PartialEq + Keyed>(wanted: &[Wanted<K>]) -> (Vec<K>, Vec<us
     (keys, index)
 }
 
-/// Of each of `count` keys, the first wish for it.
+/// For each of `count` keys, the first entry that has it.
 fn first_of(index: &[usize], count: usize) -> Vec<usize> {
     let mut first = vec![0; count];
     index.iter().enumerate().rev().for_each(|(wish, &key)| first[key] = wish);
     first
 }
 
-/// What names a file.
+/// A key that names a file.
 trait Keyed {
     fn path(&self) -> &PathBuf;
 }
@@ -232,7 +233,7 @@ fn locate(node: Node<'_>, missing: &mut Vec<(Span, String)>) -> Option<PathBuf> 
     }
 }
 
-/// One problem for all files that are not there.
+/// One error for all files that are missing.
 fn report_missing(report: &Report, missing: &[(Span, String)]) {
     match missing {
         [] => {}
@@ -243,7 +244,7 @@ fn report_missing(report: &Report, missing: &[(Span, String)]) {
                 .map(|(span, name)| format!("{}: {name}", report.place(*span)))
                 .collect();
             let message = format!("cannot find {} files", missing.len());
-            report.error_help(*first, message, "the first of them", Some(list.join("\n")));
+            report.error_help(*first, message, "the first one", Some(list.join("\n")));
         }
     }
 }

@@ -1,4 +1,4 @@
-//! From a document to the parts of a scene.
+//! Builds the parts of a scene from a document.
 
 use gi_core::geometry::{Instance, Shape};
 use gi_core::light::LightSource;
@@ -8,10 +8,10 @@ use crate::document::{Class, Document, Node};
 use crate::origins::LightOrigin;
 
 impl<'a> Builder<'a> {
-    /// Make everything that stands in the scene but its sensor.
+    /// Build everything in the scene except its sensor.
     pub(crate) fn scene(&mut self, doc: &'a Document) {
         let Some(scene) = doc.nodes(self.report).next() else { return };
-        // Named materials are made even if no shape uses them: their mistakes are reported too.
+        // Build named materials even if no shape uses them, so that their errors are reported too.
         for node in scene.children(Class::Bsdf) {
             self.material(node);
         }
@@ -56,14 +56,14 @@ impl<'a> Builder<'a> {
         for child in node.children(Class::Shape) {
             if ["instance", "shapegroup"].contains(&child.plugin()) {
                 child.error(
-                    format!("`{}` inside of a `shapegroup`", child.plugin()),
+                    format!("`{}` inside a `shapegroup`", child.plugin()),
                     "expected a shape",
                 );
                 continue;
             }
             let Some((shape, origin)) = self.shape(child) else { continue };
             if shape.emission.is_some() {
-                child.error("an area light inside of a `shapegroup`", "this shape shines");
+                child.error("an area light inside a `shapegroup`", "this shape emits light");
             }
             shapes.push(shape);
             origins.push(origin);
@@ -77,7 +77,7 @@ impl<'a> Builder<'a> {
     fn instance(&mut self, node: Node<'_>) {
         let to_world = node.transform("to_world");
         if !to_world.inverse().is_finite() {
-            let message = "the instance is flattened: its `to_world` cannot be inverted";
+            let message = "the instance is flat: its `to_world` cannot be inverted";
             node.report.warn(node.span_of("to_world"), message);
         }
         match node.children(Class::Shape).as_slice() {
@@ -91,7 +91,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Add a light that is no surface.
+    /// Add a light that is not a surface.
     pub(crate) fn push_light(&mut self, light: LightSource, origin: LightOrigin) {
         self.parts.lights.push(light);
         self.origins.lights.push(origin);

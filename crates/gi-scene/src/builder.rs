@@ -1,4 +1,4 @@
-//! What a scene is built from, and what has been built so far.
+//! The state of a scene that is being built.
 
 use gi_core::medium::MediumId;
 use std::collections::{HashMap, HashSet};
@@ -10,16 +10,16 @@ use crate::diagnostics::Report;
 use crate::document::ObjectId;
 use crate::origins::Origins;
 
-/// A scene that is being built. Each kind of plugin adds its methods in a file of its own.
+/// A scene that is being built. Each kind of plugin adds methods to it in its own file.
 pub(crate) struct Builder<'a> {
     pub(crate) report: &'a Report,
     pub(crate) assets: Assets,
     pub(crate) parts: SceneParts,
     pub(crate) origins: Origins,
-    /// Of each material, whether light can pass through it.
+    /// For each material, whether light can pass through it.
     pub(crate) transmits: Vec<bool>,
     pub(crate) material_of: HashMap<ObjectId, usize>,
-    /// Bsdfs being made, outermost first.
+    /// BSDFs under construction, outermost first.
     pub(crate) open_materials: Vec<ObjectId>,
     pub(crate) black: Option<usize>,
     pub(crate) grey: Option<usize>,

@@ -1,4 +1,4 @@
-//! What is wrong with a scene: every problem with its place, what was expected and what may have been meant.
+//! Errors and warnings about a scene: each error with its place, what was expected and the nearest known name.
 
 mod alike;
 
@@ -9,13 +9,13 @@ use std::path::{Path, PathBuf};
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
-/// So many problems are shown in full; a file that is no scene at all must not scroll for minutes.
+/// Number of errors that are shown in full: a file that is not a scene at all would otherwise fill many screens.
 const MAX_SHOWN: usize = 40;
 
-/// A stretch of bytes in one of the files that make a scene.
+/// A range of bytes in one of the scene's text files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Span {
-    /// Which of the report's files, in the order in which they were added.
+    /// Index of the file in the report, in the order in which files were added.
     pub(crate) file: usize,
     /// First byte.
     pub(crate) start: usize,
@@ -38,7 +38,7 @@ struct Problem {
     help: Option<String>,
 }
 
-/// All problems of a scene. Its `Display` shows each with file, line, column, source line and caret.
+/// All errors of a scene. `Display` shows each with its file, line, column, source line and caret.
 #[derive(Clone, Debug, Default)]
 pub struct Diagnostics {
     files: Vec<SourceFile>,
@@ -46,17 +46,17 @@ pub struct Diagnostics {
 }
 
 impl Diagnostics {
-    /// How many problems there are.
+    /// Number of errors.
     pub fn len(&self) -> usize {
         self.problems.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are no errors.
     pub fn is_empty(&self) -> bool {
         self.problems.is_empty()
     }
 
-    /// The problems as text, in colour if asked.
+    /// The errors as text, in colour if asked.
     pub fn render(&self, color: bool) -> String {
         let renderer = if color { Renderer::styled() } else { Renderer::plain() };
         let mut shown: Vec<String> =
@@ -73,7 +73,7 @@ impl Diagnostics {
             None => vec![Group::with_title(title)],
             Some(span) => {
                 let file = &self.files[span.file];
-                // Only the lines concerned: the whole text would be scanned once a problem.
+                // Pass only the lines concerned: otherwise the whole text would be scanned for each error.
                 let (first, line) = (file.line_of(span.start), file.line_of(span.end));
                 let base = file.line_starts[first];
                 let end = file.line_starts.get(line + 1).map_or(file.text.len(), |e| e - 1);
@@ -114,7 +114,7 @@ impl SourceFile {
     }
 }
 
-/// Where problems and warnings are collected while a scene is read; shared by reference.
+/// Collects errors and warnings while a scene is read; shared by reference.
 #[derive(Debug, Default)]
 pub(crate) struct Report {
     inner: RefCell<Diagnostics>,
@@ -123,16 +123,16 @@ pub(crate) struct Report {
     read: RefCell<BTreeSet<PathBuf>>,
 }
 
-/// Something approximated or ignored.
+/// A warning: something was approximated or ignored.
 #[derive(Debug)]
 struct Warning {
-    /// `file:line: `, or nothing.
+    /// `file:line: `, or empty.
     place: String,
     message: String,
 }
 
 impl Report {
-    /// Note that the scene reads a file.
+    /// Record that the scene reads a file.
     pub(crate) fn reads(&self, path: &Path) {
         self.read.borrow_mut().insert(path.to_owned());
     }
@@ -142,7 +142,7 @@ impl Report {
         self.read.borrow().iter().cloned().collect()
     }
 
-    /// Take in a file's text; its index is what spans refer to.
+    /// Add the text of a file and return its index, which spans use.
     pub(crate) fn add_file(&self, path: &Path, text: &str) -> usize {
         self.reads(path);
         let line_starts =
@@ -154,12 +154,12 @@ impl Report {
         files.len() - 1
     }
 
-    /// A problem at a place; `expected` stands beside the caret.
+    /// Report an error at a place; `expected` is shown beside the caret.
     pub(crate) fn error(&self, span: Span, message: impl Into<String>, expected: &str) {
         self.push(Some(span), message.into(), expected, None);
     }
 
-    /// A problem at a place with a proposal.
+    /// Report an error at a place, with a suggestion.
     pub(crate) fn error_help(
         &self,
         span: Span,
@@ -170,7 +170,7 @@ impl Report {
         self.push(Some(span), message.into(), expected, help);
     }
 
-    /// A problem of no one place in a text.
+    /// Report an error that has no place in a text.
     pub(crate) fn error_nowhere(&self, message: impl Into<String>) {
         self.push(None, message.into(), "", None);
     }
@@ -180,7 +180,7 @@ impl Report {
         self.inner.borrow_mut().problems.push(problem);
     }
 
-    /// Something approximated or ignored: `file:line: text`.
+    /// Warn that something was approximated or ignored; shown as `file:line: text`.
     pub(crate) fn warn(&self, span: Span, message: impl AsRef<str>) {
         self.push_warning(format!("{}: ", self.place(span)), message.as_ref());
     }
@@ -192,27 +192,27 @@ impl Report {
         }
     }
 
-    /// `file:line` of a span.
+    /// The place of a span as `file:line`.
     pub(crate) fn place(&self, span: Span) -> String {
         let inner = self.inner.borrow();
         let file = &inner.files[span.file];
         format!("{}:{}", file.name, file.line_of(span.start) + 1)
     }
 
-    /// A warning of no one line.
+    /// Warn without a place.
     pub(crate) fn warn_nowhere(&self, message: impl AsRef<str>) {
         self.push_warning(String::new(), message.as_ref());
     }
 
-    /// Whether any problem was found.
+    /// Whether any error was reported.
     pub(crate) fn has_errors(&self) -> bool {
         !self.inner.borrow().problems.is_empty()
     }
 
-    /// The warnings, of many alike only the first, or the problems if there are any.
+    /// The warnings, of which many similar ones are counted instead of shown; or the errors if there are any.
     pub(crate) fn finish(self) -> Result<Vec<String>, Diagnostics> {
         let mut inner = self.inner.into_inner();
-        // In the order of the text, whatever the order of the reading.
+        // Sort by position in the text: files may have been read in any order.
         inner.problems.sort_by_key(|p| p.span.map_or((usize::MAX, 0), |s| (s.file, s.start)));
         if inner.problems.is_empty() {
             Ok(alike::grouped(self.warnings.into_inner()))
@@ -222,7 +222,7 @@ impl Report {
     }
 }
 
-/// The candidate nearest to `word` by edit distance, if it is near enough to have been meant.
+/// The candidate nearest to `word` by edit distance, or `None` if none is near.
 pub(crate) fn did_you_mean<'a>(
     word: &str,
     candidates: impl IntoIterator<Item = &'a str>,
@@ -237,7 +237,7 @@ pub(crate) fn did_you_mean<'a>(
         .map(|(_, c)| c)
 }
 
-/// "did you mean `x`?", if anything near is known.
+/// "did you mean `x`?", if a similar candidate exists.
 pub(crate) fn suggestion<'a>(
     word: &str,
     candidates: impl IntoIterator<Item = &'a str>,
@@ -245,9 +245,9 @@ pub(crate) fn suggestion<'a>(
     did_you_mean(word, candidates).map(|c| format!("did you mean `{c}`?"))
 }
 
-/// Levenshtein distance with transpositions of neighbours counted once.
+/// Levenshtein distance in which a swap of two neighbouring letters counts as one edit.
 fn edit_distance(a: &str, b: &str) -> usize {
-    // Nobody misspells a word this long; a hostile file may hold one.
+    // Nobody misspells a word this long, but a malicious file may contain one.
     const MAX_LEN: usize = 64;
     let a: Vec<char> = a.chars().take(MAX_LEN).collect();
     let b: Vec<char> = b.chars().take(MAX_LEN).collect();
@@ -267,46 +267,4 @@ fn edit_distance(a: &str, b: &str) -> usize {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn distance_counts_edits_and_swapped_neighbours() {
-        assert_eq!(edit_distance("kitten", "sitting"), 3);
-        assert_eq!(edit_distance("dielectirc", "dielectric"), 1);
-        assert_eq!(edit_distance("", "abc"), 3);
-    }
-
-    #[test]
-    fn only_near_words_are_proposed() {
-        let names = ["diffuse", "dielectric", "conductor"];
-        assert_eq!(did_you_mean("difuse", names), Some("diffuse"));
-        assert_eq!(did_you_mean("dielectirc", names), Some("dielectric"));
-        assert_eq!(did_you_mean("hair", names), None);
-    }
-
-    #[test]
-    fn a_problem_is_shown_with_place_line_caret_expectation_and_proposal() {
-        let report = Report::default();
-        let text = "<scene>\n  <bsdf type=\"difuse\"/>\n</scene>\n";
-        let file = report.add_file(Path::new("a.xml"), text);
-        let start = text.find("difuse").unwrap();
-        report.error_help(
-            Span { file, start, end: start + 6 },
-            "unknown bsdf `difuse`",
-            "expected a bsdf plugin",
-            suggestion("difuse", ["diffuse"]),
-        );
-        let shown = report.finish().unwrap_err().to_string();
-        let expected = [
-            "error: unknown bsdf `difuse`",
-            " --> a.xml:2:15",
-            "  |",
-            "2 |   <bsdf type=\"difuse\"/>",
-            "  |               ^^^^^^ expected a bsdf plugin",
-            "  |",
-            "help: did you mean `diffuse`?",
-        ];
-        assert_eq!(shown.trim_end(), expected.join("\n"));
-    }
-}
+mod tests;

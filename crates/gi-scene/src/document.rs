@@ -1,5 +1,5 @@
-//! A scene file as a tree of typed properties: includes inlined, `$name`s substituted, references resolved.
-//! Only this module knows XML.
+//! A scene file as a tree of typed properties, with includes inlined, `$name`s substituted and references resolved.
+//! Only this module and its submodules read XML.
 
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -22,7 +22,7 @@ pub(crate) use parse::parse;
 /// Index into [`Document::objects`].
 pub(crate) type ObjectId = usize;
 
-/// What kind of thing a plugin is: the tag's name.
+/// The class of a plugin, which its tag names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Class {
     Scene,
@@ -41,7 +41,7 @@ pub(crate) enum Class {
 }
 
 impl Class {
-    /// The class of a tag, in either dialect.
+    /// The class that a tag names, in the old or the new Mitsuba format.
     fn of(tag: &str) -> Option<Class> {
         Some(match tag {
             "shape" => Class::Shape,
@@ -59,7 +59,7 @@ impl Class {
         })
     }
 
-    /// The tag that Mitsuba 3 writes.
+    /// The tag that Mitsuba 3 uses.
     pub(crate) fn tag(self) -> &'static str {
         match self {
             Class::Scene => "scene",
@@ -93,7 +93,7 @@ pub(crate) enum Value {
 }
 
 impl Value {
-    /// What it is, for messages.
+    /// The kind of value, for messages.
     fn kind(&self) -> &'static str {
         match self {
             Value::Bool(_) => "a boolean",
@@ -117,7 +117,7 @@ pub(crate) struct Property {
     used: Cell<bool>,
 }
 
-/// An object inside of another, written there or referred to.
+/// A child of an object, either nested in it or referred to.
 #[derive(Debug)]
 pub(crate) struct Child {
     name: String,
@@ -130,7 +130,7 @@ pub(crate) struct Child {
 enum Target {
     Here(ObjectId),
     Ref(String),
-    /// A reference to what is not there; already reported.
+    /// A reference to an id that does not exist; already reported.
     Missing,
 }
 
@@ -138,20 +138,19 @@ enum Target {
 #[derive(Debug)]
 pub(crate) struct Object {
     pub(crate) class: Class,
-    /// The tag as written.
+    /// The tag as it appears in the file.
     pub(crate) tag: String,
-    /// The plugin's name.
     pub(crate) plugin: String,
-    /// Where that name stands.
+    /// Where the plugin's name is in the text.
     pub(crate) plugin_span: Span,
     pub(crate) id: Option<String>,
-    /// Folder of the file that it stands in; file names are relative to it.
+    /// Folder of the file that contains the object; file names are relative to it.
     pub(crate) folder: PathBuf,
     properties: Vec<Property>,
     children: Vec<Child>,
-    /// Names that the code asked for: what a misspelt one may have meant.
+    /// Property names that the code asked for; candidates for "did you mean".
     asked: RefCell<BTreeSet<&'static str>>,
-    /// Whether anything was asked: what nobody looked at is not reported name by name.
+    /// Whether the code asked for any property. Unused properties are reported only for such objects.
     touched: Cell<bool>,
 }
 
@@ -160,28 +159,28 @@ pub(crate) struct Object {
 pub(crate) struct Document {
     objects: Vec<Object>,
     ids: HashMap<String, ObjectId>,
-    /// Folders to look for files in, after the file's own: the main scene's, then those of `<path>`.
+    /// Folders searched for files after the file's own folder: the main scene's folder, then those of `<path>`.
     pub(crate) search: Vec<PathBuf>,
-    /// Values of `gi.*` names.
+    /// Values of the scene's `gi.*` names.
     pub(crate) presets: BTreeMap<String, String>,
-    /// Major version of the format as written; 0 covers 0.5 and 0.6.
+    /// Major version of the format that the file declares; 0 means 0.5 or 0.6.
     pub(crate) version: u32,
-    /// Tags in the scene itself that are of no known dialect, each once.
+    /// Unknown tags directly inside the scene, each once.
     pub(crate) unknown_tags: Vec<String>,
-    /// Whether any of them has a type, as things in a scene have.
+    /// Whether any unknown tag has a `type`, as scene objects do.
     pub(crate) unknown_things: bool,
     /// Hash of the text of all files and of the defines.
     pub(crate) hash: Hash,
 }
 
 impl Document {
-    /// All objects, in the order in which they were opened; the scene itself is the first.
+    /// All objects in document order; the first is the scene itself.
     pub(crate) fn nodes<'a>(&'a self, report: &'a Report) -> impl Iterator<Item = Node<'a>> {
         (0..self.objects.len()).map(move |id| Node::new(self, report, id))
     }
 
-    /// Hash of all objects but those that make no difference to the world: cameras, films, integrators. Files that
-    /// objects name are not looked into.
+    /// Hash of all objects except those that do not change the world: cameras, films and integrators.
+    /// The contents of mesh and picture files are not included.
     pub(crate) fn world_hash(&self) -> Hash {
         let of_the_world = |o: &&Object| {
             !matches!(o.class, Class::Sensor | Class::Film | Class::Filter | Class::Ignored)
@@ -194,7 +193,7 @@ impl Document {
                 hash.bytes(format!("{} = {:?}", p.name, p.value).as_bytes());
             }
             for c in children {
-                // What stands here follows in its turn; what is referred to has the name.
+                // A nested object is hashed by its own turn of the loop; a reference is hashed by its name.
                 let target = match &c.target {
                     Target::Here(id) => self.objects[*id].class.tag(),
                     Target::Ref(name) => name.as_str(),
@@ -210,7 +209,7 @@ impl Document {
         hash
     }
 
-    /// Note everything that was given and not used.
+    /// Warn about every property and child that was given but not used.
     pub(crate) fn report_unused(&self, report: &Report) {
         for object in self.objects.iter().filter(|o| o.touched.get()) {
             let asked = object.asked.borrow();

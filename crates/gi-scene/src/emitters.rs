@@ -1,4 +1,4 @@
-//! Emitter plugins that are no surfaces.
+//! Emitter plugins that are not surfaces.
 
 use gi_core::light::LightSource;
 use gi_core::math::Rgb;
@@ -12,12 +12,12 @@ use crate::rotation::rotation;
 use crate::textures::{note_gamma, warn_negative};
 use crate::{sky, texels};
 
-/// The plugins that are understood at the top level.
+/// Plugins that are supported at the top level.
 const KNOWN: [&str; 8] =
     ["point", "spot", "directional", "constant", "envmap", "sun", "sky", "sunsky"];
 
 impl Builder<'_> {
-    /// Add the light that an emitter is.
+    /// Add the light that an emitter describes.
     pub(crate) fn light(&mut self, node: Node<'_>) {
         node.ignore(&["sampling_weight"]);
         let light = match node.plugin() {
@@ -28,7 +28,7 @@ impl Builder<'_> {
             "envmap" => return self.environment(node),
             "sun" | "sky" | "sunsky" => return sky::add(self, node),
             "area" => {
-                // A shape may refer to one that stands here.
+                // A shape may refer to an area light at the top level.
                 if !self.used_emitters.contains(&node.id) {
                     node.warn("an area light that belongs to no shape: ignored");
                 }
@@ -68,12 +68,12 @@ impl Builder<'_> {
     }
 }
 
-/// A light's colour; grey light of 1 unless given.
+/// A light's colour; grey with value 1 if not given.
 fn light_color(node: Node<'_>, name: &'static str) -> Rgb {
     node.light(name).unwrap_or(Rgb::WHITE)
 }
 
-/// A place, from `position` or `to_world`.
+/// A position, from `position` or `to_world`.
 fn place(node: Node<'_>) -> Vec3 {
     let m = node.transform("to_world");
     node.vector("position").map_or(m.translation.into(), |p| m.transform_point3(p))
@@ -95,7 +95,7 @@ fn direction(node: Node<'_>, name: &'static str) -> Option<Vec3> {
 }
 
 impl Builder<'_> {
-    /// A spot, with a picture in front of it or without.
+    /// A spot light, with or without a picture to project.
     fn spot(&mut self, node: Node<'_>) -> Option<LightSource> {
         let plain = plain_spot(node)?;
         let LightSource::Spot { position, direction, mut intensity, cutoff, beam } = plain else {
@@ -110,7 +110,7 @@ impl Builder<'_> {
             texture.error(format!("the spot's picture is {least} somewhere"), "expected 0 or more");
             return None;
         }
-        // A picture of light beyond one is scaled, so that the intensity is the largest that there is.
+        // Move the picture's values above one into `intensity`, so that the picture is at most one.
         let picture = picture.scaled(Rgb::grey(1.0 / most.max(1.0)));
         intensity *= most.max(1.0);
         let m = node.transform("to_world");

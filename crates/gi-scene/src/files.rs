@@ -1,27 +1,27 @@
-//! Finding and reading the files that a scene names.
+//! Finds and reads the files that a scene names.
 
 use std::borrow::Cow;
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
-/// A scene's text is not longer than this: meshes and pictures stand in files of their own.
+/// Largest text file of a scene: meshes and pictures are in files of their own.
 const MAX_TEXT: u64 = 1 << 28;
-/// A mesh file is not longer than this; larger ones would not fit into memory once read.
+/// Largest mesh file: a larger one would not fit into memory.
 const MAX_BYTES: u64 = 1 << 34;
 
-/// What became of a search.
+/// Result of a search.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Found {
-    /// The file as named.
+    /// The file with exactly this name.
     Exact(PathBuf),
-    /// A file whose name differs in case only: written on a system that does not care.
+    /// A file whose name differs only in case: the scene comes from a system that ignores case.
     OtherCase(PathBuf),
-    /// None.
+    /// No file.
     No,
 }
 
-/// The folder that a file is in; `.` for a bare name.
+/// The folder of a file; `.` for a bare name.
 pub(crate) fn folder_of(path: &Path) -> PathBuf {
     match path.parent() {
         Some(p) if !p.as_os_str().is_empty() => p.to_owned(),
@@ -29,7 +29,7 @@ pub(crate) fn folder_of(path: &Path) -> PathBuf {
     }
 }
 
-/// Look for `name` in `folder`, then in the others; backslashes part folders too.
+/// Look for `name` in `folder`, then in the other folders. Backslashes separate folders too.
 pub(crate) fn find(name: &str, folder: &Path, others: &[PathBuf]) -> Found {
     let name = PathBuf::from(name.replace('\\', "/"));
     let folders = || std::iter::once(folder).chain(others.iter().map(PathBuf::as_path));
@@ -71,7 +71,7 @@ fn find_other_case(name: &Path, folder: &Path) -> Option<PathBuf> {
     at.is_file().then_some(at)
 }
 
-/// A file's text, without its byte order mark.
+/// The text of a file without its byte order mark.
 pub(crate) fn read_text(path: &Path) -> Result<String, String> {
     let bytes = read_limited(path, MAX_TEXT)?;
     let text = match without_mark(&bytes) {
@@ -82,7 +82,7 @@ pub(crate) fn read_text(path: &Path) -> Result<String, String> {
     text.map_err(|_| "it is not UTF-8 text".into())
 }
 
-/// Bytes of a text without its byte order mark; UTF-16, which has one, becomes UTF-8.
+/// The text's bytes without a byte order mark; UTF-16, recognised by its mark, becomes UTF-8.
 pub(crate) fn without_mark(bytes: &[u8]) -> Cow<'_, [u8]> {
     let units = |read: fn([u8; 2]) -> u16| {
         let units: Vec<u16> = bytes[2..].chunks_exact(2).map(|b| read([b[0], b[1]])).collect();
@@ -96,7 +96,7 @@ pub(crate) fn without_mark(bytes: &[u8]) -> Cow<'_, [u8]> {
     }
 }
 
-/// A file's bytes.
+/// The bytes of a file.
 pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
     read_limited(path, MAX_BYTES)
 }
@@ -112,18 +112,18 @@ fn read_limited(path: &Path, limit: u64) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-/// How files begin that stand for others which Git LFS has not fetched.
+/// First bytes of a Git LFS pointer, which replaces a file that was not fetched.
 const POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
 
-/// Refuse what Git LFS leaves in the place of a file that it has not fetched.
+/// Refuse a Git LFS pointer.
 fn refuse_pointer(bytes: &[u8]) -> Result<(), String> {
     if !bytes.starts_with(POINTER) {
         return Ok(());
     }
-    Err("it is only a pointer of Git LFS to the file; run `git lfs pull` in its repository".into())
+    Err("it is only a Git LFS pointer to the file; run `git lfs pull` in its repository".into())
 }
 
-/// The same for a file that somebody else reads. (That it cannot be read is for them to say.)
+/// The same check for a file that another library reads. An unreadable file passes: that library reports the error.
 pub(crate) fn refuse_pointer_file(path: &Path) -> Result<(), String> {
     let mut head = Vec::new();
     if let Ok(file) = File::open(path) {

@@ -1,4 +1,4 @@
-//! The camera as the command line says: of a scene that brings none, chosen so that all is seen; of another, moved.
+//! The camera options of the command line: choose a camera if the scene has none, or move the scene's camera.
 
 use gi_core::camera::{CameraSpec, Projection};
 use gi_core::math::Bounds;
@@ -8,15 +8,15 @@ use glam::Vec3;
 use crate::diagnostics::Report;
 use crate::options::CameraOverride;
 
-/// Angle of view of a camera that is chosen, degrees.
+/// Horizontal angle of view of a chosen camera, degrees.
 const DEFAULT_FOV: f32 = 45.0;
-/// Farther away than this, single precision cannot tell a scene from a point.
+/// Largest coordinate: beyond it, single precision cannot resolve a scene.
 const MAX_DISTANCE: f32 = 1e12;
-/// Sine of the angle between the view and "up" below which they count as parallel.
+/// The view and "up" count as parallel if the sine of the angle between them is smaller.
 const PARALLEL: f32 = 1e-6;
 
-/// A camera as the options say; what they do not say is chosen so that everything is in view from +z.
-/// `None` after a reported problem.
+/// A camera from the options. Everything that they leave open is chosen so that the whole scene is visible from +z.
+/// `None` if an error was reported.
 pub(crate) fn frame(
     parts: &SceneParts,
     camera: &CameraOverride,
@@ -45,14 +45,14 @@ pub(crate) fn frame(
     Some(CameraSpec::look_at(origin, target, up, fov, size))
 }
 
-/// The box round all shapes, those of groups apart.
+/// The bounding box of all shapes outside groups.
 pub(crate) fn bounds_of(parts: &SceneParts) -> Bounds {
     let boxes = parts.shapes.iter().map(|s| s.geometry.bounds());
     boxes.fold(Bounds::EMPTY, Bounds::union)
 }
 
-/// The scene's own camera, moved, turned and zoomed as the options say; what they do not say stays. `None` after a reported
-/// problem.
+/// The scene's own camera, moved, turned and zoomed by the options. Everything that they leave open stays.
+/// `None` if an error was reported.
 pub(crate) fn moved(
     seen: CameraSpec,
     camera: &CameraOverride,
@@ -79,16 +79,16 @@ pub(crate) fn moved(
     let own_view = Vec3::from(own.matrix3.z_axis).normalize();
     let Some(view) = target.map_or(Some(own_view), |t| (t - origin).try_normalize()) else {
         report.error_nowhere(format!(
-            "--target {} is where the camera stands: give another, or --origin",
+            "--target {} is the position of the camera: give another one, or --origin",
             list(origin)
         ));
         return None;
     };
     let own_up = Vec3::from(own.matrix3.y_axis).normalize();
     let up = if upward.is_none() && own_up.cross(view).length() < PARALLEL {
-        // Straight up or down: what lay ahead is up, as on a map.
+        // Straight up or down: the old viewing direction becomes up, as on a map.
         report.warn_nowhere(format!(
-            "the camera looks along its own up: {} is up; --up says otherwise",
+            "the camera looks along its up direction: {} is up instead; --up changes that",
             list(own_view)
         ));
         own_view
@@ -96,7 +96,7 @@ pub(crate) fn moved(
         up(upward.or(Some(own_up)), view, report)?
     };
     let turned = CameraSpec::look_at(origin, origin + view, up, 1.0, moved.size).to_world;
-    // What the sensor's own axes do besides turning, mirrors and scales, stays.
+    // Keep mirroring and scaling, everything in the sensor's axes besides rotation.
     let own_turn =
         CameraSpec::look_at(Vec3::ZERO, own_view, own.matrix3.y_axis.into(), 1.0, moved.size);
     let rest = own_turn.to_world.matrix3.inverse() * own.matrix3;
@@ -105,7 +105,7 @@ pub(crate) fn moved(
     Some(moved)
 }
 
-/// Whether the numbers can be those of a camera; a reported problem if not.
+/// Whether the numbers describe a valid camera; reports an error if not.
 fn check(camera: &CameraOverride, report: &Report) -> bool {
     let mut fine = true;
     let mut fail = |message: String| {
@@ -129,12 +129,12 @@ fn check(camera: &CameraOverride, report: &Report) -> bool {
         fail(format!("--origin and --target are both {at}: the camera looks at itself"));
     }
     if camera.up == Some(Vec3::ZERO) {
-        fail("--up 0,0,0: expected a direction".to_owned());
+        fail("--up 0,0,0: expected a non-zero direction".to_owned());
     }
     fine
 }
 
-/// What is up in the picture; +y unless given, and another direction if the camera looks along that.
+/// The up direction: as given, +y by default, and another axis if the camera looks along +y.
 fn up(given: Option<Vec3>, view: Vec3, report: &Report) -> Option<Vec3> {
     let up = given.unwrap_or(Vec3::Y).try_normalize().unwrap_or(Vec3::ZERO);
     if up.cross(view).length() >= PARALLEL {
@@ -142,12 +142,12 @@ fn up(given: Option<Vec3>, view: Vec3, report: &Report) -> Option<Vec3> {
     }
     if let Some(up) = given {
         let up = list(up);
-        report.error_nowhere(format!("--up {up} lies along the view: give another direction"));
+        report.error_nowhere(format!("--up {up} is parallel to the view: give another direction"));
         return None;
     }
     let other = view.any_orthonormal_vector();
     let chosen = list(other);
-    report.warn_nowhere(format!("the camera looks along y: {chosen} is up; --up says otherwise"));
+    report.warn_nowhere(format!("the camera looks along y: {chosen} is up; --up changes that"));
     Some(other)
 }
 

@@ -1,6 +1,6 @@
-//! One number for all bytes that went into a scene.
+//! A hash of everything that a scene was read from.
 
-/// A 64-bit hash that depends on the order of what it is fed. Not for secrets.
+/// A 64-bit hash that depends on the order of its input. Not cryptographic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Hash(u64);
 
@@ -11,7 +11,7 @@ impl Default for Hash {
 }
 
 impl Hash {
-    /// Take in some bytes and their number.
+    /// Add some bytes and their number.
     pub(crate) fn bytes(&mut self, bytes: &[u8]) {
         let mut words = bytes.chunks_exact(8);
         for w in &mut words {
@@ -23,15 +23,15 @@ impl Hash {
         self.word(bytes.len() as u64);
     }
 
-    /// Take in one number.
+    /// Add one number.
     pub(crate) fn word(&mut self, w: u64) {
-        // The finaliser of splitmix64 over the running state.
+        // The finaliser of splitmix64, applied to the running state.
         let mut z = (self.0 ^ w).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ (z >> 29)).wrapping_mul(0x94d0_49bb_1331_11eb);
         self.0 = z ^ (z >> 32);
     }
 
-    /// The number.
+    /// The hash.
     pub(crate) fn value(self) -> u64 {
         self.0
     }
@@ -42,7 +42,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bytes_order_and_lengths_count() {
+    fn bytes_order_and_lengths_change_the_hash() {
         let of = |parts: &[&[u8]]| {
             let mut h = Hash::default();
             parts.iter().for_each(|p| h.bytes(p));

@@ -1,22 +1,24 @@
-//! The integrator: our programs have their own, so what of it would change the picture is named in a warning.
+//! The scene's integrator. Our programs replace it; a warning names the settings that would change the picture.
 
 use crate::diagnostics::Report;
 use crate::document::{Class, Document, Node, Value};
 
-/// Integrators that show something else than all light, and what shows it here.
+/// Integrators that compute something other than all light, and what computes it here.
 const PARTIAL: [(&str, &str); 6] = [
     ("direct", "`--max-depth 2` shows direct light only"),
-    ("ao", "ambient occlusion is not made"),
-    ("aov", "the layers of the EXR hold what programs know of a pixel"),
-    ("field", "the layers of the EXR hold what programs know of a pixel"),
-    ("depth", "the layer `Z` of the EXR holds distances"),
-    ("stokes", "polarisation is not made"),
+    ("ao", "ambient occlusion is not supported"),
+    ("aov", "the layers of the EXR hold the other properties of a pixel"),
+    ("field", "the layers of the EXR hold the other properties of a pixel"),
+    ("depth", "the layer `Z` of the EXR holds the depth"),
+    ("stokes", "polarisation is not supported"),
 ];
-/// Switches that change the picture.
-const SWITCHES: [(&str, &str); 2] =
-    [("hide_emitters", "lamps are seen"), ("strict_normals", "shading normals do not stop light")];
+/// Options that change the picture.
+const SWITCHES: [(&str, &str); 2] = [
+    ("hide_emitters", "lamps are visible"),
+    ("strict_normals", "shading normals do not stop light"),
+];
 
-/// Longest path that the scene's integrator asks for; -1 is without end.
+/// Read the longest path of the scene's integrator; -1 means unlimited.
 pub(crate) fn read(doc: &Document, report: &Report) -> Option<i32> {
     let integrators =
         doc.nodes(report).filter(|n| n.class() == Class::Ignored && n.object().tag == "integrator");

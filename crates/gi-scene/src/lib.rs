@@ -1,9 +1,9 @@
 //! Scene input: Mitsuba XML (0.5, 0.6 and 3.x) and bare OBJ files become a [`gi_core::scene::SceneParts`].
-//! There is no second scene representation: a file's tree of properties is read once and dropped.
+//! There is no second scene representation: the tree of properties is dropped once the scene is built.
 //!
-//! A file goes through `document` (text to typed properties with source positions), `assets` (meshes and pictures, read in
-//! parallel) and `build` (materials, shapes, lights) to [`Loaded`]. A `diagnostics::Report` collects all problems, so that the
-//! user sees them at once.
+//! `document` turns text into typed properties with source positions. `assets` reads meshes and pictures in parallel.
+//! `build` makes materials, shapes and lights; the result is [`Loaded`]. A `diagnostics::Report` collects all errors,
+//! so that the user sees them at once.
 #![forbid(unsafe_code)]
 
 mod assets;

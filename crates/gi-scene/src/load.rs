@@ -1,4 +1,4 @@
-//! The one entrance: a path and options to a scene.
+//! The entry point of this crate: loads a scene from a path and options.
 
 use std::path::Path;
 
@@ -12,10 +12,10 @@ use crate::document::{self, Document};
 use crate::options::{Loaded, Options};
 use crate::{framing, integrator, obj_scene, sensor};
 
-/// Read a scene: Mitsuba XML, or a bare OBJ with its materials.
+/// Load a scene: Mitsuba XML, or a bare OBJ file with its materials.
 ///
 /// # Errors
-/// All problems of the scene.
+/// All errors of the scene.
 pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
     let report = Report::default();
@@ -29,7 +29,7 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
         }
     };
     if loaded.is_none() && !report.has_errors() {
-        report.error_nowhere(format!("`{}` holds no scene", path.display()));
+        report.error_nowhere(format!("`{}` contains no scene", path.display()));
     }
     let mut loaded = loaded;
     for warning in loaded.iter_mut().flat_map(|l| l.parts.enclose_media()) {
@@ -38,11 +38,11 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     report.reads(path);
     let files = report.files();
     let warnings = report.finish()?;
-    let loaded = loaded.expect("a scene without problems was read");
+    let loaded = loaded.expect("a scene without errors was built");
     Ok(Loaded { warnings, files, ..loaded })
 }
 
-/// Refuse a scene whose things are of another dialect: a black picture would mislead.
+/// Refuse a scene in another XML format: its picture would be black, which misleads.
 fn refuse_other_dialects(path: &Path, doc: &Document, parts: &SceneParts, report: &Report) {
     let no_shapes = parts.shapes.is_empty() && parts.groups.is_empty();
     let nothing = no_shapes && (parts.lights.is_empty() || doc.unknown_things);
@@ -51,7 +51,7 @@ fn refuse_other_dialects(path: &Path, doc: &Document, parts: &SceneParts, report
     }
     let tags: Vec<String> = doc.unknown_tags.iter().map(|tag| format!("<{tag}>")).collect();
     report.error_nowhere(format!(
-        "`{}` is a scene of another dialect: no shape in it is understood, and Mitsuba knows no {}",
+        "`{}` is not in Mitsuba's format: none of its shapes is understood, and Mitsuba has no {}",
         path.display(),
         tags.join(", ")
     ));
@@ -73,7 +73,10 @@ fn load_xml(path: &Path, options: &Options, report: &Report) -> Option<Loaded> {
         Some((camera, filter)) => (framing::moved(camera, &options.camera, report)?, filter),
         None => {
             if !report.has_errors() {
-                report.warn_nowhere(format!("{}: no sensor: the camera is chosen", path.display()));
+                report.warn_nowhere(format!(
+                    "{}: no sensor: a camera is chosen automatically",
+                    path.display()
+                ));
             }
             let size = options.size.unwrap_or([768, 576]);
             let camera = framing::frame(&builder.parts, &options.camera, size, report)?;

@@ -8,7 +8,7 @@ use crate::builder::Builder;
 use crate::document::{Class, Meaning, Node};
 
 impl Builder<'_> {
-    /// The medium of an object, made when first asked for; `None` after a reported problem.
+    /// The medium of an object, built when first used; `None` if an error was reported.
     pub(crate) fn medium(&mut self, node: Node<'_>) -> Option<MediumId> {
         if let Some(&known) = self.medium_of.get(&node.id) {
             return Some(known);
@@ -26,7 +26,7 @@ impl Builder<'_> {
     }
 }
 
-/// Given as (sigma_t, albedo) or (sigma_s, sigma_a), times `scale`.
+/// A homogeneous medium, given as (sigma_t, albedo) or (sigma_s, sigma_a), times `scale`.
 fn homogeneous(node: Node<'_>) -> Option<Medium> {
     node.ignore(&["has_spectral_extinction", "sample_emitters", "strategy", "method"]);
     let scale = node.float("scale", 1.0);
@@ -37,7 +37,10 @@ fn homogeneous(node: Node<'_>) -> Option<Medium> {
         (t, s.zip(t, |s, t| if t > 0.0 { s / t } else { 0.0 }))
     } else {
         if let Some(name) = node.text_opt("material") {
-            node.error(format!("the medium `{name}` by name"), "expected sigma_t and albedo");
+            node.error(
+                format!("named medium `{name}` is not supported"),
+                "expected sigma_t and albedo",
+            );
             return None;
         }
         (
@@ -55,7 +58,7 @@ fn homogeneous(node: Node<'_>) -> Option<Medium> {
     Some(Medium { sigma_t, albedo, phase: phase(node) })
 }
 
-/// A colour, or a `constvolume` that holds one.
+/// A colour, or a `constvolume` that contains one.
 fn color(node: Node<'_>, name: &'static str) -> Option<Rgb> {
     match node.child_if(name, |n| n.class() == Class::Volume) {
         Some(volume) if volume.plugin() == "constvolume" => volume.color("value", Meaning::Factor),

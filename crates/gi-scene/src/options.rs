@@ -1,4 +1,4 @@
-//! What a scene is loaded with, and what loading gives.
+//! Options for loading a scene, and the result of loading.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -10,32 +10,32 @@ use glam::Vec3;
 
 use crate::origins::Origins;
 
-/// What the command line says about a scene.
+/// The command line's options for a scene.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Names and values given with `-D`: they win over the scene's `<default>`s.
+    /// Names and values given with `-D`; they override the scene's `<default>`s.
     pub defines: Vec<(String, String)>,
     /// The picture's width and height, instead of the scene's.
     pub size: Option<[usize; 2]>,
-    /// Another camera than the scene's.
+    /// Changes to the scene's camera.
     pub camera: CameraOverride,
 }
 
-/// What of the camera is not as the scene says. In a scene without camera, a bare `.obj` say, what is not given is chosen so
-/// that all is seen.
+/// Camera settings that override the scene's. If the scene has no camera (a bare `.obj`, for example), settings that
+/// are not given are chosen so that the whole scene is visible.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CameraOverride {
-    /// Where it stands.
+    /// Position.
     pub origin: Option<Vec3>,
-    /// What it looks at.
+    /// The point it looks at.
     pub target: Option<Vec3>,
-    /// What is up; +y in a scene without camera.
+    /// The up direction; +y in a scene without a camera.
     pub up: Option<Vec3>,
-    /// Angle across the picture's width, degrees.
+    /// Horizontal angle of view, degrees.
     pub fov: Option<f32>,
 }
 
-/// A scene as it was understood.
+/// A loaded scene.
 #[derive(Clone, Debug)]
 pub struct Loaded {
     /// Shapes, materials, lights.
@@ -46,13 +46,13 @@ pub struct Loaded {
     pub filter: Filter,
     /// Values of the scene's `<default name="gi.*">`, after `-D`.
     pub presets: BTreeMap<String, String>,
-    /// Longest path that the scene's integrator asks for; -1 is without end.
+    /// Longest path of the scene's integrator; -1 means unlimited.
     pub integrator_max_depth: Option<i32>,
-    /// What was approximated or ignored, as `file:line: text`.
+    /// Warnings about what was approximated or ignored, as `file:line: text`.
     pub warnings: Vec<String>,
     /// Hash of all bytes read and of the defines.
     pub hash: u64,
-    /// Hash of what the world is made of: the same for any camera, film, integrator and preset.
+    /// Hash of the world alone: independent of camera, film, integrator and presets.
     pub world: u64,
     /// All files that were read: the scene, included files, meshes and pictures.
     pub files: Vec<PathBuf>,

@@ -1,4 +1,4 @@
-//! Where the parts of a scene came from: an export writes the same files again.
+//! Records where the parts of a scene came from, so that an export can refer to the same files.
 
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -12,31 +12,31 @@ use crate::shapes::mesh_file::MeshFile;
 use crate::sky::model::SunSky;
 use crate::texels::{BitmapFile, holds_floats};
 
-/// Where the parts of a scene came from: what an export writes instead of the parts themselves.
+/// Where the parts of a scene came from: an export writes these references instead of the data.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Origins {
     /// Names of the materials.
     pub(crate) materials: Vec<Option<String>>,
     /// Names of the media.
     pub(crate) media: Vec<Option<String>>,
-    /// Of each shape, how its geometry was given.
+    /// For each shape, how its geometry was given.
     pub(crate) shapes: Vec<ShapeOrigin>,
-    /// The same for each group.
+    /// For each group, the same for its shapes.
     pub(crate) groups: Vec<Vec<ShapeOrigin>>,
-    /// Of each light.
+    /// For each light, how it was given.
     pub(crate) lights: Vec<LightOrigin>,
-    /// By the address of the picture, which is kept alive beside it.
+    /// Picture files, indexed by the picture's address. The picture is stored too, so that the address stays valid.
     bitmaps: HashMap<usize, (Arc<Bitmap>, BitmapFile)>,
 }
 
 /// How a shape's geometry was given.
 #[derive(Clone, Debug)]
 pub(crate) enum ShapeOrigin {
-    /// By a file that Mitsuba 3 reads as we do.
+    /// By a file that Mitsuba 3 reads like we do.
     File(MeshFile, Affine3A),
     /// As `rectangle` or `cube`.
     Unit(&'static str, Affine3A),
-    /// In some other way: the geometry itself says all.
+    /// In some other way: export the geometry itself.
     Itself,
 }
 
@@ -45,27 +45,27 @@ pub(crate) enum ShapeOrigin {
 pub(crate) enum LightOrigin {
     /// As an `envmap`.
     Picture(PathBuf),
-    /// As `sun`, `sky` or `sunsky`; the next light may be part of the same.
+    /// As `sun`, `sky` or `sunsky`; the next light may belong to the same plugin.
     SunSky(SunSky),
-    /// Part of the light before.
+    /// Belongs to the same plugin as the light before it.
     SameAsBefore,
-    /// The light itself says all.
+    /// In some other way: export the light itself.
     Itself,
 }
 
 impl Origins {
-    /// Remember where a picture came from.
+    /// Record which file a picture came from.
     pub(crate) fn note_bitmap(&mut self, bitmap: &Arc<Bitmap>, file: &BitmapFile) {
         let known = self.bitmaps.entry(Arc::as_ptr(bitmap).addr());
         known.or_insert_with(|| (bitmap.clone(), file.clone()));
     }
 
-    /// Where a picture came from.
+    /// The file that a picture came from.
     pub(crate) fn bitmap_file(&self, bitmap: &Arc<Bitmap>) -> Option<&BitmapFile> {
         self.bitmaps.get(&Arc::as_ptr(bitmap).addr()).map(|(_, file)| file)
     }
 
-    /// The smallest and the largest number that a texture gives.
+    /// The smallest and largest value of a texture.
     pub(crate) fn range(&self, texture: &Texture) -> [f32; 2] {
         let join = |a: [f32; 2], b: [f32; 2]| [a[0].min(b[0]), a[1].max(b[1])];
         let of =

@@ -4,7 +4,7 @@ use glam::{Affine3A, Vec3};
 
 use crate::document::Node;
 
-/// The linear part of `to_world`: a light at infinity does not move.
+/// The linear part of `to_world`: translation has no effect on a light at infinity.
 pub(crate) fn rotation(node: Node<'_>) -> Affine3A {
     let mut m = node.transform("to_world");
     m.translation = Vec3::ZERO.into();

@@ -9,19 +9,20 @@ use crate::diagnostics::Report;
 use crate::document::{Class, Document, Node};
 use crate::value::MAX_NUMBER;
 
-/// The film of a sensor that names none.
+/// Default film size.
 const DEFAULT_SIZE: [usize; 2] = [768, 576];
-/// No picture is wider or higher than this: its film would not fit into memory.
+/// Largest width or height: a larger film would not fit into memory.
 const MAX_SIZE: i64 = 1 << 15;
-/// Diagonal of the 36 x 24 mm picture that a focal length is meant for, millimetres.
+/// Diagonal of 36 x 24 mm film, to which focal lengths refer, millimetres.
 const FILM_DIAGONAL: f32 = 43.266_615;
-/// Widest Gaussian filter, pixels: beyond it a picture is fog, and each sample reaches thousands of pixels.
+/// Largest standard deviation of a Gaussian filter, pixels: a wider one only blurs, and each sample adds to thousands
+/// of pixels.
 const MAX_STDDEV: f32 = 4.0;
-/// Mitchell's parameters are useful in [0, 1]; far beyond, the filter's weights cancel.
+/// Largest absolute value of Mitchell's parameters. They are useful in [0, 1]; far beyond, the weights cancel.
 const MAX_MITCHELL: f32 = 10.0;
-/// A Lanczos filter reaches so many pixels.
+/// Largest radius of a Lanczos filter, pixels.
 const MAX_LOBES: i64 = 8;
-/// Focal length of a sensor that gives neither that nor an angle, millimetres.
+/// Focal length of a sensor that gives neither a focal length nor an angle, millimetres.
 const DEFAULT_FOCAL_LENGTH: f32 = 50.0;
 
 /// The camera and filter of a scene; `None` if it has no sensor.
@@ -39,7 +40,7 @@ pub(crate) fn read(
     let sensor = *sensors.first()?;
     let films = sensor.children(Class::Film);
     let filter = films.first().map_or(Filter::Gaussian { stddev: 0.5 }, |film| filter(*film));
-    // The film is read even where its size is not wanted: its mistakes are reported all the same.
+    // Read the film even if its size is overridden, so that its errors are reported.
     let film_size = films.first().map_or(DEFAULT_SIZE, |film| film_size(*film));
     let size = size.unwrap_or(film_size);
     let principal_point_offset = Vec2::new(
@@ -55,14 +56,14 @@ pub(crate) fn read(
     Some((CameraSpec { to_world, projection, size, near, principal_point_offset }, filter))
 }
 
-/// Say that something may be seen which the sensor's far plane would hide.
+/// Warn if the scene reaches beyond the sensor's far plane, which is ignored.
 fn note_far_clip(sensor: Node<'_>, to_world: Affine3A, parts: &SceneParts) {
     let Some(far) = sensor.float_opt("far_clip") else { return };
     let camera = Vec3::from(to_world.translation);
     let bounds = crate::framing::bounds_of(parts);
     let farthest = (bounds.min - camera).abs().max((bounds.max - camera).abs()).length();
     if farthest.is_finite() && farthest > far {
-        let message = format!("`far_clip` {far} is ignored: what is farther is seen too");
+        let message = format!("`far_clip` {far} is ignored: objects beyond it are visible");
         sensor.report.warn(sensor.span_of("far_clip"), message);
     }
 }
@@ -90,7 +91,7 @@ fn projection(sensor: Node<'_>, size: [usize; 2]) -> Option<(Projection, Affine3
     let fov_x = fov_x(sensor, size[0] as f32 / size[1] as f32)?;
     let focus_distance =
         if lens > 0.0 { sensor.above_zero("focus_distance", 1.0, MAX_NUMBER) } else { 1.0 };
-    // A perspective camera has no size: only where it stands, how it is turned and whether it is mirrored count.
+    // Scale does not matter for a perspective camera: keep only its position, rotation and mirroring.
     let columns = [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis]
         .map(|c| crate::transform::unit(c.into()).0);
     let rotation = Mat3::from_cols(columns[0], columns[1], columns[2]);
@@ -98,7 +99,7 @@ fn projection(sensor: Node<'_>, size: [usize; 2]) -> Option<(Projection, Affine3
     Some((Projection::Perspective { fov_x, aperture_radius: lens, focus_distance }, to_world))
 }
 
-/// The angle across the width, radians.
+/// The horizontal angle of view, radians.
 fn fov_x(sensor: Node<'_>, aspect: f32) -> Option<f32> {
     let (half_tangent, axis) = match sensor.float_opt("fov") {
         Some(degrees) if 0.0 < degrees && degrees < 180.0 => {
@@ -115,9 +116,9 @@ fn fov_x(sensor: Node<'_>, aspect: f32) -> Option<f32> {
         None => (FILM_DIAGONAL / (2.0 * focal_length(sensor)?), "diagonal"),
     };
     if axis == "x" && sensor.has("fov") {
-        return Some(sensor.float("fov", 0.0).to_radians()); // spared the rounding of tan and atan
+        return Some(sensor.float("fov", 0.0).to_radians()); // avoids the rounding of tan and atan
     }
-    // From the half extent along the named axis to that along x.
+    // Ratio of the half extent along x to that along the named axis.
     let to_x = match axis {
         "x" => 1.0,
         "y" => aspect,
@@ -141,7 +142,7 @@ fn fov_x(sensor: Node<'_>, aspect: f32) -> Option<f32> {
     Some(2.0 * (half_tangent * to_x).atan())
 }
 
-/// Millimetres, from "50mm" or 50.
+/// Focal length in millimetres, from "50mm" or 50.
 fn focal_length(sensor: Node<'_>) -> Option<f32> {
     if !sensor.has("focal_length") {
         return Some(DEFAULT_FOCAL_LENGTH);
@@ -153,7 +154,11 @@ fn focal_length(sensor: Node<'_>) -> Option<f32> {
     let positive = length.filter(|l| *l > 0.0);
     if positive.is_none() {
         let span = sensor.span_of("focal_length");
-        sensor.report.error(span, "this is no focal length", "expected millimetres, as `50mm`");
+        sensor.report.error(
+            span,
+            "this is not a focal length",
+            "expected millimetres, such as `50mm`",
+        );
     }
     positive
 }
@@ -165,7 +170,7 @@ fn film_size(film: Node<'_>) -> [usize; 2] {
         if film.has(crop) {
             film.report.warn(
                 film.span_of(crop),
-                format!("`{crop}` is ignored: the whole picture is made"),
+                format!("`{crop}` is ignored: the whole picture is rendered"),
             );
         }
     }

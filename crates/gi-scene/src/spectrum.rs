@@ -1,4 +1,4 @@
-//! From spectra to linear Rec. 709.
+//! Converts spectra to linear Rec. 709.
 
 mod observer;
 
@@ -6,23 +6,23 @@ use gi_core::math::Rgb;
 
 use observer::matching;
 
-/// Shortest and longest wavelength that the eye is taken to see, nanometres (Mitsuba's limits).
+/// Range of visible wavelengths, nanometres (Mitsuba's limits).
 const RANGE: (f32, f32) = (360.0, 830.0);
-/// Step of the quadrature, nanometres; the curves turn over tens of nanometres.
+/// Step of the quadrature, nanometres. The matching curves change over tens of nanometres.
 const STEP: f32 = 1.0;
 
-/// What an equal-energy spectrum of value 1 is in linear Rec. 709 (Mitsuba's figures, which come from
-/// the tabulated observer): emission given as one number is this colour in Mitsuba 3.
+/// The equal-energy spectrum of value 1 in linear Rec. 709 (Mitsuba's figures, from the tabulated observer). Mitsuba 3
+/// gives emission this colour if it is a single number.
 pub(crate) const EQUAL_ENERGY: Rgb = Rgb::new(1.204_794, 0.948_291, 0.908_916);
 
-/// A spectrum as a scene gives it.
+/// A spectrum as given in a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Spectrum {
     /// The same at all wavelengths.
     Flat(f32),
-    /// `(nanometres, value)`, rising, linear between, zero outside.
+    /// `(nanometres, value)` in rising order; linear in between, zero outside.
     Pairs(Vec<(f32, f32)>),
-    /// A black body of so many kelvins, times a factor; W / (m^2 sr nm).
+    /// A black body at this temperature, times a factor; W / (m^2 sr nm).
     Blackbody { kelvin: f32, scale: f32 },
 }
 
@@ -40,7 +40,7 @@ impl Spectrum {
     pub(crate) fn emission(&self) -> Rgb {
         match self {
             Spectrum::Flat(v) => EQUAL_ENERGY * *v,
-            // Light of few wavelengths lies outside of the colours of Rec. 709: the nearest one inside.
+            // Narrow spectra lie outside the gamut of Rec. 709: clamp to the nearest colour inside.
             _ => {
                 let rgb = xyz_to_rgb(integrate(|nm| self.at(nm)));
                 if self.is_negative() { rgb } else { rgb.map(|v| v.max(0.0)) }
@@ -48,7 +48,7 @@ impl Spectrum {
         }
     }
 
-    /// Whether any of its values is below zero.
+    /// Whether any value is negative.
     fn is_negative(&self) -> bool {
         match self {
             Spectrum::Flat(v) => *v < 0.0,
@@ -57,8 +57,8 @@ impl Spectrum {
         }
     }
 
-    /// The colour of a surface (or of an index of refraction) with this spectrum: what it makes of
-    /// daylight D65, over daylight. A constant comes out grey.
+    /// The colour of a surface (or of an index of refraction) with this spectrum: the reflected colour of daylight D65,
+    /// divided by that of D65. A constant spectrum gives grey.
     pub(crate) fn reflectance(&self) -> Rgb {
         match self {
             Spectrum::Flat(v) => Rgb::grey(*v),
@@ -149,8 +149,8 @@ mod tests {
     }
 
     #[test]
-    fn a_lamp_given_by_wavelengths_has_mitsubas_green() {
-        // Mitsuba 3.9.1; the fit of the observer that stood here before was 0.4 % high in green.
+    fn a_lamp_given_by_wavelengths_has_the_colour_of_mitsuba() {
+        // Values from Mitsuba 3.9.1. A former fit of the observer was 0.4 % high in green.
         let lamp = Spectrum::Pairs(vec![(400.0, 0.0), (500.0, 0.8), (600.0, 1.56), (700.0, 1.84)]);
         near(lamp.emission(), [2.071_08, 1.085_46, 0.277_115], 1e-3);
     }
@@ -164,7 +164,7 @@ mod tests {
 
     #[test]
     fn a_black_body_radiates_as_planck_says() {
-        // Wien: the peak of 5000 K lies at 579.6 nm; there B = 4.0957e-6 T^5 W / (m^3 sr).
+        // Wien's law: the peak of 5000 K is at 579.6 nm, where B = 4.0957e-6 T^5 W / (m^3 sr).
         let peak = planck(579.6, 5000.0);
         assert!((peak / 12_799.0 - 1.0).abs() < 1e-3, "{peak}");
         assert!(planck(560.0, 5000.0) < peak && planck(600.0, 5000.0) < peak);

@@ -1,51 +1,51 @@
-//! The statements of OBJ and MTL files: ends of lines of all systems, continued lines, comments, text that is not UTF-8.
+//! Statements of OBJ and MTL files. Handles all line endings, continued lines, comments, and text that is not UTF-8.
 
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// A line, with those that continue it.
+/// A line together with its continuation lines.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Statement<'a> {
     /// Number of its first line, from 1.
     pub(crate) line: usize,
-    /// Its bytes in the file.
+    /// Its byte range in the file.
     pub(crate) range: Range<usize>,
     text: Cow<'a, str>,
 }
 
 impl Statement<'_> {
-    /// The first word, and the rest. A name may hold blanks and `#`, so the rest is as written.
+    /// The first word, and the rest. The rest is unchanged, because names may contain blanks and `#`.
     pub(crate) fn split(&self) -> (&str, &str) {
         let text = self.text.trim();
         let (keyword, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
         (keyword, rest.trim())
     }
 
-    /// Whether there is nothing in it but a comment.
+    /// Whether it is empty or only a comment.
     pub(crate) fn is_blank(&self) -> bool {
         let text = self.text.trim_start();
         text.is_empty() || text.starts_with('#')
     }
 }
 
-/// The numbers of a statement, or anything else that holds no `#`: what stands before a comment.
+/// The text before a comment, for numbers and anything else that contains no `#`.
 pub(crate) fn without_comment(rest: &str) -> &str {
     rest.split('#').next().unwrap_or_default().trim()
 }
 
-/// A name in front of a comment, if there is one: names may hold `#` too, so both readings are tried.
+/// The name before a comment, if there is one. Names may contain `#` too, so the caller tries both readings.
 pub(crate) fn name_before_comment(name: &str) -> Option<&str> {
     let at = name.match_indices('#').map(|(at, _)| at);
     let mut after_blank = at.filter(|at| name[..*at].ends_with(char::is_whitespace));
     after_blank.next().map(|at| name[..at].trim_end()).filter(|name| !name.is_empty())
 }
 
-/// A name without the quotes round it.
+/// A name without its quotes.
 pub(crate) fn unquoted(name: &str) -> &str {
     name.strip_prefix('"').and_then(|n| n.strip_suffix('"')).unwrap_or(name)
 }
 
-/// All statements that are not blank.
+/// All statements, except blank ones.
 pub(crate) fn statements(bytes: &[u8]) -> impl Iterator<Item = Statement<'_>> {
     let mut lines = Lines { bytes, at: 0, number: 0 };
     std::iter::from_fn(move || lines.statement()).filter(|s| !s.is_blank())
@@ -73,7 +73,7 @@ impl<'a> Lines<'a> {
         let line = self.number;
         let mut text = decode(&self.bytes[first.clone()]);
         let mut end = first.end;
-        // A comment that ends in a backslash, a folder's name say, does not take the next line with it.
+        // A comment that ends in a backslash (of a folder's name, for example) does not continue on the next line.
         if !text.trim_start().starts_with('#') {
             while let Some(kept) = text.trim_end().strip_suffix('\\').map(str::len) {
                 let Some(next) = self.line() else { break };
@@ -88,7 +88,7 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// UTF-8, or Latin-1 where it is none.
+/// Decode as UTF-8, or as Latin-1 if it is not valid UTF-8.
 fn decode(bytes: &[u8]) -> Cow<'_, str> {
     match std::str::from_utf8(bytes) {
         Ok(text) => Cow::Borrowed(text),
@@ -96,7 +96,7 @@ fn decode(bytes: &[u8]) -> Cow<'_, str> {
     }
 }
 
-/// Text whose bytes are code points.
+/// Text in which each byte is one code point.
 pub(crate) fn latin_1(bytes: &[u8]) -> String {
     bytes.iter().map(|&b| char::from(b)).collect()
 }

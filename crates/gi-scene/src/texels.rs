@@ -1,4 +1,4 @@
-//! Picture files of textures, and which numbers their texels may hold. They are checked once, when they are read.
+//! Picture files of textures. Their texel values are checked once, when they are read.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use crate::document::Node;
 use crate::files;
 use crate::value::MAX_NUMBER;
 
-/// A picture file and how it is read: pictures with equal keys are read once.
+/// A picture file and its reading options: pictures with equal keys are read once.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct BitmapFile {
     pub(crate) path: PathBuf,
@@ -30,7 +30,8 @@ impl BitmapFile {
         Ok(bitmap)
     }
 
-    /// How a `bitmap` says that its file is to be read. (Asked twice: when files are gathered and when used.)
+    /// The file and its options, from a `bitmap`'s properties. (Called twice: when files are collected and when they
+    /// are used.)
     pub(crate) fn of(node: Node<'_>, path: PathBuf) -> BitmapFile {
         let wrap = match node.text("wrap_mode").or(node.text("wrap_mode_u")) {
             Some("mirror") => Wrap::Mirror,
@@ -46,13 +47,13 @@ impl BitmapFile {
     }
 }
 
-/// Whether a picture's format can hold numbers outside of [0, 1].
+/// Whether a picture's format can contain numbers outside [0, 1].
 pub(crate) fn holds_floats(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
     ["exr", "hdr", "pfm"].iter().any(|known| extension.eq_ignore_ascii_case(known))
 }
 
-/// Refuse a picture with texels that no light can be computed with.
+/// Refuse a picture whose texels are too large or not finite.
 pub(crate) fn check(bitmap: &Bitmap, path: &Path) -> Result<(), String> {
     if !holds_floats(path) {
         return Ok(());
@@ -67,13 +68,13 @@ pub(crate) fn check(bitmap: &Bitmap, path: &Path) -> Result<(), String> {
     }
 }
 
-/// The first texel of a kind, row by row from the top.
+/// The first matching texel, row by row from the top.
 fn find(bitmap: &Bitmap, wanted: impl Fn(Rgb) -> bool) -> Option<(usize, usize, Rgb)> {
     let all = (0..bitmap.height()).flat_map(|y| (0..bitmap.width()).map(move |x| (x, y)));
     all.map(|(x, y)| (x, y, bitmap.texel(x, y))).find(|t| wanted(t.2))
 }
 
-/// A picture of light: texels below zero become zero. Also the first such texel, if there is one.
+/// Prepare a picture of emitted light: negative texels become zero. Also returns the first such texel, if any.
 pub(crate) fn as_light(
     bitmap: &Arc<Bitmap>,
     file: &BitmapFile,
@@ -88,7 +89,7 @@ pub(crate) fn as_light(
     (Arc::new(clamped), Some((x, y)))
 }
 
-/// The largest number of a picture.
+/// The largest number in a picture.
 pub(crate) fn brightest(bitmap: &Bitmap, path: &Path) -> f32 {
     if !holds_floats(path) {
         return 1.0;

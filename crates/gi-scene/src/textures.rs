@@ -1,4 +1,4 @@
-//! Textures: pictures, checkerboards, scaled textures.
+//! Textures: pictures, checkerboards and scaled textures.
 
 use gi_core::math::Rgb;
 use gi_core::texture::Texture;
@@ -8,7 +8,7 @@ use crate::builder::Builder;
 use crate::document::{Class, Meaning, Node};
 use crate::texels::{self, BitmapFile};
 
-/// How deep textures may be nested. They are trees, and one that refers to the next twice doubles each time.
+/// Largest depth of nested textures. A texture that refers to the next one twice doubles the size at each level.
 const MAX_NESTING: usize = 6;
 
 impl Builder<'_> {
@@ -26,7 +26,7 @@ impl Builder<'_> {
         node.color(name, meaning).map_or(default, Texture::Constant)
     }
 
-    /// A share of light (a reflectance, an opacity, a weight): as [`Builder::texture`], and in [0, 1].
+    /// A fraction of light (a reflectance, an opacity, a weight): like [`Builder::texture`], but clamped to [0, 1].
     pub(crate) fn share(&mut self, node: Node<'_>, name: &'static str, default: f32) -> Texture {
         let texture = self.texture(node, name, Texture::grey(default), Meaning::Factor);
         let [least, most] = self.origins.range(&texture);
@@ -36,19 +36,19 @@ impl Builder<'_> {
         let span = node.place_of(name);
         match texture {
             Texture::Constant(c) => {
-                node.report.warn(span, format!("`{name}` is outside of [0, 1]: clamped"));
+                node.report.warn(span, format!("`{name}` is outside [0, 1]: clamped"));
                 Texture::Constant(c.map(|v| v.clamp(0.0, 1.0)))
             }
             texture => {
                 let message =
-                    format!("the texture of `{name}` is outside of [0, 1]: {least} to {most}");
+                    format!("the texture of `{name}` is outside [0, 1]: {least} to {most}");
                 node.report.warn(span, message);
                 texture
             }
         }
     }
 
-    /// Light that may vary over a surface; what a picture has below zero is taken for zero.
+    /// Emitted light that may vary over a surface; negative texels count as zero.
     pub(crate) fn light_texture(&mut self, node: Node<'_>, name: &'static str) -> Texture {
         let white = Texture::Constant(Rgb::WHITE);
         let mut texture = self.texture(node, name, white.clone(), Meaning::Light);
@@ -78,11 +78,11 @@ impl Builder<'_> {
         }
     }
 
-    /// A `<texture>`; `None` after a reported problem.
+    /// A `<texture>`; `None` if an error was reported.
     pub(crate) fn texture_object(&mut self, node: Node<'_>, depth: usize) -> Option<Texture> {
         const KNOWN: [&str; 3] = ["bitmap", "checkerboard", "scale"];
         if depth > MAX_NESTING {
-            node.error("textures are nested too deep", "");
+            node.error("textures are nested too deeply", "");
             return None;
         }
         let nested = |builder: &mut Self, name: &'static str, default: f32| match node
@@ -122,7 +122,7 @@ impl Builder<'_> {
         note_gamma(node);
         if let Some(channel) = node.text("channel") {
             let message =
-                format!("`channel` is ignored: all of them are read, not only `{channel}`");
+                format!("`channel` is ignored: all channels are read, not only `{channel}`");
             node.report.warn(node.span_of("channel"), message);
         }
         let bitmap = self.assets.bitmap(node.id)?;
@@ -131,7 +131,7 @@ impl Builder<'_> {
     }
 }
 
-/// Say that a picture's own gamma is read otherwise. (1 is linear, and below zero the file's.)
+/// Warn if a picture's gamma is not supported. (1 means linear; negative means that the file decides.)
 pub(crate) fn note_gamma(node: Node<'_>) {
     if let Some(gamma) = node.float_opt("gamma").filter(|g| *g != 1.0 && *g > 0.0) {
         let message = format!("gamma {gamma} is read as the sRGB curve");
@@ -139,7 +139,7 @@ pub(crate) fn note_gamma(node: Node<'_>) {
     }
 }
 
-/// Say what of a picture's wrap modes is read otherwise.
+/// Warn about wrap modes that are not supported.
 fn note_wrapping(node: Node<'_>) {
     let modes = ["wrap_mode", "wrap_mode_u", "wrap_mode_v"].map(|name| (name, node.text(name)));
     for (name, mode) in modes {
@@ -150,16 +150,15 @@ fn note_wrapping(node: Node<'_>) {
     }
     let [(_, both), (_, u), (name, v)] = modes;
     if v.is_some() && v != both.or(u).or(Some("repeat")) {
-        let message = "another wrap mode along v is ignored: that along u is taken for both";
+        let message = "a different wrap mode along v is ignored: that of u is used for both";
         node.report.warn(node.span_of(name), message);
     }
 }
 
-/// Say that a picture of light has texels below zero.
+/// Warn about negative texels in a picture of light.
 pub(crate) fn warn_negative(node: Node<'_>, file: &BitmapFile, (x, y): (usize, usize)) {
     let path = file.path.display();
-    let message =
-        format!("`{path}`: texel ({x}, {y}) and maybe others are below zero: taken for zero");
+    let message = format!("`{path}`: texel ({x}, {y}) and maybe others are negative: set to zero");
     node.warn(message);
 }
 

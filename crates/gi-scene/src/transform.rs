@@ -1,4 +1,4 @@
-//! The operations of a `<transform>`, in written order.
+//! The operations of a `<transform>`, in document order.
 
 use glam::{Affine3A, Mat3, Vec3};
 
@@ -7,7 +7,7 @@ use crate::value;
 /// One operation's attributes, by name.
 pub(crate) type Lookup<'a> = &'a dyn Fn(&str) -> Option<&'a str>;
 
-/// The tags that a `<transform>` may hold.
+/// The tags inside a `<transform>`.
 pub(crate) const OPERATIONS: [&str; 5] = ["translate", "rotate", "scale", "lookat", "matrix"];
 
 /// The matrix of one operation.
@@ -44,18 +44,18 @@ fn look_at(origin: Vec3, target: Vec3, up: Option<&str>) -> Result<Affine3A, Str
     let x = match up.cross(z).try_normalize() {
         Some(x) => x,
         None if up == Vec3::ZERO => z.any_orthonormal_vector(),
-        None => return Err("`up` points along the view".into()),
+        None => return Err("`up` is parallel to the view".into()),
     };
     Ok(Affine3A::from_mat3_translation(Mat3::from_cols(x, z.cross(x), z), origin))
 }
 
-/// Nine or sixteen numbers, row by row; a projective last row is refused.
+/// A matrix of nine or sixteen numbers, row by row; a projective last row is refused.
 fn matrix(m: &[f32]) -> Result<Affine3A, String> {
     let rows = match m.len() {
         9 => 3,
         16 if m[12..15] == [0.0; 3] && m[15] == 1.0 => 4,
         16 => return Err("the last row of the matrix is not 0 0 0 1".into()),
-        n => return Err(format!("{n} numbers where a matrix has 9 or 16")),
+        n => return Err(format!("{n} numbers, but a matrix has 9 or 16")),
     };
     let column = |c: usize| Vec3::new(m[c], m[rows + c], m[2 * rows + c]);
     let translation = if rows == 4 { column(3) } else { Vec3::ZERO };
@@ -67,8 +67,8 @@ fn matrix(m: &[f32]) -> Result<Affine3A, String> {
     ))
 }
 
-/// A vector's direction and length; lengths that are one but for rounding are one, so that what was
-/// normalised once stays as it is.
+/// A vector's direction and length. Lengths within rounding of one become one, so that a normalised vector is not
+/// changed.
 pub(crate) fn unit(v: Vec3) -> (Vec3, f32) {
     const ROUNDING: f32 = 1e-6;
     let length = v.length();

@@ -1,15 +1,15 @@
-//! From the text of an attribute to numbers, colours and vectors.
+//! Parses the text of attributes as numbers, colours and vectors.
 
 use gi_core::math::Rgb;
 use gi_core::texture::srgb_to_linear;
 use glam::Vec3;
 
-/// No list of numbers in a scene file is longer than a matrix or a measured spectrum;
-/// this bounds the memory that one attribute can ask for.
+/// Longest list of numbers. It bounds the memory that one attribute can request, and no matrix or measured spectrum
+/// comes near it.
 const MAX_NUMBERS: usize = 1 << 16;
 
-/// No number of a scene is larger than this: the products of a few such numbers are still finite in places
-/// where it matters, and no length or radiance comes near.
+/// Largest number in a scene. Products of a few such numbers are still finite where it matters, and no real length or
+/// radiance comes near it.
 pub(crate) const MAX_NUMBER: f32 = 1e15;
 
 /// Split at commas and blanks.
@@ -17,7 +17,7 @@ pub(crate) fn words(text: &str) -> impl Iterator<Item = &str> {
     text.split(|c: char| c == ',' || c.is_whitespace()).filter(|w| !w.is_empty())
 }
 
-/// One finite number, not beyond all measure.
+/// One finite number of at most [`MAX_NUMBER`].
 pub(crate) fn number(text: &str) -> Result<f32, String> {
     match text.trim().parse::<f32>() {
         Ok(v) if v.abs() <= MAX_NUMBER => Ok(v),
@@ -27,7 +27,7 @@ pub(crate) fn number(text: &str) -> Result<f32, String> {
     }
 }
 
-/// Finite numbers parted by commas or blanks.
+/// Finite numbers separated by commas or blanks.
 pub(crate) fn numbers(text: &str) -> Result<Vec<f32>, String> {
     words(text).take(MAX_NUMBERS).map(number).collect()
 }
@@ -37,11 +37,11 @@ pub(crate) fn triple(text: &str) -> Result<Vec3, String> {
     match numbers(text)?.as_slice() {
         [v] => Ok(Vec3::splat(*v)),
         [x, y, z] => Ok(Vec3::new(*x, *y, *z)),
-        other => Err(format!("{} numbers where one or three belong", other.len())),
+        other => Err(format!("{} numbers instead of one or three", other.len())),
     }
 }
 
-/// A whole number; `12.0` is one.
+/// An integer; `12.0` is accepted too.
 pub(crate) fn integer(text: &str) -> Result<i64, String> {
     let text = text.trim();
     if let Ok(v) = text.parse::<i64>() {
@@ -62,16 +62,16 @@ pub(crate) fn boolean(text: &str) -> Result<bool, String> {
     }
 }
 
-/// A colour: one number, three, or `#rrggbb`; `srgb` says that the numbers go through the sRGB curve.
+/// A colour: one number, three numbers, or `#rrggbb`. With `srgb`, the numbers are converted from the sRGB curve.
 pub(crate) fn color(text: &str, srgb: bool) -> Result<Rgb, String> {
     let text = text.trim();
     let raw = match text.strip_prefix('#') {
         Some(hex) if hex.len() == 6 && hex.is_ascii() => {
             let code =
-                u32::from_str_radix(hex, 16).map_err(|_| format!("`{text}` is no colour"))?;
+                u32::from_str_radix(hex, 16).map_err(|_| format!("`{text}` is not a colour"))?;
             Vec3::new((code >> 16) as f32, (code >> 8 & 255) as f32, (code & 255) as f32) / 255.0
         }
-        Some(_) => return Err(format!("`{text}` is no colour of the form #rrggbb")),
+        Some(_) => return Err(format!("`{text}` is not a colour of the form #rrggbb")),
         None => triple(text)?,
     };
     let rgb = Rgb::from(raw.to_array());
@@ -83,16 +83,16 @@ pub(crate) fn pairs(text: &str) -> Result<Vec<(f32, f32)>, String> {
     let mut out = Vec::new();
     for word in words(text).take(MAX_NUMBERS) {
         let (nm, v) =
-            word.split_once(':').ok_or_else(|| format!("`{word}` is no nm:value pair"))?;
+            word.split_once(':').ok_or_else(|| format!("`{word}` is not an nm:value pair"))?;
         out.push((number(nm)?, number(v)?));
     }
     if !out.is_sorted_by(|a, b| a.0 < b.0) {
-        return Err("the wavelengths are not in rising order".into());
+        return Err("the wavelengths are not in ascending order".into());
     }
     Ok(out)
 }
 
-/// `intIOR` and `toUV` as Mitsuba 3 writes them: `int_ior`, `to_uv`.
+/// Convert `intIOR` and `toUV` to the names of Mitsuba 3: `int_ior`, `to_uv`.
 pub(crate) fn snake_case(name: &str) -> String {
     let mut out = String::with_capacity(name.len() + 4);
     let mut after_lower = false;
@@ -111,7 +111,7 @@ pub(crate) fn snake_case(name: &str) -> String {
     out
 }
 
-/// Refuse a vertex so far away that areas and distances overflow.
+/// Refuse a vertex so far away that areas and distances would overflow.
 pub(crate) fn check_size(p: Vec3) -> Result<(), String> {
     if p.abs().max_element() <= MAX_NUMBER {
         return Ok(());
@@ -147,7 +147,7 @@ mod tests {
         assert_eq!(triple("2"), Ok(Vec3::splat(2.0)));
         assert!(triple("1 2").is_err());
         assert_eq!(triple("1 x 2").unwrap_err(), "`x` is not a number");
-        assert!(triple("1 nan 2").is_err(), "NaN is no number");
+        assert!(triple("1 nan 2").is_err(), "NaN is not a number");
     }
 
     #[test]
@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn spectra_must_rise() {
+    fn spectra_must_be_in_ascending_order() {
         assert_eq!(pairs("400:1, 500:0.5"), Ok(vec![(400.0, 1.0), (500.0, 0.5)]));
         assert!(pairs("500:1 400:1").is_err());
         assert!(pairs("500").is_err());

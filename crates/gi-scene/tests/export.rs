@@ -1,4 +1,4 @@
-//! What is exported is what was understood.
+//! An export contains the scene as the loader understood it.
 
 mod common;
 
@@ -60,7 +60,7 @@ fn an_export_read_back_gives_the_same_parts() {
         .map(|p| load(&p, &Options::default()).unwrap_or_else(|e| panic!("{e}")));
     assert_eq!(b.warnings, Vec::<String>::new(), "an export is clean");
     assert_same(&describe(&b), &describe(&c));
-    // The names of shapes are not kept.
+    // Names of shapes are not exported.
     let plain = |l: &gi_scene::Loaded| {
         let mut l = l.clone();
         l.parts.shapes.iter_mut().for_each(|s| s.name.clear());
@@ -89,7 +89,7 @@ fn an_export_read_back_gives_the_same_parts() {
     );
 }
 
-/// A material with all that it holds, as text.
+/// A material with its nested materials, as text.
 fn resolved(materials: &[Material], i: usize) -> String {
     let inside = match &materials[i] {
         Material::Mask { inner, .. }

@@ -1,4 +1,4 @@
-//! Bare OBJ files with the libraries, names and lines that exporters write.
+//! Bare OBJ files and material libraries with the names and lines that exporters write.
 
 mod common;
 
@@ -10,14 +10,14 @@ use gi_scene::{Loaded, Options, load};
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
-/// Load an OBJ of one triangle with a material of this name.
+/// Load an OBJ file of one triangle with a material of this name.
 fn one(folder: &Folder, head: &str, material: &[u8]) -> Result<Loaded, String> {
     let text = [head.as_bytes(), b"usemtl ", material, b"\n", TRIANGLE.as_bytes()].concat();
     load(&folder.write("a.obj", text), &Options::default())
         .map_err(|e| folder.strip(&e.to_string()))
 }
 
-/// The diffuse colour of the first shape, if its material was found.
+/// The diffuse colour of the first shape, black if its material was not found.
 fn diffuse(loaded: &Loaded) -> Rgb {
     let materials = &loaded.parts.materials;
     match &materials[loaded.parts.shapes[0].material] {
@@ -54,7 +54,7 @@ fn names_with_blanks_and_hashes_are_whole() {
     for name in ["Material #26", "plain", "plain # another", "Material #26 # the red one"] {
         let loaded = one(&folder, "mtllib my materials #2.mtl\n", name.as_bytes()).unwrap();
         let red = Rgb::new(0.9, 0.1, 0.1);
-        // A comment after a name with a hash cannot be told from the name.
+        // After a name with a hash, a comment cannot be distinguished from the name.
         let found = name != "Material #26 # the red one";
         assert_eq!(diffuse(&loaded), if found { red } else { Rgb::BLACK }, "{name}");
     }
@@ -84,12 +84,12 @@ fn one_statement_names_several_libraries() {
 }
 
 #[test]
-fn a_reflectance_above_one_is_clamped_and_said() {
+fn a_reflectance_above_one_is_clamped_with_a_warning() {
     let folder = Folder::new();
     folder.write("a.mtl", "newmtl m\nKd 2 0.5 -1\n");
     let loaded = one(&folder, "mtllib a.mtl\n", b"m").unwrap();
     assert_eq!(diffuse(&loaded), Rgb::new(1.0, 0.5, 0.0));
-    assert!(loaded.warnings[0].contains("a.mtl:2: `Kd` is outside of [0, 1]: clamped"));
+    assert!(loaded.warnings[0].contains("a.mtl:2: `Kd` is outside [0, 1]: clamped"));
     folder.write("a.mtl", "newmtl m\nKd 1\nKs 0.5\n");
     let loaded = one(&folder, "mtllib a.mtl\n", b"m").unwrap();
     assert!(
@@ -100,7 +100,7 @@ fn a_reflectance_above_one_is_clamped_and_said() {
 }
 
 #[test]
-fn light_by_a_picture_alone_shines() {
+fn a_picture_of_light_alone_emits() {
     let folder = Folder::new();
     let picture =
         [b"PF\n1 1\n-1.0\n".as_slice(), &[3f32; 3].map(f32::to_le_bytes).concat()].concat();
@@ -130,12 +130,12 @@ fn light_by_a_picture_alone_shines() {
 }
 
 #[test]
-fn faces_of_one_and_two_corners_are_left_out_with_one_warning() {
+fn faces_of_one_and_two_corners_are_skipped_with_one_warning() {
     let folder = Folder::new();
     let path = folder.write("a.obj", format!("{TRIANGLE}f 1\nf 1 2\nf 3\n"));
     let loaded = load(&path, &Options::default()).unwrap();
     let shown = folder.strip(&loaded.warnings.join("\n"));
-    assert_eq!(shown, "`a.obj`: 3 faces of one or two corners left out, the first in line 5");
+    assert_eq!(shown, "`a.obj`: 3 faces of one or two corners skipped, the first in line 5");
     let body = "<shape type='obj'><string name='filename' value='a.obj'/></shape>";
     let loaded = folder.scene("3.0.0", body).unwrap();
     assert!(loaded.warnings[0].contains("3 faces of one or two corners"), "{:?}", loaded.warnings);
@@ -153,7 +153,7 @@ fn ignored_statements_of_many_materials_are_counted() {
 }
 
 #[test]
-fn a_mistake_in_a_library_is_shown_with_its_line() {
+fn an_error_in_a_library_is_shown_with_its_line() {
     let folder = Folder::new();
     folder.write("a.mtl", "newmtl m\nKd 0.5\nNi glass\n");
     let shown = one(&folder, "mtllib a.mtl\n", b"m").unwrap_err();
@@ -166,7 +166,7 @@ error: material `m`: `Ni`: `glass` is not a number
     assert_eq!(shown, expected);
 }
 
-/// A library and an OBJ with `n` materials, each used `uses` times.
+/// A library and an OBJ file with `n` materials, each used `uses` times.
 fn many(folder: &Folder, n: usize, uses: usize) -> std::path::PathBuf {
     let library: String = (0..n).map(|k| format!("newmtl m{k}\nKd 0.5 0.5 0.5\n")).collect();
     folder.write("a.mtl", library);
@@ -177,7 +177,7 @@ fn many(folder: &Folder, n: usize, uses: usize) -> std::path::PathBuf {
 
 #[test]
 fn many_materials_are_all_found() {
-    // A search of all names at each `usemtl` would take 10^10 steps here.
+    // Searching all names at each `usemtl` would take 10^10 steps here.
     let folder = Folder::new();
     let loaded = load(&many(&folder, 100_000, 1), &Options::default()).unwrap();
     assert_eq!(loaded.parts.shapes.len(), 100_000);

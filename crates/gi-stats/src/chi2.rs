@@ -1,30 +1,30 @@
 use crate::special::gamma_q;
 
-/// What a chi^2 test found.
+/// The result of a chi^2 test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chi2 {
     /// The statistic.
     pub statistic: f64,
     /// Degrees of freedom.
     pub degrees: usize,
-    /// Probability of a statistic as large or larger if the counts are drawn from the expectation.
+    /// Probability of a statistic at least this large if the counts follow the expectation.
     pub p_value: f64,
 }
 
-/// Cells expecting fewer counts than this are pooled.
+/// Cells with a smaller expected count are pooled.
 const LEAST_EXPECTED: f64 = 5.0;
 
-/// Pearson's test that `observed` counts were drawn in proportion to `expected` (the expected counts; their sum is
-/// the number of draws, up to integration error and what the density leaves out).
+/// Pearson's test that `observed` counts were drawn in proportion to `expected`. These are expected counts, so their
+/// sum must be the number of draws, except for integration error and regions that the density does not cover.
 ///
 /// # Errors
-/// A count in a cell that expects none is impossible, not improbable: its index is returned.
+/// A count in a cell with expectation zero is impossible; the index of the cell is returned.
 pub fn chi2_test(observed: &[u64], expected: &[f64]) -> Result<Chi2, usize> {
-    assert_eq!(observed.len(), expected.len(), "one expectation a cell");
+    assert_eq!(observed.len(), expected.len(), "one expectation per cell");
     if let Some(cell) = (0..observed.len()).find(|&i| expected[i] == 0.0 && observed[i] > 0) {
         return Err(cell);
     }
-    // Pool from the least expected cell up until every group expects enough.
+    // Pool from the least expected cell up, until every group has a large enough expectation.
     let mut order: Vec<usize> = (0..observed.len()).filter(|&i| expected[i] > 0.0).collect();
     order.sort_by(|&a, &b| expected[a].total_cmp(&expected[b]));
     let (mut statistic, mut groups) = (0.0, 0usize);

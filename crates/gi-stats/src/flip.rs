@@ -1,9 +1,13 @@
-//! FLIP: the difference that a person sees when flipping between two pictures \[Andersson20\], and its extension to
-//! high dynamic range \[Andersson21\]. 0 is no difference, 1 the largest.
+//! FLIP: the difference that a viewer perceives when flipping between two pictures \[Andersson20\], and its extension
+//! to high dynamic range \[Andersson21\]. 0 means no difference, 1 is the largest.
+
+mod colour;
 
 use std::f64::consts::PI;
 
-/// Pixels a degree of visual angle on a 0.7 m wide 4K screen seen from 0.7 m, the authors' default.
+use colour::*;
+
+/// Pixels per degree of visual angle, for a 0.7 m wide 4K screen seen from 0.7 m: the authors' default.
 pub const PIXELS_PER_DEGREE: f64 = 67.020_643_276_582_26;
 
 type Color = [f64; 3];
@@ -16,7 +20,7 @@ struct Plane {
     values: Vec<f64>,
 }
 
-/// FLIP of two pictures in linear RGB, values clipped to [0, 1]: one number a pixel.
+/// FLIP of two pictures in linear RGB, clamped to [0, 1]: one number per pixel.
 ///
 /// # Panics
 /// If the pictures are not `width` times `height` RGB triples.
@@ -29,7 +33,7 @@ pub fn flip_ldr(
 ) -> Vec<f64> {
     assert!(
         picture.len() == 3 * width * height && reference.len() == picture.len(),
-        "two RGB pictures of one size"
+        "two RGB pictures of the same size"
     );
     let opponent = |p: &[f32]| -> [Plane; 3] {
         let colors: Vec<Color> = p
@@ -44,8 +48,8 @@ pub fn flip_ldr(
     color.into_iter().zip(feature).map(|(c, f)| c.powf(1.0 - f)).collect()
 }
 
-/// FLIP of two pictures in linear RGB of any range: the largest of LDR-FLIP over the exposures at which the
-/// reference can be looked at, tone-mapped as ACES does.
+/// FLIP of two pictures in linear RGB of any range: the largest LDR-FLIP over a range of exposures that suits the
+/// reference, tone-mapped like ACES.
 ///
 /// # Panics
 /// If the pictures are not `width` times `height` RGB triples.
@@ -98,7 +102,7 @@ fn exposures(reference: &[f32]) -> (f64, f64) {
     ((x / brightest).log2(), (x / median.max(1e-12)).log2())
 }
 
-/// Color difference in [0, 1]: filtered by what the eye resolves, compared in a perceptual space.
+/// Colour difference in [0, 1]: filtered by the eye's resolution, compared in a perceptual colour space.
 fn color_difference(test: &[Plane; 3], truth: &[Plane; 3], ppd: f64) -> Vec<f64> {
     /// Exponent, and the two points between which errors are stretched.
     const Q: f64 = 0.7;
@@ -128,7 +132,7 @@ fn resolve(plane: &Plane, channel: usize, ppd: f64) -> Plane {
     const GAUSSIANS: [[(f64, f64); 2]; 3] =
         [[(1.0, 0.0047), (0.0, 1e-5)], [(1.0, 0.0053), (0.0, 1e-5)], [(34.1, 0.04), (13.5, 0.025)]];
     let radius = (3.0 * (0.04 / (2.0 * PI * PI)).sqrt() * ppd).ceil() as i64;
-    // A Gaussian of the distance is a product over the axes; the sum of both is normalised as a whole.
+    // A 2D Gaussian is a product over the axes; the sum of both Gaussians is normalised as a whole.
     let mut total = 0.0;
     let mut sum = Plane { values: vec![0.0; plane.values.len()], ..plane.clone() };
     for (a, b) in GAUSSIANS[channel] {
@@ -146,7 +150,7 @@ fn resolve(plane: &Plane, channel: usize, ppd: f64) -> Plane {
     sum
 }
 
-/// Difference of edges and points in [0, 1].
+/// Difference of edges and points, in [0, 1].
 fn feature_difference(test: &Plane, truth: &Plane, ppd: f64) -> Vec<f64> {
     /// Width of the detector, degrees.
     const WIDTH: f64 = 0.082;
@@ -156,7 +160,7 @@ fn feature_difference(test: &Plane, truth: &Plane, ppd: f64) -> Vec<f64> {
     let across: Vec<f64> = (-radius..=radius).map(|i| gauss(i as f64)).collect();
     let along = |shape: &dyn Fn(f64) -> f64| -> Vec<f64> {
         let raw: Vec<f64> = (-radius..=radius).map(|i| shape(i as f64) * gauss(i as f64)).collect();
-        // Positive weights sum to one and negative ones to minus one, over the whole square.
+        // Over the whole square, the positive weights sum to one and the negative ones to minus one.
         let all: f64 = across.iter().sum();
         let plus: f64 = raw.iter().filter(|v| **v > 0.0).sum::<f64>() * all;
         let minus: f64 = -raw.iter().filter(|v| **v < 0.0).sum::<f64>() * all;
@@ -182,7 +186,7 @@ fn feature_difference(test: &Plane, truth: &Plane, ppd: f64) -> Vec<f64> {
     edges.into_iter().zip(points).map(|(e, p)| (e.max(p) / 2f64.sqrt()).sqrt()).collect()
 }
 
-/// Convolve along one axis, the border repeated outward. Whole rows are added at a time.
+/// Convolve along one axis, with the border pixels repeated outward. Whole rows are added at a time.
 fn convolve(plane: &Plane, kernel: &[f64], along_x: bool) -> Plane {
     let (w, h, radius) = (plane.width, plane.height, kernel.len() / 2);
     let row = |y: usize| &plane.values[y * w..(y + 1) * w];
@@ -203,120 +207,5 @@ fn convolve(plane: &Plane, kernel: &[f64], along_x: bool) -> Plane {
     Plane { values, ..*plane }
 }
 
-/// Linear Rec. 709 to XYZ, the matrix exact for the primaries' published chromaticities.
-const TO_XYZ: [Color; 3] = [
-    [10_135_552.0 / 24_577_794.0, 8_788_810.0 / 24_577_794.0, 4_435_075.0 / 24_577_794.0],
-    [2_613_072.0 / 12_288_897.0, 8_788_810.0 / 12_288_897.0, 887_015.0 / 12_288_897.0],
-    [1_425_312.0 / 73_733_382.0, 8_788_810.0 / 73_733_382.0, 70_074_185.0 / 73_733_382.0],
-];
-
-fn apply(m: &[Color; 3], c: Color) -> Color {
-    m.map(|row| row[0] * c[0] + row[1] * c[1] + row[2] * c[2])
-}
-
-fn to_xyz(rgb: Color) -> Color {
-    apply(&TO_XYZ, rgb)
-}
-
-/// XYZ to linear Rec. 709: Cramer's rule on [`TO_XYZ`].
-fn to_rgb(xyz: Color) -> Color {
-    let [a, b, c] = [0, 1, 2].map(|k| TO_XYZ.map(|row| row[k])); // columns
-    let cross = |u: Color, v: Color| {
-        [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
-    };
-    let dot = |u: Color, v: Color| u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-    let det = dot(a, cross(b, c));
-    [dot(xyz, cross(b, c)) / det, dot(a, cross(xyz, c)) / det, dot(a, cross(b, xyz)) / det]
-}
-
-fn white() -> Color {
-    to_xyz([1.0; 3])
-}
-
-/// Linear RGB to an opponent space that is linear in it, so that filtering there is filtering light.
-fn to_opponent(rgb: Color) -> Color {
-    let (c, w) = (to_xyz(rgb), white());
-    let [x, y, z] = [c[0] / w[0], c[1] / w[1], c[2] / w[2]];
-    [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
-}
-
-/// Back to XYZ.
-fn from_opponent([l, cx, cz]: Color) -> Color {
-    let y = (l + 16.0) / 116.0;
-    let w = white();
-    [(y + cx / 500.0) * w[0], y * w[1], (y - cz / 200.0) * w[2]]
-}
-
-fn to_lab(xyz: Color) -> Color {
-    const DELTA: f64 = 6.0 / 29.0;
-    let f =
-        |t: f64| if t > DELTA.powi(3) { t.cbrt() } else { t / (3.0 * DELTA * DELTA) + 4.0 / 29.0 };
-    let w = white();
-    let [x, y, z] = [f(xyz[0] / w[0]), f(xyz[1] / w[1]), f(xyz[2] / w[2])];
-    [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
-}
-
-/// Colors look less colorful where it is dark (Hunt's effect).
-fn hunt([l, a, b]: Color) -> Color {
-    [l, 0.01 * l * a, 0.01 * l * b]
-}
-
-/// City-block distance in lightness, Euclidean in color.
-fn hyab(p: Color, q: Color) -> f64 {
-    (p[0] - q[0]).abs() + (p[1] - q[1]).hypot(p[2] - q[2])
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Two pictures by formula, with values up to `scale`.
-    fn pictures(scale: f32) -> (Vec<f32>, Vec<f32>) {
-        let (w, h) = (48usize, 32usize);
-        let reference = |i: usize, k: usize| {
-            let (x, y) = ((i % w) as f32 / w as f32, (i / w) as f32 / h as f32);
-            let bar = if ((i % w) / 6).is_multiple_of(2) { 0.25 } else { 0.0 };
-            scale * (0.1 + 0.5 * [x, y, 1.0 - x][k] * (1.0 - 0.5 * y) + bar)
-        };
-        let noise = |i: usize, k: usize| ((i * 7 + k * 13) % 17) as f32 / 17.0 - 0.5;
-        let truth: Vec<f32> = (0..w * h).flat_map(|i| [0, 1, 2].map(|k| reference(i, k))).collect();
-        let test = (0..w * h)
-            .flat_map(|i| [0, 1, 2].map(|k| (reference(i, k) * (1.0 + 0.4 * noise(i, k))).max(0.0)))
-            .collect();
-        (test, truth)
-    }
-
-    fn mean(map: &[f64]) -> f64 {
-        map.iter().sum::<f64>() / map.len() as f64
-    }
-
-    #[test]
-    fn equal_pictures_do_not_differ_and_black_on_white_differs_fully() {
-        let (_, truth) = pictures(1.0);
-        assert!(flip_ldr(&truth, &truth, 48, 32, PIXELS_PER_DEGREE).iter().all(|v| *v == 0.0));
-        let (black, white) = (vec![0.0; 300], vec![1.0; 300]);
-        let found = mean(&flip_ldr(&black, &white, 10, 10, PIXELS_PER_DEGREE));
-        assert!(found > 0.9 && found <= 1.0, "{found}");
-    }
-
-    #[test]
-    fn xyz_and_back() {
-        let c = [0.2, 0.5, 0.7];
-        let back = to_rgb(from_opponent(to_opponent(c)));
-        assert!((0..3).all(|k| (c[k] - back[k]).abs() < 1e-12), "{back:?}");
-    }
-
-    #[test]
-    fn agrees_with_the_authors_implementation() {
-        // Means of the published evaluator (1.7), which works in single precision, on the same pictures.
-        let (test, truth) = pictures(1.0);
-        let ldr = mean(&flip_ldr(&test, &truth, 48, 32, PIXELS_PER_DEGREE));
-        assert!((ldr - LDR).abs() < 1e-6, "{ldr} is not {LDR}");
-        let (test, truth) = pictures(20.0);
-        let hdr = mean(&flip_hdr(&test, &truth, 48, 32, PIXELS_PER_DEGREE));
-        assert!((hdr - HDR).abs() < 3e-6, "{hdr} is not {HDR}");
-    }
-
-    const LDR: f64 = 0.046_830_17;
-    const HDR: f64 = 0.035_533_07;
-}
+mod tests;

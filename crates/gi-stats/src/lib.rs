@@ -1,4 +1,4 @@
-//! Statistics that tests and comparisons stand on: tests of hypotheses, running moments, errors of pictures.
+//! Statistics for tests and comparisons: hypothesis tests, running moments, errors of pictures.
 //! No dependencies.
 #![forbid(unsafe_code)]
 

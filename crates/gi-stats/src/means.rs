@@ -1,7 +1,8 @@
 use crate::running::Running;
 use crate::special::{beta_i, normal_two_sided};
 
-/// p-value of the hypothesis that two means are equal, their variances (of the means) known well.
+/// p-value of the hypothesis that two means are equal. The variances are those of the means, and must be known
+/// accurately.
 pub fn z_test(mean_a: f64, variance_a: f64, mean_b: f64, variance_b: f64) -> f64 {
     let sigma = (variance_a + variance_b).sqrt();
     if sigma == 0.0 {
@@ -10,7 +11,7 @@ pub fn z_test(mean_a: f64, variance_a: f64, mean_b: f64, variance_b: f64) -> f64
     normal_two_sided((mean_a - mean_b) / sigma)
 }
 
-/// Welch's t-test that two samples of unlike variance have the same mean: the p-value.
+/// p-value of Welch's t-test: that two samples with different variances have the same mean.
 pub fn welch_t_test(a: &Running, b: &Running) -> f64 {
     let (va, vb) = (a.variance_of_mean(), b.variance_of_mean());
     if va + vb == 0.0 {
@@ -22,9 +23,9 @@ pub fn welch_t_test(a: &Running, b: &Running) -> f64 {
     beta_i(0.5 * degrees, 0.5, degrees / (degrees + t * t))
 }
 
-/// The level that each of `tests` independent tests must use so that all together err with probability `alpha`.
+/// The significance level for each of `tests` independent tests, so that the probability of any false alarm is `alpha`.
 pub fn sidak(alpha: f64, tests: usize) -> f64 {
-    // 1 - (1 - alpha)^(1/n), which keeps its digits for small alpha.
+    // 1 - (1 - alpha)^(1/n), in a form that is accurate for small alpha.
     -((-alpha).ln_1p() / tests.max(1) as f64).exp_m1()
 }
 
@@ -34,7 +35,7 @@ mod tests {
 
     #[test]
     fn welch_matches_an_independent_implementation() {
-        // The p-value is an independent implementation's, to all its digits.
+        // The p-value comes from an independent implementation; all its digits must agree.
         let a = [
             27.5, 21.0, 19.0, 23.6, 17.0, 17.9, 16.9, 20.1, 21.9, 22.6, 23.1, 19.6, 19.0, 21.7,
             21.4,

@@ -1,47 +1,47 @@
-//! Errors of a picture against a reference, over linear radiance: interleaved RGB, row by row.
+//! Errors of a picture against a reference, in linear radiance: interleaved RGB, row by row.
 
-/// The whole-picture errors. Nothing is trimmed: one firefly counts in full.
+/// Errors over the whole picture. No outliers are removed: a firefly counts in full.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Metrics {
     /// Mean squared error over pixels and channels.
     pub mse: f64,
     /// Its square root.
     pub rmse: f64,
-    /// Mean of squared error over squared reference plus [`RELATIVE_FLOOR`].
+    /// Mean of (squared error) / (squared reference + [`RELATIVE_FLOOR`]).
     pub rel_mse: f64,
     /// Mean absolute error.
     pub mae: f64,
     /// Mean of 2 |a - r| / (|a| + |r| + [`RELATIVE_FLOOR`]).
     pub smape: f64,
-    /// Sum of the picture over sum of the reference, per channel; 1 for two black channels.
+    /// Sum of the picture divided by the sum of the reference, per channel; 1 if both are black.
     pub mean_ratio: [f64; 3],
-    /// Pixels that none of this counts, for a value there is infinite or not a number in the picture or the reference.
+    /// Number of excluded pixels: those with an infinite or NaN value in the picture or the reference.
     pub left_out: usize,
 }
 
 /// Keeps relative errors of dark pixels finite.
 pub const RELATIVE_FLOOR: f64 = 1e-2;
 
-/// Whether a pixel is finite in every channel of all pictures, for each pixel.
+/// For each pixel, whether it is finite in every channel of all pictures.
 ///
 /// # Panics
-/// If the pictures are not of one size.
+/// If the pictures differ in size.
 pub fn finite_pixels(pictures: &[&[f32]]) -> Vec<bool> {
     let values = pictures.first().map_or(0, |p| p.len());
-    assert!(pictures.iter().all(|p| p.len() == values), "pictures of one size");
+    assert!(pictures.iter().all(|p| p.len() == values), "pictures of the same size");
     let finite =
         |i: usize| pictures.iter().all(|p| p[3 * i..3 * i + 3].iter().all(|v| v.is_finite()));
     (0..values / 3).map(finite).collect()
 }
 
-/// Compare a picture with a reference of the same size, on the pixels where both are finite.
+/// Compare a picture with a reference of the same size, on the pixels that are finite in both.
 ///
 /// # Errors
 /// The sizes differ, or no pixel is left.
 pub fn compare(picture: &[f32], reference: &[f32]) -> Result<Metrics, String> {
     if picture.len() != reference.len() || picture.is_empty() || !picture.len().is_multiple_of(3) {
         return Err(format!(
-            "{} values against {}: not two RGB pictures of one size",
+            "{} values against {}: not two RGB pictures of the same size",
             picture.len(),
             reference.len()
         ));
@@ -92,7 +92,8 @@ mod tests {
 
     #[test]
     fn agrees_with_numpy() {
-        // The pictures by the same formulas in single precision, the errors in double precision by their definitions.
+        // Expected values: computed with numpy in double precision from the definitions of the errors, on the same
+        // pictures.
         let value = |i: u32, k: u32| (i * 7919 + k * 104_729) % 1009;
         let truth: Vec<f32> = (0..3072).map(|i| 0.004 * value(i, 1) as f32).collect();
         let picture: Vec<f32> =
@@ -125,7 +126,7 @@ mod tests {
     ];
 
     #[test]
-    fn pixels_that_are_not_finite_are_counted_and_left_out() {
+    fn pixels_that_are_not_finite_are_counted_and_excluded() {
         let truth = [1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0];
         let mut picture = [2.0; 9];
         picture[4] = f32::NAN;
@@ -138,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_of_unlike_sizes_are_refused() {
+    fn pictures_of_different_sizes_are_refused() {
         assert!(compare(&[0.0; 3], &[0.0; 6]).unwrap_err().contains("not two"));
     }
 }

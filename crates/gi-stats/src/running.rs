@@ -1,4 +1,4 @@
-/// Mean and variance of numbers that come one by one \[Welford62\], mergeable \[Chan79\].
+/// Running mean and variance \[Welford62\]; two of them can be merged \[Chan79\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Running {
     count: u64,
@@ -7,7 +7,7 @@ pub struct Running {
 }
 
 impl Running {
-    /// Take a number in.
+    /// Add a number.
     pub fn push(&mut self, x: f64) {
         self.count += 1;
         let d = x - self.mean;
@@ -15,7 +15,7 @@ impl Running {
         self.deviation += d * (x - self.mean);
     }
 
-    /// Take in all numbers that another has taken in.
+    /// Add all numbers of another one.
     pub fn merge(&mut self, other: &Running) {
         let n = self.count + other.count;
         if other.count == 0 {
@@ -27,17 +27,17 @@ impl Running {
         self.count = n;
     }
 
-    /// How many numbers.
+    /// The count of numbers.
     pub fn count(&self) -> u64 {
         self.count
     }
 
-    /// Their mean; 0 of none.
+    /// The mean; 0 without numbers.
     pub fn mean(&self) -> f64 {
         self.mean
     }
 
-    /// Unbiased estimate of their variance; 0 of fewer than two.
+    /// Unbiased estimate of the variance; 0 for fewer than two numbers.
     pub fn variance(&self) -> f64 {
         if self.count > 1 { self.deviation / (self.count - 1) as f64 } else { 0.0 }
     }

@@ -1,7 +1,7 @@
-//! How fast an error falls.
+//! Convergence rate of an error.
 
-/// Slope of the straight line of least squares through points on logarithmic axes, and log y of the line at log x =
-/// 0, natural logarithms. `None` where there is no line: fewer than two points, all at one x, or not above zero.
+/// Least-squares line through points on logarithmic axes: its slope, and ln y at ln x = 0. `None` if there are fewer
+/// than two points, if all have the same x, or if a coordinate is not positive.
 pub fn log_log_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let logs: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
     if logs.iter().any(|(x, y)| !(x.is_finite() && y.is_finite())) {
@@ -25,7 +25,7 @@ mod tests {
             [1.0, 2.0, 5.0, 30.0].map(|x: f64| (x, 3.0 * x.powf(-2.0 / 3.0))).to_vec();
         let (slope, at_one) = log_log_line(&law).expect("a line");
         assert!((slope + 2.0 / 3.0).abs() < 1e-12 && (at_one.exp() - 3.0).abs() < 1e-12);
-        // By hand: slopes of the least squares through (0, 0), (1, 1), (2, 0) in logarithms.
+        // By hand: the slopes of the least-squares lines through (0, 0), (1, 1), (2, 0) in logarithms.
         let e = 1f64.exp();
         let (slope, at_one) = log_log_line(&[(1.0, 1.0), (e, e), (e * e, 1.0)]).expect("a line");
         assert!(slope.abs() < 1e-12 && (at_one - 1.0 / 3.0).abs() < 1e-12);

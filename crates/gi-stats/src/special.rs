@@ -1,4 +1,4 @@
-//! Special functions behind the tests' p-values, in double precision.
+//! Special functions for p-values, in double precision.
 
 /// ln Gamma(x) for x > 0 \[Lanczos64\], to about 1e-13.
 pub(crate) fn ln_gamma(x: f64) -> f64 {
@@ -23,7 +23,7 @@ pub(crate) fn ln_gamma(x: f64) -> f64 {
     0.5 * (2.0 * std::f64::consts::PI).ln() + (x + 0.5) * t.ln() - t + sum.ln()
 }
 
-/// The upper regularised incomplete gamma function Q(a, x): by its series below a + 1, by a continued fraction above
+/// The upper regularised incomplete gamma function Q(a, x): by its series for x < a + 1, else by a continued fraction
 /// [Press07, 6.2].
 pub(crate) fn gamma_q(a: f64, x: f64) -> f64 {
     if x <= 0.0 {
@@ -87,7 +87,7 @@ fn lentz(b0: f64, next: impl Fn(u32) -> (f64, f64)) -> f64 {
     value
 }
 
-/// Probability that a standard normal number is farther from zero than `z`.
+/// Probability that a standard normal number has a magnitude larger than `z`.
 pub(crate) fn normal_two_sided(z: f64) -> f64 {
     gamma_q(0.5, 0.5 * z * z)
 }
@@ -102,7 +102,7 @@ mod tests {
             |a: f64, b: f64| assert!((a - b).abs() < 1e-9 * b.abs().max(1e-3), "{a} is not {b}");
         close(ln_gamma(5.0), 24f64.ln());
         close(ln_gamma(0.5), std::f64::consts::PI.sqrt().ln());
-        // One minus the chi^2 distribution with one degree at 3.841...: five per cent.
+        // The tail of the chi^2 distribution with one degree of freedom at 3.841...: five per cent.
         close(gamma_q(0.5, 3.841_458_820_694_124 / 2.0), 0.05);
         close(gamma_q(5.0, 18.307_038_053_275_143 / 2.0), 0.05);
         close(normal_two_sided(1.959_963_984_540_054), 0.05);

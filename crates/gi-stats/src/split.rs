@@ -1,35 +1,35 @@
-//! The error of an estimator in its two parts, from several pictures that it made with independent seeds.
+//! Splits the error of an estimator into bias and variance, from several pictures with independent seeds.
 
 use crate::metrics::finite_pixels;
 
-/// Bias and variance of an estimator, at every value of the picture and over all of it.
+/// Bias and variance of an estimator, for each value of the picture and for the whole picture.
 ///
-/// Of K pictures with mean m and variance s^2, and a reference r: (m - r)^2 is bias^2 + s^2 / K in the mean, so
-/// that s^2 / K is taken off; and so is the variance of the reference where it is known. The estimate of bias^2 is then
-/// unbiased, and may be below zero where there is next to none. bias^2 + s^2 is the mean squared error of the
-/// pictures, exactly, less the reference's variance.
+/// For K pictures with mean m and variance s^2, and a reference r, the expectation of (m - r)^2 is bias^2 + s^2 / K. So
+/// s^2 / K is subtracted, and also the variance of the reference if it is known. The estimate of bias^2 is then
+/// unbiased; it may be negative if the bias is close to zero. bias^2 + s^2 is exactly the mean squared error of the
+/// pictures, minus the reference's variance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Split {
-    /// Mean of the pictures minus the reference, value by value; 0 at pixels left out.
+    /// Mean of the pictures minus the reference, for each value; 0 at excluded pixels.
     pub bias: Vec<f64>,
-    /// Unbiased estimate of the variance of one picture, value by value; 0 at pixels left out.
+    /// Unbiased estimate of the variance of one picture, for each value; 0 at excluded pixels.
     pub variance: Vec<f64>,
-    /// Estimate of bias^2, mean over the picture.
+    /// Estimate of bias^2, averaged over the picture.
     pub mean_bias_sq: f64,
-    /// Its standard error by the jackknife over the pictures: of three at least. What it does not know is the
-    /// reference's noise.
+    /// Standard error of `mean_bias_sq` by the jackknife over the pictures; needs at least three. It does not include
+    /// the reference's noise.
     pub mean_bias_sq_error: Option<f64>,
-    /// Variance of one picture, mean over the picture.
+    /// Variance of one picture, averaged over the picture.
     pub mean_variance: f64,
-    /// Pixels that are not finite in all pictures and the reference.
+    /// Number of excluded pixels: those that are not finite in all pictures and the reference.
     pub left_out: usize,
 }
 
-/// Split the error of pictures that differ in nothing but their seeds. `reference_variance` is that of the
-/// reference's values, if it is known.
+/// Split the error of pictures that differ only in their seeds. `reference_variance` is the variance of the
+/// reference's values, if known.
 ///
 /// # Errors
-/// Fewer than two pictures, pictures of unlike sizes, or no pixel that is finite in all.
+/// Fewer than two pictures, pictures of different sizes, or no pixel that is finite in all.
 pub fn split(
     pictures: &[&[f32]],
     reference: &[f32],
@@ -37,11 +37,11 @@ pub fn split(
 ) -> Result<Split, String> {
     let k = pictures.len() as f64;
     if pictures.len() < 2 {
-        return Err("bias and variance take two pictures at least".into());
+        return Err("bias and variance need at least two pictures".into());
     }
     let all = [pictures, &[reference], reference_variance.as_slice()].concat();
     if all.iter().any(|p| p.len() != reference.len()) || !reference.len().is_multiple_of(3) {
-        return Err("not RGB pictures of one size".into());
+        return Err("not RGB pictures of the same size".into());
     }
     let finite = finite_pixels(&all);
     let pixels = finite.iter().filter(|f| **f).count();
@@ -70,8 +70,8 @@ pub fn split(
     })
 }
 
-/// Sums over values of the mean of d_i d_j over all pairs i != j, which is (m - r)^2 - s^2 / K: of all pictures, and of all
-/// but one.
+/// Sums over all values of the mean of d_i d_j over all pairs i != j, which equals (m - r)^2 - s^2 / K: for all
+/// pictures, and without each one.
 struct Products {
     whole: f64,
     without: Vec<f64>,
@@ -98,7 +98,7 @@ impl Products {
         self.whole
     }
 
-    /// Standard error of the whole.
+    /// Standard error of the sum for all pictures.
     fn jackknife(&self) -> f64 {
         let k = self.without.len() as f64;
         let mean = self.without.iter().sum::<f64>() / k;
@@ -112,7 +112,7 @@ mod tests {
     use super::*;
     use crate::metrics::compare;
 
-    /// Numbers of mean 0 and variance 1: twelve uniform ones added.
+    /// Random numbers with mean 0 and variance 1: the sum of twelve uniform ones.
     struct Normal(u64);
 
     impl Normal {
@@ -132,7 +132,7 @@ mod tests {
         (0..VALUES).map(|i| 1.0 + (i % 17) as f32).collect()
     }
 
-    /// Pictures that are off by `bias`, with a noise of variance `sigma`^2.
+    /// Pictures with bias `bias` and noise of variance `sigma`^2.
     fn pictures(bias: f64, sigma: f64) -> Vec<Vec<f32>> {
         let (mut normal, truth) = (Normal(11), truth());
         let mut noisy = |t: &f32| (f64::from(*t) + bias + sigma * normal.next()) as f32;
@@ -149,7 +149,7 @@ mod tests {
         let (k, n) = (PICTURES as f64, VALUES as f64);
         for (bias, sigma) in [(0.0, 0.5), (0.1, 0.5), (-0.3, 0.2), (0.5, 0.0)] {
             let s = split_of(&pictures(bias, sigma), None);
-            // Variances of the two estimates, for normal noise; single precision adds 1e-6.
+            // Variances of the two estimates for normal noise; single precision adds 1e-6.
             let of_bias = 4.0 * (bias * sigma).powi(2) / k + 2.0 * sigma.powi(4) / (k * (k - 1.0));
             let of_variance = 2.0 * sigma.powi(4) / (k - 1.0);
             let near = |found: f64, right: f64, variance: f64| {
@@ -157,7 +157,7 @@ mod tests {
             };
             assert!(near(s.mean_bias_sq, bias * bias, of_bias), "{bias} {sigma}: {s:?}");
             assert!(near(s.mean_variance, sigma * sigma, of_variance), "{bias} {sigma}: {s:?}");
-            // The jackknife's square has seven degrees of freedom: within its 1e-4 quantiles of the truth.
+            // The square of the jackknife error has seven degrees of freedom: it must be within its 1e-4 quantiles.
             let error = s.mean_bias_sq_error.expect("of eight");
             let ratio = error / (of_bias / n).sqrt();
             assert!(sigma == 0.0 || (0.2..2.1).contains(&ratio), "{bias} {sigma}: {ratio}");
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_split_is_refused_and_broken_pixels_are_left_out() {
+    fn invalid_input_is_refused_and_broken_pixels_are_excluded() {
         let mut pictures = pictures(0.1, 0.1);
         pictures[3][7] = f32::NAN;
         let s = split_of(&pictures, None);

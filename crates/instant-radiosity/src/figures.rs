@@ -68,7 +68,7 @@ fn connections(setting: &Setting, vpls: &Vpls, film: &Film, pixel: Option<[usize
         };
         let Some(to) = setting.camera.connect(end, [0.5; 2], margin) else { continue };
         let open = !c.transmittance(setting.scene).is_black();
-        // A green and a red that colour-blind readers can tell apart.
+        // A green and a red that colour-blind readers can distinguish.
         let colour = if open { Rgb::new(0.0, 0.35, 0.17) } else { Rgb::new(0.66, 0.12, 0.0) };
         canvas.line(from, Vec2::from_array(to.film), 0.3 * dot(film), colour);
         canvas.disc(Vec2::from_array(to.film), 0.7 * dot(film), colour);

@@ -1,5 +1,5 @@
-//! Instant radiosity [slides 47-52, Keller97]: light paths leave virtual point lights where they meet surfaces, and all of
-//! these lights illuminate every point that the eye sees, with shadows.
+//! Instant radiosity [slides 47-52, Keller97]: light paths leave virtual point lights where they meet surfaces, and all
+//! of these lights illuminate every point that the eye sees, with shadows.
 //!
 //! | | |
 //! |---|---|

@@ -1,5 +1,6 @@
-//! Virtual spherical lights \[Hasan09\]: the power of a light is spread over the surfaces within a radius of it. The light at a
-//! point is an integral over the cone in which the point sees the sphere. The integral has no peak at small distances.
+//! Virtual spherical lights \[Hasan09\]: the power of a light is spread over the surfaces within a radius of it. The
+//! light at a point is an integral over the cone in which the point sees the sphere. The integral has no peak at small
+//! distances.
 
 use std::f32::consts::PI;
 use std::ops::Range;
@@ -19,7 +20,7 @@ pub struct Spheres {
     radii: Vec<f32>,
 }
 
-/// A sphere reaches this many lights, so that neighbouring spheres overlap.
+/// Each sphere contains this many lights, so that neighbouring spheres overlap.
 const NEIGHBOURS: usize = 4;
 /// Largest number of lights that are searched for neighbours; of larger sets an even selection is searched.
 const SAMPLED: usize = 4096;
@@ -85,7 +86,7 @@ impl SphereLights<'_> {
         if distance == 0.0 {
             return Rgb::BLACK;
         }
-        // The sine of the cone's half angle. From inside the sphere the cone holds all directions.
+        // The sine of the cone's half angle. From inside the sphere, the cone contains all directions.
         let sin = (radius / distance).min(1.0);
         let one_minus_cos = if distance <= radius { 2.0 } else { 1.0 - safe_sqrt(1.0 - sin * sin) };
         let axis = Frame::from_normal(to / distance);

@@ -6,7 +6,7 @@ use vpl::{Energy, Pilot, Vpls};
 /// Sums over all passes.
 #[derive(Default)]
 pub(crate) struct Totals {
-    /// Light that connections brought, and light that the clamp cut off.
+    /// Light from all connections, and light that the clamp cut off.
     pub(crate) energy: Energy,
     lights: u64,
     paths: u64,

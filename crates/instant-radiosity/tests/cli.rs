@@ -1,4 +1,4 @@
-//! The program run as a user runs it: its own flags and files.
+//! Runs the program as a user would: its own flags and files.
 
 use std::path::Path;
 use std::process::Output;
@@ -12,7 +12,7 @@ fn run(arguments: &[&str]) -> Output {
 }
 
 #[test]
-fn a_run_leaves_its_pictures_and_its_lights() {
+fn a_run_writes_its_pictures_and_its_lights() {
     let folder = Folder::make();
     let at = |name: &str| folder.at(name);
     let (out, csv, ply) = (at("a.exr"), at("a.csv"), at("b.ply"));

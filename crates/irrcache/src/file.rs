@@ -1,4 +1,4 @@
-//! The cache as a file: its records, level by level.
+//! Reads and writes the cache as a file: its records, level by level.
 
 use gi_core::bytes::{Reader, Writer};
 use lightcache::Cache;
@@ -7,7 +7,7 @@ use lightcache::record::Record;
 
 use crate::params::Params;
 
-/// A cache as it was saved.
+/// A cache as it is stored in a file.
 pub type SavedCache = lightcache::file::SavedCache<Levels>;
 
 /// Records of each level.
@@ -33,7 +33,7 @@ impl Body for Levels {
 /// Insert the records of a saved cache, and return their number.
 ///
 /// # Errors
-/// One line: the cache was made of another world or with other settings.
+/// A message of one line: the cache was made for another scene or with other settings.
 pub(crate) fn insert(
     saved: SavedCache,
     world: u64,
@@ -56,7 +56,7 @@ pub(crate) fn saved(world: u64, params: &Params, levels: &[Cache<Record>]) -> Sa
     SavedCache { world, settings: shaping_settings(params), body }
 }
 
-/// The settings that change what a record holds. A saved cache can be used only with the same ones.
+/// The settings that affect the contents of records. A saved cache can be used only with the same ones.
 fn shaping_settings(params: &Params) -> String {
     let Params { accuracy, bounces, radius, error, limits, .. } = params;
     let bounces = bounces.map_or("path".to_string(), |b| b.to_string());

@@ -16,8 +16,8 @@
 //! | coats | the base of a plastic counts as Lambertian; its coat changes that by a few per cent at most |
 //! | sources | \[Ward88\], \[Ward92\], \[Tabellion04\], \[Krivanek06\], \[Schwarzhaupt12\] |
 //!
-//! Read next: `prepass.rs` (how the caches are filled), then in the crate `lightcache`: `gather.rs` and `hemisphere.rs` (how a
-//! record is made), `site.rs` and `control.rs` (where it is valid), `cache.rs` (which records are near a point).
+//! Read next: `prepass.rs` (how the caches are filled), then in the crate `lightcache`: `gather.rs` and `hemisphere.rs`
+//! (how a record is made), `site.rs` and `control.rs` (where it is valid), `cache.rs` (which records are near a point).
 
 #![forbid(unsafe_code)]
 
@@ -170,7 +170,8 @@ impl<'a> Interpolation<'a> {
         let part = v.bsdf.diffuse_part(v.wo)?;
         let q = Query { p: v.surface.p, n: part.normal };
         let e = self.irradiance(cache, &q, 1.0).or_else(|| {
-            // Between the pixels of the prepass, accept records with a larger error; if there are none, the path continues.
+            // Between the pixels of the prepass, accept records with a larger error; if there are none, the path
+            // continues.
             let relaxed = self.irradiance(cache, &q, RELAXED);
             self.counts.add(relaxed.is_some());
             relaxed
@@ -179,8 +180,8 @@ impl<'a> Interpolation<'a> {
         Some(Estimate { covers: Covers::Diffuse(part), indirect, direct: None, caustic: None })
     }
 
-    /// E(x) = sum w_i E_i(x) / sum w_i over the records that are valid at x [slide 11]; `None` where there are none. `slack`
-    /// multiplies the allowed error.
+    /// E(x) = sum w_i E_i(x) / sum w_i over the records that are valid at x [slide 11]; `None` where there are none.
+    /// `slack` multiplies the allowed error.
     #[inline]
     fn irradiance(&self, cache: &Cache<Record>, x: &Query, slack: f32) -> Option<Rgb> {
         let (mut sum, mut weights) = (Rgb::BLACK, 0.0);

@@ -19,10 +19,12 @@ pub struct Params {
     /// Number of gather rays per record [slides 7, 12-14]; fewer rays show as blotches
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(8..=10_000_000))]
     pub rays: u32,
-    /// Accuracy a, the allowed relative error: a record is used where its weight w > 1/a [slide 11]; smaller values make more records
+    /// Accuracy a, the allowed relative error: a record is used where its weight w > 1/a [slide 11]; smaller values
+    /// make more records
     #[arg(long, value_name = "A", default_value_t = 0.1, value_parser = accuracy())]
     pub accuracy: f32,
-    /// Number of cache levels; gather rays read the next level, one bounce per level [default: gather rays are full paths]
+    /// Number of cache levels; gather rays read the next level, one bounce per level [default: gather rays are full
+    /// paths]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=8))]
     pub bounces: Option<u32>,
     /// How the error of a record is estimated
@@ -60,8 +62,8 @@ impl Params {
         self.bounces.unwrap_or(1).max(1) as usize
     }
 
-    /// Whether the records of cache `level` hold the light of a vertex after `segments` segments. With `max_depth`, a record
-    /// is valid only at the depth it was created for, and the last vertex of a path has no indirect light.
+    /// Whether the records of cache `level` contain the light of a vertex after `segments` segments. With `max_depth`,
+    /// a record is valid only at the depth it was created for, and the last vertex of a path has no indirect light.
     pub(crate) fn covers_depth(&self, segments: u32, level: usize) -> bool {
         match self.limits.max_depth {
             None => true,

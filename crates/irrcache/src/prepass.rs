@@ -1,8 +1,8 @@
 //! The prepass: fills the caches before the picture, from the coarse pixels to the fine ones.
 //!
 //! A path goes through each pixel. Where no record is valid at its vertex, a record is made there. With several cache
-//! levels, the gather rays of that record are looked at first: where they find no valid record in the next level, records
-//! are made there before.
+//! levels, the gather rays of that record are traced first: where they find no valid record in the next level, records
+//! are made there beforehand.
 
 use gi_core::bsdf::DiffusePart;
 use gi_core::caustics::FocusedLight;
@@ -24,13 +24,13 @@ use rayon::prelude::*;
 
 use crate::params::Params;
 
-/// Fewest gather rays of a record in the deeper levels.
+/// Smallest number of gather rays per record in the deeper levels.
 const FEWEST_RAYS: u32 = 64;
 /// Largest error allowed in the deeper levels.
 const COARSEST_ACCURACY: f32 = 0.5;
 
-/// How the records of a level are made. A deeper level is seen only through the level before it, so it may be coarser: half
-/// the rays, 1.5 times the error, twice the spacing.
+/// The settings for making the records of a level. A deeper level is seen only through the level before it, so it may
+/// be coarser: half the rays, 1.5 times the error, twice the spacing.
 pub(crate) fn gatherer<'a>(setting: &Setting<'a>, params: &Params, level: usize) -> Gatherer<'a> {
     let Params { rays, accuracy, reach, .. } = *params;
     let ReachOptions { min_spacing, max_spacing, .. } = reach;
@@ -89,8 +89,8 @@ where
         levels
     }
 
-    /// Fill the cache of a level in rounds, and before each round the deeper levels with what the round's gather rays will
-    /// look up. `find` gives the places without a valid record at one of `points` points.
+    /// Fill the cache of a level in rounds, and before each round the deeper levels with what the round's gather rays
+    /// will look up. `find` gives the places without a valid record at one of `points` points.
     fn fill_level(
         &self,
         levels: &mut [Cache<Record>],
@@ -117,8 +117,8 @@ where
         });
     }
 
-    /// Make the record of a place. Its gather rays read the `next` cache level; without one they continue as paths, or see
-    /// only direct light if `--bounces` sets the number of levels.
+    /// Make the record of a place. Its gather rays read the `next` cache level; without one they continue as paths, or
+    /// see only direct light if `--bounces` sets the number of levels.
     fn make_record(&self, place: &Place, level: usize, next: Option<&Cache<Record>>) -> Record {
         let gatherer = gatherer(self.setting, self.params, level);
         match (next, self.params.bounces) {
@@ -172,8 +172,8 @@ where
         places
     }
 
-    /// Add the place of `v` to `places` if no record is valid there. The black estimate that is returned ends the path's
-    /// diffuse part.
+    /// Add the place of `v` to `places` if no record is valid there. The black estimate that is returned ends the
+    /// path's diffuse part.
     fn visit(
         &self,
         cache: &Cache<Record>,

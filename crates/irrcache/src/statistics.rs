@@ -8,9 +8,9 @@ use lightcache::record::Record;
 /// Counts of lookups that found no valid record.
 #[derive(Default)]
 pub(crate) struct LookupCounts {
-    /// A record with twice the allowed error was used.
+    /// Lookups that used a record with up to twice the allowed error.
     pub(crate) relaxed: AtomicU64,
-    /// Nothing was found: the path continued.
+    /// Lookups that found nothing: the path continued.
     pub(crate) failed: AtomicU64,
 }
 

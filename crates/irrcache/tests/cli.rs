@@ -1,4 +1,4 @@
-//! The program run as a user runs it: its own flags and files.
+//! Runs the program as a user would: its own flags and files.
 
 use std::path::Path;
 use std::process::Output;
@@ -14,7 +14,7 @@ fn run(arguments: &[&str]) -> Output {
 }
 
 #[test]
-fn a_run_leaves_its_pictures_its_cache_and_its_records() {
+fn a_run_writes_its_pictures_its_cache_and_its_records() {
     let folder = Folder::make();
     let at = |name: &str| folder.at(name);
     let show = "records,validity,octree,octree-slice,weights";
@@ -49,7 +49,7 @@ fn a_run_leaves_its_pictures_its_cache_and_its_records() {
     for name in ["Records.radius", "Weights.w", "Octree.G", "Octree-slice.R", "Validity.B"] {
         assert!(layers.channel(name).is_some(), "no layer {name}");
     }
-    // The cache serves a second run, which makes no record and the same picture.
+    // A second run with this cache makes no record, and the same picture.
     let (second, stats) = (at("b.exr"), at("b.json"));
     let output = run(&[
         "-o",
@@ -75,7 +75,7 @@ fn a_run_leaves_its_pictures_its_cache_and_its_records() {
 }
 
 #[test]
-fn caches_that_cannot_be_used_are_one_clear_error_and_status_2() {
+fn caches_that_cannot_be_used_give_one_clear_error_and_status_2() {
     let folder = Folder::make();
     let at = |name: &str| folder.at(name);
     let (cache, broken, out) = (at("a.cache"), at("b.cache"), at("c.exr"));
@@ -104,7 +104,7 @@ fn caches_that_cannot_be_used_are_one_clear_error_and_status_2() {
     for (output, says) in cases {
         assert_refused(&output, 2, &[says]);
     }
-    assert_eq!(folder.files(), before, "something was left half-written");
+    assert_eq!(folder.files(), before, "a file was left half-written");
 }
 
 #[test]

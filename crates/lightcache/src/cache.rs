@@ -13,8 +13,8 @@ pub struct Weighing {
     pub accuracy: f32,
     /// How the weight falls with the error.
     pub weights: Weights,
-    /// How much larger than a neighbour's a radius may be, as a fraction of the distance between the two records. `None`:
-    /// neighbours do not limit each other.
+    /// How much larger than a neighbour's a radius may be, as a fraction of the distance between the two records.
+    /// `None`: neighbours do not limit each other.
     pub slope: Option<f32>,
 }
 
@@ -47,8 +47,8 @@ impl<R: Sited> Cache<R> {
         &self.how
     }
 
-    /// Add a record. It and its neighbours limit each other's radii: no radius exceeds a neighbour's by more than `slope`
-    /// times the distance between the two \[Krivanek06\].
+    /// Add a record. It and its neighbours limit each other's radii: no radius exceeds a neighbour's by more than
+    /// `slope` times the distance between the two \[Krivanek06\].
     pub fn insert(&mut self, mut record: R) {
         if let Some(slope) = self.how.slope {
             let site = record.site_mut();
@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn at_home_the_lectures_weight_drowns_all_others() {
+    fn at_its_own_point_a_record_outweighs_all_others_with_the_lectures_weight() {
         let mut c = cache(Weights::Lecture, None);
         c.insert(record(Vec3::splat(0.5), Rgb::WHITE, 0.2));
         c.insert(record(Vec3::new(0.6, 0.5, 0.5), Rgb::grey(9.0), 0.2));
@@ -200,14 +200,14 @@ mod tests {
     }
 
     #[test]
-    fn what_turns_away_or_lies_behind_is_not_used() {
+    fn records_with_another_normal_or_in_front_of_the_query_are_not_used() {
         let mut c = cache(Weights::Smooth, None);
         c.insert(record(Vec3::splat(0.5), Rgb::WHITE, 0.2));
         let home = Vec3::splat(0.5);
         let turned = |n: Vec3| interpolate(&c, &Query { p: home, n }, |_| true);
         assert!(turned(Vec3::new(0.05, 0.0, 1.0).normalize()).is_some());
         assert!(turned(Vec3::X).is_none() && turned(-Vec3::Z).is_none());
-        // Beneath the record's plane: a lower step, which the record's surface may shade.
+        // Below the record's plane, as on a lower step: the record's surface may shade this point.
         assert!(interpolate(&c, &at(home - Vec3::Z * 0.05), |_| true).is_none());
         assert!(interpolate(&c, &at(home + Vec3::Z * 0.05), |_| true).is_some());
         assert!(interpolate(&c, &at(home), |_| false).is_none(), "hidden");
@@ -230,6 +230,6 @@ mod tests {
         let mut c = cache(Weights::Smooth, Some(0.1));
         c.insert(Record { site: Site { least: 0.1, ..far.site }, ..far });
         c.insert(near);
-        assert_eq!(c.records()[0].site.reach(), 0.1, "not below what the picture asks for");
+        assert_eq!(c.records()[0].site.reach(), 0.1, "not below the least radius");
     }
 }

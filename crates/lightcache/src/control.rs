@@ -31,13 +31,13 @@ pub struct Validity {
     pub axis: Vec3,
 }
 
-/// Allowed error at the ellipse boundary for Hessians, per squared unit of length. Tuned in the Cornell box to match the record
-/// count of the bounded split sphere at equal accuracy.
+/// Allowed error at the ellipse boundary for Hessians, per squared unit of length. Tuned in the Cornell box to match
+/// the record count of the bounded split sphere at equal accuracy.
 const HESSIAN_SCALE: f32 = 5e-4;
 
 impl Control {
-    /// The region of validity of a hemisphere's record, before the limits by pixels and neighbours. `unit` is the smaller of scene
-    /// radius and distance to the eye.
+    /// The region of validity of a hemisphere's record, before the limits by pixels and neighbours. `unit` is the
+    /// smaller of scene radius and distance to the eye.
     pub fn validity(
         &self,
         h: &Hemisphere,
@@ -64,8 +64,8 @@ impl Control {
         }
     }
 
-    /// The ellipse over which the integral of 1/2 |x' H x| is the allowed error. Its radii are (4 error / (pi |eigenvalue|))^(1/4)
-    /// \[Schwarzhaupt12, eq. 5\].
+    /// The ellipse over which the integral of 1/2 |x' H x| is the allowed error. Its radii are (4 error / (pi
+    /// |eigenvalue|))^(1/4) \[Schwarzhaupt12, eq. 5\].
     fn by_hessian(&self, h: Hessian, e: Rgb, unit: f32) -> Validity {
         let ([large, small], axis) = eigen(h);
         let allowed = self.accuracy * HESSIAN_SCALE * unit * unit * e.mean();
@@ -86,9 +86,10 @@ impl Control {
         self.error != ErrorControl::SplitSphere
     }
 
-    /// Largest growth of the radius per distance to a neighbour. The slide's R may grow as fast as the distance, and a record is
-    /// valid within a R \[Krivanek06\]. Radii by Hessians grow more slowly, so that a record does not cover its neighbours even
-    /// in relaxed lookups: otherwise a record in the open, whose rays hit nothing, would be used in distant corners.
+    /// Largest growth of the radius per distance to a neighbour. The slide's R may grow as fast as the distance, and a
+    /// record is valid within a R \[Krivanek06\]. Radii by Hessians grow more slowly, so that a record does not cover
+    /// its neighbours even in relaxed lookups: otherwise a record in the open, whose rays hit nothing, would be used in
+    /// distant corners.
     pub fn slope(&self) -> f32 {
         match self.error {
             ErrorControl::SplitSphere | ErrorControl::Bounded => self.accuracy,

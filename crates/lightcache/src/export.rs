@@ -18,8 +18,8 @@ pub fn to_file<'r>(
     if is_table(path) { to_csv(records, origin) } else { to_ply(records, origin) }
 }
 
-/// Records as a table: position, normal, irradiance, radii, and the translational gradient averaged over channels. `origin` is
-/// the origin of the scene.
+/// Records as a table: position, normal, irradiance, radii, and the translational gradient averaged over channels.
+/// `origin` is the origin of the scene.
 pub fn to_csv<'r>(records: impl Iterator<Item = &'r Record>, origin: Vec3) -> Vec<u8> {
     let columns = "x,y,z,nx,ny,nz,e_r,e_g,e_b,radius_u,radius_v,clear,grad_x,grad_y,grad_z";
     let line = |r: &Record| {
@@ -35,8 +35,8 @@ fn floats(r: &Record, origin: Vec3) -> [[f32; 3]; 3] {
     [(r.site.p + origin).to_array(), r.site.n.to_array(), r.e.to_array()]
 }
 
-/// Records as a point cloud: position, normal, irradiance, radius, and a colour (irradiance relative to the largest). `origin` is
-/// the origin of the scene.
+/// Records as a point cloud: position, normal, irradiance, radius, and a colour (irradiance relative to the largest).
+/// `origin` is the origin of the scene.
 pub fn to_ply<'r>(records: impl Iterator<Item = &'r Record>, origin: Vec3) -> Vec<u8> {
     let records: Vec<&Record> = records.collect();
     let properties = [
@@ -61,7 +61,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn exports_have_a_row_a_record() {
+    fn exports_have_one_row_per_record() {
         let floats: Vec<f32> = (0..Record::FLOATS).map(|k| k as f32 * 0.25).collect();
         let records = [Record::from_floats(&floats); 5];
         let table = String::from_utf8(to_csv(records.iter(), Vec3::ZERO)).expect("a text");

@@ -173,7 +173,7 @@ fn weights(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Picture
             }
         }
     }
-    // The colours span two decades round the smallest valid weight. A white line shows where that weight is crossed.
+    // The colours span two decades around the smallest valid weight. A white line shows where that weight is crossed.
     let good = |i: usize| weight[i] > least;
     let colour = |i: usize| {
         let edge =

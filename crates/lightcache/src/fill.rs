@@ -1,17 +1,17 @@
-//! The order in which a prepass fills a cache: over the picture from coarse to fine, in rounds. A round finds the places that
-//! need records while the cache is frozen, then computes these records, then inserts them in order. Rounds do not depend on
-//! the number of threads, and so neither does the cache.
+//! The order in which a prepass fills a cache: over the picture from coarse to fine, in rounds. A round finds the
+//! places that need records while the cache is frozen, then computes these records, then inserts them in order. Rounds
+//! do not depend on the number of threads, and so neither does the cache.
 
 use rayon::prelude::*;
 
 /// Number of points in the first round. Each round has twice as many as the round before, up to [`LAST`].
 const FIRST: usize = 16;
-/// Number of points in the largest rounds. In large rounds, nearby points get unnecessary records; small rounds leave threads
-/// idle.
+/// Number of points in the largest rounds. In large rounds, nearby points get unnecessary records; small rounds leave
+/// threads idle.
 const LAST: usize = 512;
 
-/// Go through `points` points in rounds: `find` returns the places without a record at a point, and `fill` adds records for all
-/// places of a round.
+/// Go through `points` points in rounds: `find` returns the places without a record at a point, and `fill` adds records
+/// for all places of a round.
 pub fn in_rounds<C: Sync, W: Send>(
     cache: &mut C,
     points: usize,
@@ -31,11 +31,11 @@ pub fn in_rounds<C: Sync, W: Send>(
     }
 }
 
-/// The pixels of a picture from coarse to fine. Consecutive pixels lie far apart, and every prefix of the order covers the
-/// picture evenly.
+/// The pixels of a picture from coarse to fine. Consecutive pixels lie far apart, and every prefix of the order covers
+/// the picture evenly.
 pub fn coarse_to_fine([w, h]: [usize; 2]) -> Vec<[u32; 2]> {
     let bits = usize::BITS - (w.max(h).max(2) - 1).leading_zeros();
-    // The index of a pixel, from its lowest bit, holds the bits of x and y in turn, highest first.
+    // From its lowest bit on, the index of a pixel consists of alternating bits of x and y, highest bits first.
     let pixel = |i: usize| {
         let coordinate = |shift: usize| {
             (0..bits).fold(0, |c, b| c | ((i >> (2 * b as usize + shift)) & 1) << (bits - 1 - b))
@@ -60,13 +60,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_pixel_comes_once_and_every_beginning_is_spread() {
+    fn every_pixel_comes_once_and_every_prefix_is_spread_over_the_picture() {
         let order = coarse_to_fine([48, 32]);
         let mut sorted = order.clone();
         sorted.sort_unstable();
         sorted.dedup();
         assert_eq!((order.len(), sorted.len()), (48 * 32, 48 * 32));
-        // Of the first 24 pixels of the 64 x 64 grid that covers the picture, those inside lie 8 apart or more.
+        // The first 24 pixels of the 64 x 64 grid that covers the picture; those inside the picture are at least 8
+        // apart.
         let first = &order[..12];
         for (i, a) in first.iter().enumerate() {
             for b in &first[..i] {
@@ -81,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn rounds_see_what_earlier_rounds_put_in_and_come_in_order() {
+    fn rounds_see_the_records_of_earlier_rounds_and_come_in_order() {
         let mut cache: Vec<usize> = Vec::new();
         in_rounds(
             &mut cache,
@@ -89,7 +90,8 @@ mod tests {
             |cache, k| if cache.contains(&(k % 50)) { vec![] } else { vec![k % 50] },
             |cache, found| cache.extend(found),
         );
-        // The first two rounds add 16 and 32 numbers. The third adds the two that are left, and repeats some of its own.
+        // The first two rounds add 16 and 32 numbers. The third adds the two missing ones, and repeats some numbers of
+        // its own round.
         assert_eq!(cache[..50], (0..50).collect::<Vec<_>>());
         assert!(cache.len() <= 50 + LAST);
     }

@@ -27,7 +27,8 @@ pub struct Place {
     pub segments: u32,
     /// Length of that path, world.
     pub length: f32,
-    /// Selects the random numbers of the record's rays. It differs between places, except on both sides of a straight passage.
+    /// Selects the random numbers of the record's rays. It differs between places, except on both sides of a straight
+    /// passage.
     pub key: u32,
 }
 
@@ -106,7 +107,8 @@ impl<'a> Gatherer<'a> {
         Record { e, site, rotational, translational: gradient.to_world(frame) }
     }
 
-    /// A frame whose tangents are rotated by a random angle, so that the borders of strata do not align between records.
+    /// A frame whose tangents are rotated by a random angle, so that the borders of strata do not align between
+    /// records.
     fn frame(&self, place: &Place) -> Frame {
         let angle = 2.0 * PI * bits_to_unit(hash_u32(place.key ^ 0x7475_726e));
         let frame = Frame::from_normal(place.n);
@@ -146,7 +148,8 @@ impl<'a> Gatherer<'a> {
                 }
             }
             let found = walk.sample();
-            // With a bent normal, rays may go below the surface. What they hit there says nothing about the surroundings.
+            // With a bent normal, rays may go below the surface. What they hit there says nothing about the
+            // surroundings.
             let beneath = wi.dot(place.surface.ng) * place.n.dot(place.surface.ng) <= 0.0;
             let distance = if found.depth > 0.0 && !beneath { found.depth } else { f32::INFINITY };
             Seen {

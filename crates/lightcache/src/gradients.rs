@@ -19,8 +19,8 @@ impl Gradient {
         Rgb::from(self.0.map(|g| g.dot(d)))
     }
 
-    /// Limit the gradient so that within `reach` no channel more than doubles or becomes negative. Gradients next to an edge are
-    /// unbounded.
+    /// Limit the gradient so that within `reach` no channel more than doubles or becomes negative. Gradients next to an
+    /// edge are unbounded.
     pub fn limited(mut self, value: Rgb, reach: f32) -> Self {
         for (g, v) in self.0.iter_mut().zip(value.to_array()) {
             *g *= (v / (g.length() * reach)).min(1.0);
@@ -49,8 +49,8 @@ fn tangent(phi: f32) -> Vec3 {
     Vec3::new(cos, sin, 0.0)
 }
 
-/// Rotational gradient, the integral of L (n x w): for a normal n' near n, E(n') = E(n) + (n x n') . gradient.
-/// The tangent of the angle is averaged over each ring, because it is unbounded for rays near the horizon. The result is
+/// Rotational gradient, the integral of L (n x w): for a normal n' near n, E(n') = E(n) + (n x n') . gradient. The
+/// tangent of the angle is averaged over each ring, because it is unbounded for rays near the horizon. The result is
 /// unbiased if radiance is constant across each ring.
 pub fn rotational(h: &Hemisphere) -> Gradient {
     let Strata { rings, sectors } = h.strata;
@@ -73,11 +73,11 @@ fn mean_tangent(from: f32, to: f32) -> f32 {
     (integral(to) - integral(from)) / (to - from)
 }
 
-/// Translational gradient in the tangent plane \[Ward92, Krivanek05\]. When the point moves, the border between two strata moves
-/// with a speed of one over the distance of the nearer stratum.
+/// Translational gradient in the tangent plane \[Ward92, Krivanek05\]. When the point moves, the border between two
+/// strata moves with a speed of one over the distance of the nearer stratum.
 ///
-/// The border between rings j - 1 and j lies at theta_j with sin^2(theta_j) = j / M. An index that is off by one changes the
-/// gradient by 14 to 18 %.
+/// The border between rings j - 1 and j lies at theta_j with sin^2(theta_j) = j / M. An index that is off by one
+/// changes the gradient by 14 to 18 %.
 pub fn translational(h: &Hemisphere) -> Gradient {
     let Strata { rings, sectors } = h.strata;
     let mut gradient = Gradient::default();
@@ -139,7 +139,7 @@ mod tests {
                     f64::from(translational(&h).0[1].x)
                 };
                 let (mean, error) = mean_and_error(&(0..200).map(of).collect::<Vec<_>>());
-                // Taking the nearer distance leaves a bias of the order of a stratum: half of one of M rings.
+                // Using the nearer distance causes a bias of the order of one stratum: half of one of M rings.
                 let bias = 0.5 / strata.rings as f64;
                 assert!(
                     (mean / exact - 1.0).abs() < bias + 4.0 * error / exact,
@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn rotational_gradient_of_the_half_plane_emitter_for_all_m_and_n() {
-        // Seen from below its edge the emitter fills half of the sky: E(n) = pi / 2 (1 + n . x) for the half x > 0.
+        // At a point below its edge, the emitter fills half of the sky: E(n) = pi / 2 (1 + n . x) for the half x > 0.
         for rays in [30, 100, 1000, 5000] {
             let exact = 0.5 * f64::from(PI);
             let of = |seed| {

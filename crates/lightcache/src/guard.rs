@@ -6,17 +6,18 @@ use glam::Vec3;
 
 use crate::site::{Query, Site};
 
-/// Tests whether a wall stands between a record and a query, so that light does not leak under thin walls or round corners.
+/// Tests whether a wall stands between a record and a query, so that light does not leak under thin walls or around
+/// corners.
 #[derive(Clone, Copy)]
 pub struct LeakGuard<'a> {
     /// The world.
     pub scene: &'a Scene,
-    /// Whether walls are looked for; without the guard every record passes.
+    /// Whether to look for walls; without the guard every record passes.
     pub is_on: bool,
 }
 
-/// Ray offset from both surfaces, as a fraction of the distance between the two points. It exceeds the bulge of a curved
-/// surface whose normals are alike enough for one record.
+/// Ray offset from both surfaces, as a fraction of the distance between the two points. It exceeds the bulge of a
+/// curved surface, if the normals are similar enough for a record to be used.
 const RAY_OFFSET: f32 = 0.1;
 /// A query closer to the record than this fraction of `Site::clear` needs no ray: nothing can stand in between.
 const SURELY_VISIBLE: f32 = 0.5;

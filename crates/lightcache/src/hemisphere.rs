@@ -5,13 +5,13 @@ use std::f32::consts::PI;
 use gi_core::math::{Rgb, safe_sqrt};
 use glam::Vec3;
 
-/// A hemisphere divided into M rings and N sectors of equal cosine-weighted solid angle. Directions are local, with z along the
-/// normal; ring 0 surrounds the normal.
+/// A hemisphere divided into M rings and N sectors of equal cosine-weighted solid angle. Directions are local, with z
+/// along the normal; ring 0 surrounds the normal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Strata {
     /// M: number of rings, from the normal to the horizon.
     pub rings: usize,
-    /// N: number of sectors round the normal.
+    /// N: number of sectors around the normal.
     pub sectors: usize,
 }
 
@@ -99,9 +99,9 @@ impl Hemisphere {
         &self.seen
     }
 
-    /// The same hemisphere with its few brightest rays limited to the next brightest one. The region of validity must not depend on
-    /// such outliers: records with a bright outlier would get small radii and records without one large radii, so that the
-    /// light between records would be too dark.
+    /// The same hemisphere with its few brightest rays limited to the next brightest one. The region of validity must
+    /// not depend on such outliers: records with a bright outlier would get small radii and records without one large
+    /// radii, so that the light between records would be too dark.
     pub fn without_sparks(&self) -> Self {
         let few = ((SPARKS * self.seen.len() as f32) as usize).max(FEWEST_SPARKS);
         let mut means: Vec<f32> = self.seen.iter().map(|s| s.radiance.mean()).collect();
@@ -138,7 +138,7 @@ pub(crate) mod tests {
     use super::*;
     use gi_core::rng::Pcg;
 
-    /// A hemisphere over what `look` says of a direction: radiance, distance, normal.
+    /// A hemisphere whose rays return what `look` gives for a direction: radiance, distance, normal.
     pub(crate) fn hemisphere(
         strata: Strata,
         seed: u64,
@@ -174,7 +174,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn strata_are_near_one_to_pi_and_hold_their_directions() {
+    fn strata_are_near_one_to_pi_and_contain_their_directions() {
         for rays in [10, 100, 1000, 5000] {
             let s = Strata::of(rays);
             let off = s.count() as f32 / rays as f32 - 1.0;
@@ -194,7 +194,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn a_record_reaches_as_far_whether_or_not_a_ray_met_a_spark() {
+    fn a_single_bright_ray_hardly_changes_the_reach_of_a_record() {
         use crate::control::{Control, ErrorControl, SphereRadius};
         use crate::gradients::translational;
         let room = |spark: f32| {
@@ -206,7 +206,10 @@ pub(crate) mod tests {
             Hemisphere::gather(Strata::of(200), |_| rng.next_2d(), look)
         };
         let (dark, bright) = (room(0.0), room(1e4));
-        assert!(bright.irradiance().g > 10.0 * dark.irradiance().g, "the light itself counts");
+        assert!(
+            bright.irradiance().g > 10.0 * dark.irradiance().g,
+            "the irradiance includes the bright rays"
+        );
         for error in
             [ErrorControl::Bounded, ErrorControl::HessianGeometric, ErrorControl::HessianOcclusion]
         {
@@ -215,8 +218,8 @@ pub(crate) mod tests {
                 let h = h.without_sparks();
                 control.validity(&h, h.irradiance(), &translational(&h), 1.0).radii[0]
             };
-            // One ray in 200 is as bright as the brightest others. Left as it is, it would make E / |H| and E / |gradient|
-            // those of the spark alone.
+            // One ray in 200 is as bright as the brightest others. Without a limit, that ray alone would determine E /
+            // |H| and E / |gradient|.
             let ratio = radius(&bright) / radius(&dark);
             assert!((ratio - 1.0).abs() < 0.35, "{error:?}: {ratio}");
         }

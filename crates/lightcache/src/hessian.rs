@@ -1,5 +1,5 @@
-//! Hessians of irradiance: second derivatives by the position in the tangent plane, from the rays of the record. They give the
-//! error of extrapolation along the gradient \[Schwarzhaupt12\].
+//! Hessians of irradiance: second derivatives by the position in the tangent plane, from the rays of the record. They
+//! give the error of extrapolation along the gradient \[Schwarzhaupt12\].
 
 use std::f32::consts::PI;
 
@@ -12,9 +12,9 @@ use crate::hemisphere::{Hemisphere, Seen};
 /// Second derivatives of the mean of the channels, by the tangents s and t of the record's frame.
 pub type Hessian = DMat2;
 
-/// The Hessian without occlusion: the surface that each ray hits is a small, unoccluded emitter. Let w be its direction, r its
-/// distance, m its normal, and G = cos cos' / r^2. The second derivative of G, divided by G, is
-/// (24 w w' - 4 I - 4 (m w' + w m') / cos') / r^2. The cosine cos' is at least `GRAZING`, because the term is unbounded for
+/// The Hessian without occlusion: the surface that each ray hits is a small, unoccluded emitter. Let w be its
+/// direction, r its distance, m its normal, and G = cos cos' / r^2. The second derivative of G, divided by G, is (24 w
+/// w' - 4 I - 4 (m w' + w m') / cos') / r^2. The cosine cos' is at least `GRAZING`, because the term is unbounded for
 /// surfaces seen at grazing angles.
 pub fn geometric(h: &Hemisphere) -> Hessian {
     let mut sum = DMat2::ZERO;
@@ -35,9 +35,10 @@ pub fn geometric(h: &Hemisphere) -> Hessian {
 /// Smallest cosine at an emitter that [`geometric`] divides by.
 const GRAZING: f64 = 0.1;
 
-/// The Hessian with occlusion, and the gradient. The hit points of the rays form a closed mesh round the record, with triangles
-/// between neighbours. Each triangle has the radiance of its farthest corner, so that near surfaces occlude distant ones.
-/// Irradiance is Lambert's sum over the edges, 1/2 (L_left - L_right) n . Gamma; its derivatives are those of the edges.
+/// The Hessian with occlusion, and the gradient. The hit points of the rays form a closed mesh around the record, with
+/// triangles between neighbours. Each triangle has the radiance of its farthest corner, so that near surfaces occlude
+/// distant ones. Irradiance is Lambert's sum over the edges, 1/2 (L_left - L_right) n . Gamma; its derivatives are
+/// those of the edges.
 pub fn occlusion(h: &Hemisphere) -> (Gradient, Hessian) {
     let mesh = Mesh::new(h);
     let (mut gradient, mut hessian) = ([DVec2::ZERO; 3], DMat2::ZERO);
@@ -87,10 +88,12 @@ impl Mesh {
         Mesh { sectors, rows }
     }
 
-    /// Call `edge` with the two ends of each edge, and with the radiance on its left and on its right, as seen from the record.
+    /// Call `edge` with the two ends of each edge, and with the radiance on its left and on its right, as seen from the
+    /// record.
     fn for_each_edge(&self, mut edge: impl FnMut(DVec3, DVec3, Rgb, Rgb)) {
         let n = self.sectors;
-        // Each cell between two rows is split along the diagonal from (j, k) to (j + 1, k + 1), into a lower and an upper triangle.
+        // Each cell between two rows is split along the diagonal from (j, k) to (j + 1, k + 1), into a lower and an
+        // upper triangle.
         let lower = |j: usize, k: usize| self.farthest([(j, k), (j + 1, k), (j + 1, k + 1)]);
         let upper = |j: usize, k: usize| self.farthest([(j, k), (j + 1, k + 1), (j, k + 1)]);
         let at = |j: usize, k: usize| self.rows[j][k % n].0;
@@ -123,16 +126,16 @@ impl Mesh {
         best.1
     }
 
-    /// Mean radiance of the innermost ring, for the cap round the normal.
+    /// Mean radiance of the innermost ring, for the cap around the normal.
     fn cap(&self) -> Rgb {
         self.rows[0].iter().map(|v| v.1).sum::<Rgb>() / self.sectors as f32
     }
 }
 
-/// First and second derivatives of n . Gamma of the edge from `a` to `b` (relative to the record) when the record moves in its
-/// tangent plane. Gamma is normal to `a` and `b`, and its length is the angle Theta between them.
+/// First and second derivatives of n . Gamma of the edge from `a` to `b` (relative to the record) when the record moves
+/// in its tangent plane. Gamma is normal to `a` and `b`, and its length is the angle Theta between them.
 fn edge_derivatives(a: DVec3, b: DVec3) -> (DVec2, DMat2) {
-    // n . Gamma = N q with N = n . (a x b), linear in the move, and q = Theta / |a x b|.
+    // n . Gamma = N q, where N = n . (a x b) is linear in the move, and q = Theta / |a x b|.
     let (e, c) = (b - a, a.cross(b));
     let (n, grad_n) = (c.z, DVec2::new(-e.y, e.x));
     let (p, grad_p) = (a.dot(b), -flat_d(a + b));

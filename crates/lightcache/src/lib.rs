@@ -1,10 +1,11 @@
 //! Caches of light that changes slowly from place to place [slides 7-14]: what irradiance and radiance caching share.
 //!
-//! Read next: `cache.rs` (records in an octree, and the weights of those near a point), `site.rs` (where a record is valid),
-//! `record.rs` (the irradiance record), `gather.rs` (how a record is made from rays over the hemisphere), `control.rs`
-//! (how far a record is valid), `fill.rs` (in which order a cache is filled).
+//! Read next: `cache.rs` (records in an octree, and the weights of those near a point), `site.rs` (where a record is
+//! valid), `record.rs` (the irradiance record), `gather.rs` (how a record is made from rays over the hemisphere),
+//! `control.rs` (how far a record is valid), `fill.rs` (in which order a cache is filled).
 //!
-//! A [`Cache`] knows where its records are, not what they hold: interpolation is written in each technique's `lib.rs`.
+//! A [`Cache`] knows only the sites of its records, not their contents: interpolation is written in each technique's
+//! `lib.rs`.
 
 #![forbid(unsafe_code)]
 

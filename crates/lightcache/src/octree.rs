@@ -1,7 +1,7 @@
 //! An octree over positions, each with a radius of influence [slide 8]. It does not know which records belong to them.
 //!
-//! Every leaf holds fewer than three items. Every node stores the bounding box of its items' influence. A lookup descends only
-//! into boxes that hold the point, and finds the same items as a scan of all items.
+//! Every leaf contains fewer than three items. Every node stores the bounding box of its items' influence. A lookup
+//! descends only into boxes that contain the point, and finds the same items as a scan of all items.
 
 use gi_core::math::Bounds;
 use glam::Vec3;
@@ -11,8 +11,8 @@ pub type Id = u32;
 
 /// Largest number of items in a leaf: "< 3" [slide 8].
 const LEAF: usize = 2;
-/// Number of levels below the root. A leaf at the last level holds any number of items, because items at the same position
-/// cannot be separated.
+/// Number of levels below the root. A leaf at the last level contains any number of items, because items at the same
+/// position cannot be separated.
 const MAX_DEPTH: u32 = 20;
 const NONE: u32 = u32::MAX;
 
@@ -62,7 +62,7 @@ impl Node {
         self.smallest = self.smallest.min(radius);
     }
 
-    /// Which child's cube holds `p`.
+    /// The child whose cube contains `p`.
     fn octant(&self, p: Vec3) -> u32 {
         let middle = self.low + 0.5 * self.side;
         u32::from(p.x >= middle.x)
@@ -111,12 +111,12 @@ impl Octree {
         Octree { nodes: vec![Node::leaf(low, side)], items: Vec::new() }
     }
 
-    /// How many items there are.
+    /// Number of items.
     pub fn len(&self) -> usize {
         self.items.len()
     }
 
-    /// Whether there are none.
+    /// Whether the tree is empty.
     pub fn is_empty(&self) -> bool {
         self.items.is_empty()
     }
@@ -222,8 +222,8 @@ impl Octree {
         }
     }
 
-    /// Lower the radius of every item to the value of `cone` at the item, but not below `least` of the item. `lowered` is called
-    /// with each item that changes, and its new radius.
+    /// Lower the radius of every item to the value of `cone` at the item, but not below `least` of the item. `lowered`
+    /// is called with each item that changes, and its new radius.
     pub fn lower(
         &mut self,
         cone: &Cone,

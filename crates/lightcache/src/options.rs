@@ -87,7 +87,7 @@ impl ReachOptions {
     /// Check that the maximum radius is at least the minimum.
     ///
     /// # Errors
-    /// Both values.
+    /// The message names both values.
     pub fn check(&self) -> Result<(), String> {
         let ReachOptions { min_spacing: min, max_spacing: max, .. } = *self;
         if max > 0.0 && max < min {
@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn values_outside_of_their_range_are_refused() {
+    fn values_outside_their_range_are_refused() {
         assert_eq!(accuracy()("1"), Ok(1.0));
         assert!(["0", "1.1", "nan", "x"].iter().all(|t| accuracy()(t).is_err()));
         assert_eq!(spacing()("0"), Ok(0.0));

@@ -58,7 +58,7 @@ impl Record {
         }
     }
 
-    /// The record of [`Record::FLOATS`] floats.
+    /// A record from [`Record::FLOATS`] floats.
     pub fn from_floats(floats: &[f32]) -> Self {
         let v = |k: usize| Vec3::from_slice(&floats[k..]);
         let gradient = |k: usize| Gradient([v(k), v(k + 3), v(k + 6)]);

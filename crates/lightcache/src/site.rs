@@ -10,8 +10,8 @@ pub struct Site {
     pub n: Vec3,
     /// Position, world.
     pub p: Vec3,
-    /// Radii along `axis` and across it in the tangent plane, world. At this distance the error from distance alone reaches the
-    /// accuracy a; on the slide this is a r.
+    /// Radii along `axis` and across it in the tangent plane, world. At this distance the error from distance alone
+    /// reaches the accuracy a; on the slide this is a r.
     pub radii: [f32; 2],
     /// Unit tangent.
     pub axis: Vec3,
@@ -56,7 +56,7 @@ impl Site {
         out.extend([least, clear]);
     }
 
-    /// The site of [`Site::FLOATS`] floats.
+    /// A site from [`Site::FLOATS`] floats.
     pub fn from_floats(floats: &[f32]) -> Self {
         let v = |k: usize| Vec3::from_slice(&floats[k..]);
         let radii = [floats[9], floats[10]];
@@ -84,8 +84,8 @@ impl Site {
         (u * u + v * v + h * h).sqrt() + safe_sqrt(1.0 - self.n.dot(q.n)) / accuracy
     }
 
-    /// Whether the record is in front of the query, so that the record may see light that is hidden from the query. The test uses
-    /// the plane through the record with the mean of both normals \[Ward88\].
+    /// Whether the record is in front of the query, so that the record may see light that is hidden from the query. The
+    /// test uses the plane through the record with the mean of both normals \[Ward88\].
     #[inline]
     pub fn is_in_front_of(&self, q: &Query) -> bool {
         (q.p - self.p).dot(self.n + q.n) * 0.5 < -BEHIND * self.reach()
@@ -106,7 +106,7 @@ mod tests {
             least: 0.0,
             clear: 1.0,
         };
-        // a r = 0.2 with a = 0.1 is r = 2.
+        // On the slide a r = 0.2, so with a = 0.1, r is 2.
         let slide = |q: &Query| (q.p.length() / 2.0 + (1.0 - q.n.z).max(0.0).sqrt()) / 0.1;
         let mut last = 0.0;
         for k in 1..10 {

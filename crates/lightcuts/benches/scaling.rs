@@ -1,10 +1,11 @@
-//! What a point costs by cuts and by all lights, from 10 to 1,000,000 lights [slides 53, 61].
+//! Measures the time per point with cuts and with all lights, from 10 to 1,000,000 lights [slides 53, 61].
 //!
-//! `cargo bench -p lightcuts --bench scaling -- [SCENE.xml] [--lights N,N...] [--max-cut N] [--connections N]
-//! [--error E] [--rule cluster|whole] [-D name=value]`. A quarter of the lights are points of lights, the others lie on surfaces. Times are of one
-//! thread, the least of all repetitions of a chunk of points, the two taken in turn. Where all lights at all points would be
-//! more than `--connections`, brute force and cuts light fewer points; with 0 lights and trees are made and no more. Memory is
-//! that of lights and trees.
+//! `cargo bench -p lightcuts --bench scaling -- [SCENE.xml] [--lights N,N...] [--max-cut N] [--connections N] [--error
+//! E] [--rule cluster|whole] [-D name=value]`. A quarter of the lights are points on light sources, the others are on
+//! surfaces. Times are CPU times of one thread: for each chunk of points, the smallest of all repetitions; the two
+//! methods alternate. If illuminating all points by all lights needs more than `--connections` connections, both
+//! methods illuminate fewer points. With `--connections 0`, only lights and trees are built. Memory is that of lights
+//! and trees.
 
 use std::hint::black_box;
 use std::path::Path;
@@ -23,21 +24,22 @@ use lightcuts::{Params, light_by_cut};
 use rayon::prelude::*;
 use vpl::{LightNumbers, Pilot, Prepared, Receiver, Shooting, Termination, Vpls, points, shoot};
 
-/// Points along the sides of the picture.
+/// Grid of points over the picture, horizontally and vertically.
 const POINTS: [usize; 2] = [64, 48];
-/// Lights times points that are timed together: short, so that the least of all repetitions is undisturbed; and how often.
+/// Number of lights times points that are timed together, small enough that some repetition runs undisturbed; and the
+/// number of repetitions.
 const CHUNK: usize = 5000;
 const REPETITIONS: usize = 5;
-/// Fewest points that are lit, and most that are timed.
+/// Smallest number of points that are illuminated, and largest number that are timed.
 const LEAST: usize = 16;
 const TIMED: usize = 256;
-/// Weber's law: the error that is not seen [slide 54], whatever `--error` was asked for.
+/// Weber's law: an error of this size is invisible [slide 54], whatever `--error` is.
 const WEBER: f32 = 0.02;
 
-/// A point that the picture shows.
+/// A point that is visible in the picture.
 type Point<'a> = (Surface, Vec3, Bsdf<'a>);
 
-/// What was asked for.
+/// The command-line options.
 struct Asked {
     scene: String,
     defines: Vec<(String, String)>,
@@ -72,7 +74,7 @@ fn main() {
     }
 }
 
-/// Points spread over the picture, in an order in which the first of them are spread too.
+/// Points spread over the picture, in an order in which any first part of them is also spread over the picture.
 fn seen<'a>(scene: &'a Scene, camera: &Camera) -> Vec<Point<'a>> {
     let [w, h] = POINTS;
     let size = [0, 1].map(|k| camera.size()[k] as f32 / POINTS[k] as f32);
@@ -83,14 +85,14 @@ fn seen<'a>(scene: &'a Scene, camera: &Camera) -> Vec<Point<'a>> {
         let ray = camera.ray(film, [0.5; 2]);
         let (surface, _) = scene.intersect(&ray)?;
         let bsdf = scene.bsdf(&surface, -ray.d, Transport::Radiance);
-        // Lamps that scatter nothing are in no need of light.
+        // Skip lamps that scatter no light.
         let lit = !bsdf.is_delta() && !bsdf.albedo().is_black();
         lit.then_some((surface, -ray.d, bsdf))
     };
     order.filter_map(point).collect()
 }
 
-/// About so many lights: a quarter points of lights, the rest on surfaces.
+/// About `number` lights: a quarter on light sources, the rest on surfaces.
 fn make(scene: &Scene, number: u32) -> Vpls {
     let pilot = Pilot::of(scene, 0);
     let direct = (number / 4).max(1);
@@ -109,7 +111,7 @@ fn make(scene: &Scene, number: u32) -> Vpls {
     set
 }
 
-/// Print a line of the table; the number of lights, and by how much cuts are faster.
+/// Print a line of the table. Returns the number of lights, and the speedup of cuts.
 fn measure(scene: &Scene, seen: &[Point], number: u32, asked: &Asked) -> (f64, f64) {
     let set = make(scene, number);
     let clock = Instant::now();
@@ -133,7 +135,7 @@ fn measure(scene: &Scene, seen: &[Point], number: u32, asked: &Asked) -> (f64, f
         return (set.lights.len() as f64, 1.0);
     }
     let compared = (asked.connections / set.lights.len().max(1)).clamp(LEAST, seen.len());
-    // Timing takes half of the time.
+    // Limit the points so that timing takes half of the total time.
     let timed = (compared / (2 * REPETITIONS)).clamp(LEAST, TIMED).min(seen.len());
     let seen = &seen[..compared];
     let [all, cuts] = race(&seen[..timed], set.lights.len(), &with).map(|s| s / timed as f64 * 1e6);
@@ -163,7 +165,8 @@ fn measure(scene: &Scene, seen: &[Point], number: u32, asked: &Asked) -> (f64, f
     (set.lights.len() as f64, all / cuts)
 }
 
-/// Seconds of this thread: of its own where the system tells, so that others do not count, unless they are too few for that.
+/// A clock for one thread. It uses the thread's CPU time if the system reports it, so that other threads do not count;
+/// short spans use wall-clock time.
 struct Clock(Instant, Option<u64>);
 
 impl Clock {
@@ -179,17 +182,17 @@ impl Clock {
         }
     }
 
-    /// Nanoseconds that the thread has run, as Linux counts them at its ticks.
+    /// CPU time of the thread in nanoseconds. Linux updates it at its clock ticks.
     fn own() -> Option<u64> {
         let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
         text.split(' ').next()?.parse().ok()
     }
 }
 
-/// Least seconds by all lights and by cuts, taken in turn.
+/// Smallest seconds with all lights and with cuts; the two methods alternate.
 fn race(points: &[Point], lights: usize, with: &impl Fn(&Point, bool) -> Lit) -> [f64; 2] {
     let mut total = [0.0; 2];
-    // Long ones are told by ticks, and want to be many ticks.
+    // Long chunks are timed by clock ticks, so they must take many ticks.
     let together = if lights < 20_000 { (CHUNK / lights.max(1)).max(1) } else { points.len() };
     for chunk in points.chunks(together) {
         let mut best = [f64::INFINITY; 2];
@@ -215,7 +218,7 @@ fn arguments() -> Asked {
     };
     let mut arguments = std::env::args().skip(1).filter(|a| a != "--bench");
     while let Some(a) = arguments.next() {
-        let mut value = || arguments.next().unwrap_or_else(|| panic!("{a} wants a value"));
+        let mut value = || arguments.next().unwrap_or_else(|| panic!("{a} needs a value"));
         match a.as_str() {
             "--lights" => {
                 let number = |n: &str| n.parse().expect("--lights N,N...");
@@ -225,7 +228,7 @@ fn arguments() -> Asked {
                 asked.limits.rule = match value().as_str() {
                     "cluster" => Rule::Cluster,
                     "whole" => Rule::Whole,
-                    other => panic!("no rule is called {other}: cluster or whole"),
+                    other => panic!("there is no rule {other}: use cluster or whole"),
                 }
             }
             "--max-cut" => asked.limits.max_cut = Some(value().parse().expect("--max-cut N")),

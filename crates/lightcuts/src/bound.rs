@@ -1,6 +1,6 @@
-//! Upper bounds of the light that a cluster brings to a point [slide 61, Walter05, 3.3]. The smallest distance bounds the geometry
-//! term, box and cone bound the cosine at the lights, [`gi_core::bsdf::Bsdf::bound`] bounds the material. The bound of
-//! visibility is 1.
+//! Upper bounds of the light that a cluster brings to a point [slide 61, Walter05, 3.3]. The smallest distance bounds
+//! the geometry term, box and cone bound the cosine at the lights, [`gi_core::bsdf::Bsdf::bound`] bounds the material.
+//! The bound of visibility is 1.
 
 use gi_core::bsdf::{Bsdf, ScatterBound, Toward};
 use gi_core::geometry::Surface;
@@ -51,8 +51,8 @@ pub struct Terms {
     pub toward: Toward,
     /// The bound of the BSDF at the point.
     pub scatter: ScatterBound,
-    /// Bound of the cosine at the lights, or of the fraction that glossy lights scatter. The bound is this times `scatter.f_cos`
-    /// over the squared distance.
+    /// Bound of the cosine at the lights, or of the fraction that glossy lights scatter. The bound is this times
+    /// `scatter.f_cos` over the squared distance.
     pub emitted: f32,
     /// The same divided by the cosine at the lights, for the clamped geometry term.
     pub emitted_over_cos: f32,
@@ -126,8 +126,9 @@ fn max_cos(toward: &Toward, cone: &NormalCone, side: f32) -> f32 {
 /// Rounding of the cosine of a difference of angles.
 const COS_ROUNDING: f32 = 1e-6;
 
-/// Upper bound of a node's error, as luminance. Estimate and truth both lie between 0 and the bound, so the error is at most the
-/// larger of the estimate and the rest. (The paper uses the bound itself, which is up to twice as large.)
+/// Upper bound of a node's error, as luminance. Estimate and truth are both between 0 and the bound, so the error is at
+/// most the larger of the estimate and the bound minus the estimate. (The paper uses the bound itself, which is up to
+/// twice as large.)
 #[inline]
 pub fn error(estimate: Rgb, bound: Rgb) -> f32 {
     let (estimate, bound) = (estimate.luminance(), bound.luminance());

@@ -1,9 +1,10 @@
 //! Greedy clustering of lights in n log n.
 //!
-//! Two clusters are a mutual pair if each is the cheapest partner of the other. The cheapest pair of all is mutual. Joining a pair
-//! never makes a third cluster cheaper to join, so the greedy order joins every mutual pair sooner or later. Therefore all
-//! mutual pairs are joined at once, round by round, and the result is the greedy tree. With many clusters, each searches for
-//! partners only among its neighbours on a space-filling curve through positions and normals.
+//! Two clusters are a mutual pair if each is the cheapest partner of the other. The cheapest pair of all is mutual.
+//! Joining a pair never makes a third cluster cheaper to join, so the greedy order joins every mutual pair sooner or
+//! later. Therefore all mutual pairs are joined at once, round by round, and the result is the greedy tree. With many
+//! clusters, each searches for partners only among its neighbours on a space-filling curve through positions and
+//! normals.
 
 use gi_core::math::{Bounds, Rgb};
 use gi_core::rng::{bits_to_unit, hash_words};
@@ -15,9 +16,9 @@ use crate::cone::Cone;
 /// A light, or a cluster of two others.
 #[derive(Clone, Copy, Debug)]
 pub struct Cluster {
-    /// The box round the lights' positions.
+    /// The box around the lights' positions.
     pub bounds: Bounds,
-    /// The cone round their normals.
+    /// The cone around their normals.
     pub cone: Cone,
     /// Sum of their powers.
     pub power: Rgb,
@@ -27,7 +28,8 @@ pub struct Cluster {
     children: [u32; 2],
 }
 
-/// From this number of clusters on, only [`NEIGHBOURS`] on either side are searched. Larger values are closer to greedy, but slower.
+/// From this number of clusters on, only [`NEIGHBOURS`] on either side are searched. Larger values are closer to
+/// greedy, but slower.
 const MANY: usize = 384;
 const NEIGHBOURS: usize = 16;
 /// A round that joins fewer than one pair per this many clusters is too slow.
@@ -46,8 +48,8 @@ impl Cluster {
         (a != b).then_some([a, b])
     }
 
-    /// Join the two clusters with indices `children`. One of their representatives is chosen in proportion to power. No two joins
-    /// have the same representatives, so their hashes are independent.
+    /// Join the two clusters with indices `children`. One of their representatives is chosen in proportion to power. No
+    /// two joins have the same representatives, so their hashes are independent.
     fn join(a: &Cluster, b: &Cluster, children: [u32; 2], seed: u32) -> Self {
         let power = a.power + b.power;
         let u = bits_to_unit(hash_words(&[seed, a.representative, b.representative]));
@@ -71,7 +73,8 @@ impl Cluster {
     }
 }
 
-/// Join lights until one cluster is left. Returns all clusters, the root last. `c` is the length by which normals are weighted.
+/// Join lights until one cluster is left. Returns all clusters, the root last. `c` is the length by which normals are
+/// weighted.
 pub fn join_all(mut leaves: Vec<Cluster>, c: f32, seed: u32) -> Option<Vec<Cluster>> {
     sort_along_curve(&mut leaves, c);
     let mut open: Vec<u32> = (0..leaves.len() as u32).collect();
@@ -102,8 +105,8 @@ pub fn join_all(mut leaves: Vec<Cluster>, c: f32, seed: u32) -> Option<Vec<Clust
     (!all.is_empty()).then_some(all)
 }
 
-/// The cheapest partner of each cluster. Pairs are strictly ordered, so that at least one pair is mutual. Ties prefer indices
-/// that differ in bit 0, which yields many mutual pairs per round.
+/// The cheapest partner of each cluster. Pairs are strictly ordered, so that at least one pair is mutual. Ties prefer
+/// indices that differ in bit 0, which yields many mutual pairs per round.
 fn cheapest_partners(clusters: &[Cluster], c: f32) -> Vec<u32> {
     let reach = if clusters.len() <= MANY { clusters.len() } else { NEIGHBOURS };
     let best = |i: usize| {
@@ -169,7 +172,7 @@ mod tests {
         (0..n).map(light).collect()
     }
 
-    /// The sets of lights that the clusters of a tree are.
+    /// The set of lights of each cluster of a tree.
     fn sets(all: &[Cluster]) -> BTreeSet<Vec<u32>> {
         let mut sets: Vec<Vec<u32>> = Vec::new();
         for cluster in all {
@@ -203,8 +206,8 @@ mod tests {
     }
 
     #[test]
-    fn many_lights_cost_little_more_than_greedily_joined_ones_and_chains_end() {
-        // All costs of a tree added up, of few neighbours against all of them.
+    fn many_lights_cost_little_more_than_with_greedy_joins_and_chains_end() {
+        // The total cost of a tree; used to compare a search among a few neighbours with a search among all.
         let total = |all: &[Cluster]| -> f64 {
             let cost = |[a, b]: [usize; 2]| f64::from(all[a].cost(&all[b], 0.8));
             all.iter().filter_map(Cluster::children).map(cost).sum()
@@ -212,7 +215,7 @@ mod tests {
         let mut rng = Pcg::new(3, 2);
         let some = lights(380, &mut rng);
         let greedy = total(&join_all(some.clone(), 0.8, 0).expect("a tree"));
-        // The same lights and so many others far away that only neighbours are looked at.
+        // The same lights, with so many others far away that only neighbours are searched.
         let far = |l: &Cluster| {
             let p = l.bounds.min + Vec3::splat(3.0);
             Cluster::light(p, l.cone.axis, l.power, l.representative + 380)
@@ -221,7 +224,7 @@ mod tests {
         let all = join_all(both, 0.8, 0).expect("a tree");
         let near = 0.5 * total(&all[..all.len() - 1]);
         assert!(near < 1.5 * greedy, "{near} against {greedy}");
-        // Each farther from the last than all before: every one's cheapest partner is the one before it.
+        // Distances grow along the chain, so each light's cheapest partner is its predecessor.
         let chain =
             |k: u32| Cluster::light(Vec3::X * 1.01f32.powi(k as i32), Vec3::Z, Rgb::WHITE, k);
         let same = |k: u32| Cluster::light(Vec3::X, Vec3::Z, Rgb::WHITE, k);

@@ -22,7 +22,7 @@ impl Cone {
         Cone { axis, angle: 0.0 }
     }
 
-    /// The half angle of [`Cone::union`], the smallest cone round both.
+    /// The half angle of [`Cone::union`], the smallest cone around both.
     #[inline]
     pub fn union_angle(&self, other: &Cone) -> f32 {
         if self.axis == other.axis {
@@ -33,7 +33,7 @@ impl Cone {
         (0.5 * (between + a + b)).max(a).max(b).min(PI)
     }
 
-    /// The smallest cone round both.
+    /// The smallest cone around both.
     pub fn union(&self, other: &Cone) -> Cone {
         let (wide, narrow) = if self.angle >= other.angle { (self, other) } else { (other, self) };
         let angle = self.union_angle(other);
@@ -44,7 +44,7 @@ impl Cone {
         let cos = wide.axis.dot(narrow.axis);
         let turn = angle - wide.angle;
         let across = narrow.axis - wide.axis * cos;
-        // Between opposite axes only rounding is left, and any direction of the turn is right.
+        // For opposite axes, the cross product is only rounding error, and any perpendicular direction is correct.
         let across = if across.length_squared() < ROUNDING * ROUNDING {
             wide.axis.any_orthonormal_vector()
         } else {
@@ -62,7 +62,7 @@ mod tests {
     use gi_core::warp;
 
     #[test]
-    fn a_union_holds_both_cones_and_is_no_wider_than_it_must() {
+    fn a_union_contains_both_cones_and_is_no_wider_than_necessary() {
         let mut rng = Pcg::new(1, 2);
         let mut cone = |spread: f32| Cone {
             axis: warp::sphere(rng.next_2d()),
@@ -85,10 +85,10 @@ mod tests {
     }
 
     #[test]
-    fn a_cone_round_opposite_normals_leaves_neither_out() {
+    fn a_cone_around_opposite_normals_contains_both() {
         let mut rng = Pcg::new(1, 3);
         for i in 0..10_000 {
-            // Both sides of a wall; nearly so.
+            // Normals on both sides of a wall, exactly or nearly opposite.
             let n = warp::sphere(rng.next_2d());
             let beside = n.any_orthonormal_vector() * [0.0, 1e-7, 1e-4, 2e-3][i % 4];
             let (a, b) = (Cone::new(n), Cone::new((beside - n).normalize()));

@@ -7,8 +7,8 @@ use gi_core::math::Rgb;
 
 pub use crate::params::{Limits, Rule};
 
-/// The root of the sum of squared errors may exceed the allowed error of the whole by this factor, because bounds are rarely
-/// reached. Measured: 99 of 100 points of the scenes gallery and patio stay below the allowed error.
+/// The root of the sum of squared errors may exceed the allowed error of the total light by this factor, because errors
+/// rarely reach their bounds. Measured: 99 of 100 points of the scenes gallery and patio stay below the allowed error.
 const QUADRATURE: f64 = 1.5;
 
 /// A cluster of a cut, with the light of its representative.
@@ -56,13 +56,13 @@ impl Lit {
 #[derive(Default)]
 pub struct Cut {
     pub(crate) clusters: Vec<Cluster>,
-    /// The heap of clusters that may be refined, the one with the largest error on top. The high 32 bits are the bits of the
-    /// error (for non-negative floats they sort like the values), the low 32 bits are the index of the cluster.
+    /// The heap of clusters that may be refined, the one with the largest error on top. The high 32 bits are the bits
+    /// of the error (for non-negative floats they sort like the values), the low 32 bits are the index of the cluster.
     pub(crate) heap: BinaryHeap<u64>,
     /// Estimate of all light, as luminance.
     pub total: f64,
-    /// Sum of the squared errors on the heap. Started only once no cluster exceeds the allowed error; earlier, cancellation
-    /// would ruin the sum.
+    /// Sum of the squared errors on the heap. Started only once no cluster exceeds the allowed error; earlier,
+    /// cancellation would ruin the sum.
     pub(crate) squares: Option<f64>,
     pub(crate) rays: u32,
 }

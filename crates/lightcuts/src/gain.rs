@@ -9,8 +9,8 @@ use gi_core::scene::Scene;
 use glam::Vec3;
 use vpl::LitSurface;
 
-/// Upper bound of the fraction of arriving power that glossy lights scatter toward any direction, per solid angle, in the
-/// largest channel.
+/// Upper bound of the fraction of arriving power that glossy lights scatter toward any direction, per solid angle, in
+/// the largest channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Gain {
     /// The bound.
@@ -55,7 +55,8 @@ impl Ord for Piece {
     }
 }
 
-/// The gain of a glossy light: the largest bound over pieces of the sphere. The piece with the largest bound is split repeatedly.
+/// The gain of a glossy light: the largest bound over pieces of the sphere. The piece with the largest bound is split
+/// repeatedly.
 pub fn gain(scene: &Scene, lit: &LitSurface) -> Gain {
     let Some(bsdf) = lit.bsdf(scene) else { return Gain::default() };
     Gain {

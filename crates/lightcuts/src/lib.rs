@@ -1,5 +1,5 @@
-//! Lightcuts [slides 53-61, Walter05]: all illumination becomes point lights, thousands to millions of them. Each point is
-//! illuminated by a few clusters of these lights, chosen for the point so that the error of no cluster is visible.
+//! Lightcuts [slides 53-61, Walter05]: all illumination becomes point lights, thousands to millions of them. Each point
+//! is illuminated by a few clusters of these lights, chosen for the point so that the error of no cluster is visible.
 //!
 //! | | |
 //! |---|---|
@@ -15,12 +15,13 @@
 //! | `--caustics` | `photon`: light focused by mirrors and glass is read from photons, blurred over discs that shrink with the passes; `path` |
 //! | `--method` | `cuts`; `all`: every light; `stochastic`, `one`: lights sampled from the same trees, without bias \[Yuksel19, Conty18\] |
 //! | `--reconstruct` | cuts only at the corners of blocks of pixels, interpolated where they agree [Walter05, 5] |
-//! | bias | each cluster's error is at most `--error` times the whole; the errors of many clusters average out. None with `--error 0`, except the blur of caustics |
+//! | bias | each cluster's error is at most `--error` times the total; the errors of many clusters partly cancel. None with `--error 0`, except the blur of caustics |
 //! | how it fails | few or near lights show individually. In dark places, where 2 % is little light, and with `whole` and many lights, cuts reach `--max-cut` (statistics: `at_max_cut`) |
 //! | sources | \[Walter05\], \[Keller97\], \[Kollig04\] |
 //!
-//! Read next: `cut.rs` (the cut and its heap), `light.rs` (split, representative, estimate), `bound.rs` (the error bound),
-//! `tree.rs` and `cluster.rs` (the light trees), `sources.rs` (the point lights), `reconstruct.rs`, `sample.rs`.
+//! Read next: `cut.rs` (the cut and its heap), `light.rs` (split, representative, estimate), `bound.rs` (the error
+//! bound), `tree.rs` and `cluster.rs` (the light trees), `sources.rs` (the point lights), `reconstruct.rs`,
+//! `sample.rs`.
 
 #![forbid(unsafe_code)]
 
@@ -65,8 +66,8 @@ use view::{PathState, View};
 
 pub use params::{Method, Params, Reconstruction};
 
-/// Refine a cut [slides 57-60]: replace the cluster with the largest error by its children, until no error is visible or the
-/// cut has the maximum number of clusters.
+/// Refine a cut [slides 57-60]: replace the cluster with the largest error by its children, until no error is visible
+/// or the cut has the maximum number of clusters.
 pub fn refine<'a>(
     lights: &Lights<'_, 'a>,
     at: &At<'_, '_, 'a>,

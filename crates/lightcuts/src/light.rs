@@ -1,5 +1,5 @@
-//! The steps by which a cut is refined: a shadow ray to a representative, a bound of the error, the split of a cluster. And the
-//! light of a finished cut [slide 61].
+//! The steps by which a cut is refined: a shadow ray to a representative, a bound of the error, the split of a cluster.
+//! And the light of a finished cut [slide 61].
 
 use gi_core::math::Rgb;
 use gi_core::scene::Scene;

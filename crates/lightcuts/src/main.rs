@@ -1,4 +1,4 @@
-//! `lightcuts`: a picture by very many point lights.
+//! `lightcuts`: renders with very many point lights.
 
 use std::process::ExitCode;
 
@@ -7,8 +7,8 @@ use lightcuts::{Lightcuts, Params};
 
 /// Lightcuts: all light comes from point lights, and each point is lit by a few clusters of them [slides 53-61].
 ///
-/// With few --lights or --vpls, each light shows as a hard shadow or a bright spot. A large --error shows as patches where cuts
-/// change. A small --max-cut shows in the dark and near many lights (at_max_cut in the statistics).
+/// With few --lights or --vpls, each light shows as a hard shadow or a bright spot. A large --error shows as patches
+/// where cuts change. A small --max-cut shows in the dark and near many lights (at_max_cut in the statistics).
 #[derive(Parser)]
 #[command(name = "lightcuts", version)]
 struct Program {

@@ -10,7 +10,8 @@ use vpl::{BoundOptions, Direct, LightNumbers};
 /// What `--error` bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Rule {
-    /// The error of each cluster alone, as in the lecture [slide 61] (Walter05); the errors of many clusters add up to more
+    /// The error of each cluster alone, as in the lecture [slide 61] (Walter05); the errors of many clusters add up to
+    /// more
     Cluster,
     /// The error of each cluster, and for about 99 of 100 points the error of all clusters together
     Whole,
@@ -99,7 +100,8 @@ pub struct Params {
     /// When the refinement of a cut ends.
     #[command(flatten)]
     pub cut: Limits,
-    /// Number of point lights on light sources per pass, distributed by power; numbers for single kinds can follow: 4096,sky=1000,sun=64,area=500 [slide 61]
+    /// Number of point lights on light sources per pass, distributed by power; numbers for single kinds can follow:
+    /// 4096,sky=1000,sun=64,area=500 [slide 61]
     #[arg(long, value_name = "N[,KIND=N...]", default_value_t = LIGHTS, value_parser = parse_lights)]
     pub lights: LightNumbers,
     /// Approximate number of virtual point lights on surfaces per pass [slide 53]
@@ -144,7 +146,8 @@ pub struct Params {
 }
 
 impl Params {
-    /// The parameters as text, without the names of files. A run continues from a checkpoint only if the text is the same.
+    /// The parameters as text, without the names of files. A run continues from a checkpoint only if the text is the
+    /// same.
     pub(crate) fn identity(&self) -> String {
         let (lights_out, bounds_out, cuts_out) = (None, None, None);
         format!("{:?}", Params { lights_out, bounds_out, cuts_out, ..self.clone() })
@@ -158,7 +161,7 @@ impl Default for Params {
 }
 
 impl Params {
-    /// What the estimator reaches, in words.
+    /// Which light paths the estimator can reach, in words.
     pub(crate) fn reach(&self) -> String {
         let direct = if self.direct == Direct::Vpl { "direct and indirect" } else { "indirect" };
         let cut = if self.bound.loses_light() {
@@ -173,7 +176,9 @@ impl Params {
 impl Parameters for Params {
     fn check(&self) -> Result<(), String> {
         if self.reconstruction.reconstruct && self.method != Method::Cuts {
-            return Err("--reconstruct shares cuts: it goes with --method cuts only".into());
+            return Err(
+                "--reconstruct interpolates cuts, so it works with --method cuts only".into()
+            );
         }
         Ok(())
     }
@@ -212,7 +217,9 @@ fn parse_lights(text: &str) -> Result<LightNumbers, String> {
             "area" => numbers.area = Some(number),
             "sky" => numbers.sky = Some(number),
             "sun" => numbers.sun = Some(number),
-            other => return Err(format!("no kind of light is called {other:?}: area, sky or sun")),
+            other => {
+                return Err(format!("there is no kind of light {other:?}: use area, sky or sun"));
+            }
         }
     }
     Ok(numbers)

@@ -42,7 +42,7 @@ impl<'f, 'a> Blocks<'f, 'a> {
     }
 }
 
-/// Finds the samples round the first point of a path.
+/// Finds the samples around the first point of a path.
 pub(crate) type FindCorners<'f, 's> = &'f dyn Fn(&EyeVertex) -> Option<Corners<'s>>;
 
 /// Add a pass to the film. `take` makes the sample of a film position; `light` renders a pixel.
@@ -81,7 +81,7 @@ pub(crate) fn add_pass(
     film.add_pass(|[x, y]| pixels[y * w + x]);
 }
 
-/// The four samples round the first point of a path, if all of them can be used.
+/// The four samples around the first point of a path, if all of them can be used.
 fn corners<'s>(
     blocks: &Blocks,
     rows: [&'s [Option<Sample>]; 2],

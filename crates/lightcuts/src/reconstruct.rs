@@ -1,19 +1,19 @@
-//! Reconstruction cuts [Walter05, 5]: the cuts of a few points of the picture, and for all points between them a walk down the
-//! light tree that takes from those cuts what they agree on.
+//! Reconstruction cuts [Walter05, 5]: cuts are computed only at some points of the picture. For each point in between,
+//! the light trees are traversed, and the parts on which the nearby cuts agree are interpolated.
 //!
-//! 1. A **sample** is the cut of a corner of a block of pixels. It keeps what every node of the cut, and every node above
-//!    it, brings: for nodes above, the sum over the nodes below.
-//! 2. At each node it has an **impostor**: parallel light that brings the sample just what the node brings. The impostor also
-//!    illuminates other points nearby, with their own texture and normal.
-//! 3. At a point within the block, all trees are walked from the root. At each node the samples' impostors illuminate the
-//!    point, and there are four cases:
+//! 1. A **sample** is the cut at a corner of a block of pixels. It stores the light from each node of the cut and from
+//!    each node above the cut; the light of a node above is the sum over the nodes below.
+//! 2. At each node it has an **impostor**: parallel light that gives the sample exactly the light of the node. The
+//!    impostor also illuminates other points nearby, with their own texture and normal.
+//! 3. At a point within the block, all trees are traversed from the root. At each node, the samples' impostors
+//!    illuminate the point, and there are four cases:
 //!    - **discard** the node if it is dark in all samples;
 //!    - **interpolate** if the samples agree up to a fraction of the whole;
 //!    - **descend** if they disagree and all of them have a finer cut;
 //!    - else trace a **shadow ray** to the representative. These clusters form a cut, which is then refined like any other.
 //!
-//! A sample is used only on the same material, with nearly the same normal and in nearly the same plane. If one of the four
-//! samples fails this test, the point gets a cut of its own.
+//! A sample is used only on the same material, with nearly the same normal and in nearly the same plane. If one of the
+//! four samples fails this test, the point gets a cut of its own.
 
 use gi_core::geometry::Surface;
 use gi_core::math::Rgb;
@@ -43,8 +43,8 @@ fn sum_up(record: &mut Record, forest: &Forest, at: &At, slot: u32, id: NodeId) 
     brings[0] + brings[1]
 }
 
-/// Parallel light that brings the sum of two others: from their mean direction, or from the direction of the stronger one if
-/// the lobes of the surface are too sharp for the mean.
+/// Parallel light that brings the sum of two others: from their mean direction, or from the direction of the stronger
+/// one if the lobes of the surface are too sharp for the mean.
 fn impostor(at: &At, parts: [Entry; 2], brings: [Rgb; 2]) -> Entry {
     let sum = brings[0] + brings[1];
     if sum.is_black() {
@@ -69,12 +69,12 @@ fn impostor(at: &At, parts: [Entry; 2], brings: [Rgb; 2]) -> Entry {
     from(stronger).0
 }
 
-/// The cut of a corner of a block.
+/// The sample at a corner of a block.
 pub struct Sample {
     record: Record,
     surface: Surface,
     material: usize,
-    /// Estimate of the whole, as luminance.
+    /// Estimate of the total light, as luminance.
     total: f32,
     /// Number of shadow rays of its cut.
     pub rays: u32,
@@ -129,12 +129,12 @@ impl Sample {
     }
 }
 
-/// Four samples round a point, with bilinear weights.
+/// Four samples around a point, with bilinear weights.
 pub type Corners<'s> = [(&'s Sample, f32); 4];
 
 impl<'a> Lights<'_, 'a> {
-    /// Whether the samples agree on the total light of a point. If they do not, many small differences add up: toward a corner
-    /// light falls off on one side only, and linear interpolation fails.
+    /// Whether the samples agree on the total light of a point. Otherwise many small differences add up: for example,
+    /// near a corner of the room light falls off on one side only, and linear interpolation fails.
     pub fn agree_on_the_whole(&self, at: &At, corners: &Corners) -> bool {
         let counted = || (0..self.forest.trees.len()).filter(|&t| at.counts(&self.forest.trees[t]));
         let whole =
@@ -145,8 +145,8 @@ impl<'a> Lights<'_, 'a> {
         high - low <= MOST_APART * high
     }
 
-    /// Walk all trees for a point between samples. Differences between the samples of up to `agree` of the whole are
-    /// interpolated; the clusters on which the samples disagree form a cut, which is still to be refined.
+    /// Traverse all trees for a point between samples. Where the samples differ by at most `agree` times the total
+    /// light, they are interpolated. The clusters on which they disagree form a cut, which is still to be refined.
     pub fn interpolate(&self, at: &At<'_, '_, 'a>, corners: &Corners, agree: f32) -> Interpolated {
         let mut cut = Cut::default();
         let mut lit = Lit::default();

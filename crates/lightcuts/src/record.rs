@@ -8,7 +8,7 @@ use glam::Vec3;
 pub(crate) struct Entry {
     /// Unit direction of the impostor's light.
     pub(crate) wi: Vec3,
-    /// Irradiance on a plane across `wi`; while the cut is being chosen, for unit power.
+    /// Irradiance on a plane perpendicular to `wi`; for unit power while the cut is being chosen.
     pub(crate) arriving: Rgb,
     /// The first of two children; 0 on the cut.
     pub(crate) child: u32,

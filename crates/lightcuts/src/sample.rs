@@ -1,8 +1,8 @@
 //! Two newer, unbiased methods on the same trees: one light sampled by a walk down the tree \[Conty18\], and stochastic
 //! lightcuts, which sample one light from each cluster of a cut \[Yuksel19\].
 //!
-//! A walk chooses a child in proportion to its importance: the bound of [`crate::bound`], but with the distance to the centre
-//! of the box, which reduces variance near lights. A child that may bring light has a probability above 0.
+//! A walk chooses a child in proportion to its importance: the bound of [`crate::bound`], but with the distance to the
+//! centre of the box, which reduces variance near lights. A child that may bring light has a probability above 0.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -19,7 +19,7 @@ use crate::tree::{Family, NodeId, Tree};
 /// Limit of the emission in an importance: a glossy light with an unknown peak must not attract all walks.
 const MOST_EMITTED: f32 = 10.0;
 
-/// Rough estimate of the light from a node; 0 only if it can bring none.
+/// Rough estimate of the light from a node; 0 only if no light can come from it.
 fn importance(tree: &Tree, k: u32, site: &Site) -> f32 {
     let Some(terms) = Terms::new(tree, k, site) else { return 0.0 };
     let [distance_sq, radius_sq] = terms.toward.middle_and_radius_sq();
@@ -28,7 +28,8 @@ fn importance(tree: &Tree, k: u32, site: &Site) -> f32 {
         _ => 1.0 / distance_sq.max(radius_sq).max(f32::MIN_POSITIVE),
     };
     let emitted = terms.emitted.min(MOST_EMITTED);
-    // A lobe's peak is narrow: over a cone the mean of f cos is at most one over its solid angle. (Lambert is below that.)
+    // A lobe's peak is narrow: over a cone the mean of f cos is at most one over its solid angle. (Lambert is below
+    // that.)
     let mean = 1.0 / terms.toward.solid_angle().clamp(f32::MIN_POSITIVE, PI);
     let scattered = terms.scatter.f_cos.map(|f| f.min(mean));
     let brings = (tree.node(k).power * scattered).luminance() * emitted * falloff;
@@ -65,8 +66,8 @@ impl<'a> Lights<'_, 'a> {
         lit
     }
 
-    /// Illuminate a point by one light sampled from each of `size` clusters. The cut is chosen by bounds; a choice by the
-    /// sampled lights would be biased.
+    /// Illuminate a point by one light sampled from each of `size` clusters. The cut is chosen by bounds; a choice by
+    /// the sampled lights would be biased.
     pub fn light_stochastically(
         &self,
         at: &At<'_, '_, 'a>,

@@ -1,4 +1,4 @@
-//! Counts of what cuts cost, and the statistics made of them.
+//! Counts the work of cuts, and computes the statistics from the counts.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::Duration;
@@ -16,7 +16,7 @@ enum Count {
     Points,
     Clusters,
     Rays,
-    /// The same three for directly visible points only.
+    /// The same three counts, for directly visible points only.
     Seen,
     SeenClusters,
     SeenRays,
@@ -76,7 +76,8 @@ impl Tally {
         self.building += time;
     }
 
-    /// The counts for a resumed run, with the `identity` of the parameters. Passes are independent and need nothing else.
+    /// The counts for a resumed run, with the `identity` of the parameters. Passes are independent and need nothing
+    /// else.
     pub(crate) fn save(&self, identity: &str) -> Vec<u8> {
         let mut w = Writer::default();
         w.text(identity);

@@ -1,4 +1,5 @@
-//! Scenes and lights that tests throw at bounds and cuts: every material, every kind of light, normals that are bent.
+//! Scenes and lights for the tests of bounds and cuts: every material, every kind of light, and shading normals that
+//! differ.
 
 use gi_core::bsdf::Transport;
 use gi_core::geometry::{Geometry, Mesh, Shape, Surface};
@@ -17,7 +18,7 @@ fn rough(distribution: Distribution, u: f32, v: f32) -> Option<Roughness> {
     Some(Roughness { distribution, alpha_u: Texture::grey(u), alpha_v: Texture::grey(v) })
 }
 
-/// One of each, sharp and wide; those that stand on others after them.
+/// One material of each kind, sharp and wide. Materials that refer to others come after them.
 pub(crate) fn materials() -> Vec<Material> {
     use Distribution::{Beckmann, Ggx};
     let metal = |roughness| Material::Conductor {
@@ -71,12 +72,12 @@ fn in_cube(rng: &mut Pcg) -> Vec3 {
     Vec3::from_array([0; 3].map(|_| 2.0 * rng.next_f32() - 1.0))
 }
 
-/// Which shards are shaded by bent normals: a third of those of each material.
+/// Whether triangle `k` has shading normals that differ: a third of the triangles of each material.
 pub(crate) fn is_bent(k: usize) -> bool {
     (k + k / materials().len()).is_multiple_of(3)
 }
 
-/// Triangles all over the place, some of each material shaded by bent normals; a lamp and a spot.
+/// Random triangles, some of each material with shading normals that differ, a lamp and a spot light.
 pub(crate) fn rubble(seed: u64) -> Scene {
     let mut rng = Pcg::new(seed, 77);
     let materials = materials();
@@ -104,7 +105,7 @@ pub(crate) fn rubble(seed: u64) -> Scene {
     Scene::new(SceneParts { shapes, materials, lights, ..SceneParts::default() }).expect("a scene")
 }
 
-/// A point of the scene, and the direction that it was seen from.
+/// A random point of the scene, and the direction from which it is seen.
 pub(crate) fn point(scene: &Scene, rng: &mut Pcg) -> (Surface, Vec3) {
     loop {
         let ray = Ray::new(1.5 * in_cube(rng), warp::sphere(rng.next_2d()));
@@ -117,7 +118,7 @@ pub(crate) fn point(scene: &Scene, rng: &mut Pcg) -> (Surface, Vec3) {
     }
 }
 
-/// Lights of all kinds, some near each other, direct and indirect.
+/// Lights of all kinds, direct and indirect, some close to each other.
 pub(crate) fn lights(scene: &Scene, count: u32, rng: &mut Pcg) -> Vpls {
     let mut set = Vpls::default();
     let is_spot = |l: &Light| matches!(l, Light::Spot { .. });

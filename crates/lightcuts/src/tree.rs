@@ -1,7 +1,7 @@
-//! The light tree [slide 57]: leaves are lights, inner nodes are clusters of what lies below.
+//! The light tree [slide 57]: leaves are lights, and inner nodes are clusters of the lights below.
 //!
-//! Trees are built bottom-up: join the pair of clusters that is cheapest to represent by one light, until one cluster is
-//! left [Walter05, 3.2]. [`crate::cluster`] finds many pairs per round.
+//! Trees are built bottom-up: join the pair of clusters that is cheapest to represent by one light, until one cluster
+//! is left [Walter05, 3.2]. [`crate::cluster`] finds many pairs per round.
 
 use gi_core::math::{Bounds, Rgb};
 use gi_core::scene::Scene;
@@ -45,9 +45,9 @@ pub struct NodeId {
 /// A light or a cluster of lights.
 #[derive(Clone, Copy, Debug)]
 pub struct Node {
-    /// The box round the lights' positions.
+    /// The box around the lights' positions.
     pub bounds: Bounds,
-    /// The cone round their normals.
+    /// The cone around their normals.
     pub cone: NormalCone,
     /// Sum of their powers.
     pub power: Rgb,
@@ -85,7 +85,7 @@ impl Tree {
         &self.nodes[k as usize]
     }
 
-    /// Whether a node is two lights.
+    /// Whether a node consists of two lights.
     #[inline]
     pub fn is_pair(&self, k: u32) -> bool {
         let is_light = |k: u32| self.node(k).child == 0;
@@ -97,7 +97,8 @@ impl Tree {
         &self.nodes
     }
 
-    /// Upper bound of what the glossy lights of a node scatter toward any direction; for glossy trees only.
+    /// Upper bound of the fraction that the glossy lights of a node scatter toward any direction; for glossy trees
+    /// only.
     #[inline]
     pub fn gain(&self, k: u32) -> Gain {
         self.gains[k as usize]
@@ -194,8 +195,8 @@ pub struct Forest {
 }
 
 impl Forest {
-    /// Build all trees of a set. With `by_depth` (for `max_depth`), the lights of each number of scatterings have trees of their
-    /// own, because not all of them may illuminate every point.
+    /// Build all trees of a set. With `by_depth` (for `max_depth`), the lights of each number of scatterings have trees
+    /// of their own, because not all of them may illuminate every point.
     pub fn build(scene: &Scene, set: &Vpls, by_depth: bool, seed: u32) -> Self {
         let deepest = set.lights.iter().map(|v| v.depth).max().unwrap_or(0);
         let groups: Vec<[u32; 2]> = match by_depth {

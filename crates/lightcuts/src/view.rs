@@ -1,4 +1,4 @@
-//! From a vertex of a path to the point that cuts illuminate: which lights count there, and how they are clamped.
+//! Turns a vertex of a path into a point for cuts: decides which lights count there, and how they are clamped.
 
 use gi_core::bsdf::{Bsdf, Transport};
 use gi_core::film::Show;
@@ -18,7 +18,7 @@ pub(crate) struct View<'f, 'a> {
     pub(crate) params: &'f Params,
 }
 
-/// How a path came to a point.
+/// The path up to a point.
 #[derive(Clone, Copy)]
 pub(crate) struct PathState {
     /// Number of segments.
@@ -81,8 +81,8 @@ impl<'a> View<'_, 'a> {
         Some(look(&self.at(&surface, -ray.d, &bsdf, PathState::SEEN)?))
     }
 
-    /// Largest number of scatterings of a light or photon that may illuminate a vertex after `segments` segments. After j
-    /// scatterings it has j + 1 segments behind it.
+    /// Largest number of scatterings of a light or photon that may illuminate a vertex after `segments` segments. After
+    /// j scatterings it has j + 1 segments behind it.
     pub(crate) fn max_scatterings(&self, segments: u32) -> Option<u32> {
         match self.params.limits.max_depth {
             None => Some(u32::MAX),

@@ -1,4 +1,4 @@
-//! The program run as a user runs it: messages, exit status, files.
+//! Runs the program as a user would: messages, exit status, files.
 
 use std::path::Path;
 use std::process::Output;
@@ -8,7 +8,7 @@ use gi_tests::program::{self, Folder, assert_refused, assert_success};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_lightcuts");
 
-/// Run the program on a scene of the repository, small and quick.
+/// Run the program on a scene of the repository, with a small picture.
 fn run(scene: &str, arguments: &[&str]) -> Output {
     let small = [&program::scene(scene), "--spp=1", "--size=32x24", "--lights=200", "--vpls=300"];
     program::run(PROGRAM, &[&small, arguments].concat())
@@ -59,7 +59,7 @@ fn four_lights_have_the_cuts_of_the_lecture() {
     let csv = std::fs::read_to_string(at("cuts.csv")).expect("a table");
     let rows: Vec<Vec<&str>> = csv.lines().skip(1).map(|l| l.split(',').collect()).collect();
     let sizes: Vec<&str> = rows.iter().map(|r| r[1]).collect();
-    // A lamp each; two pairs of neighbours.
+    // One light per lamp; the lamps form two pairs of neighbours.
     assert_eq!(sizes, ["4", "3", "3", "2", "1"], "{csv}");
     let errors: Vec<f32> = rows.iter().map(|r| r[3].parse().expect("a number")).collect();
     assert!(errors[0] == 0.0 && errors[1] > 0.0 && errors[4] > errors[1], "{csv}");
@@ -67,7 +67,7 @@ fn four_lights_have_the_cuts_of_the_lecture() {
 }
 
 #[test]
-fn what_cannot_be_used_is_refused_with_a_way_out() {
+fn invalid_options_are_refused_with_a_way_out() {
     assert_refused(&run("gallery", &["--error=2"]), 2, &["from 0 to 1"]);
     assert_refused(&run("gallery", &["--lights=moon=3"]), 2, &["area, sky or sun"]);
     assert_refused(&run("gallery", &["--clamp=-1"]), 2, &["above 0, or inf"]);

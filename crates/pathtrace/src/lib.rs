@@ -86,7 +86,8 @@ impl<'a> Technique<'a> for PathTracer<'a> {
 }
 
 impl PathTracer<'_> {
-    /// A path from the eye: at every vertex add emitted light, sample a light, and sample the BSDF for the next direction.
+    /// A path from the eye: at every vertex add emitted light, sample a light, and sample the BSDF for the next
+    /// direction.
     #[inline]
     fn path(&self, pixel: [usize; 2], index: u32) -> Sample {
         let mut walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);

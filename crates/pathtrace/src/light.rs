@@ -56,7 +56,7 @@ impl PathTracer<'_> {
     /// Walk one path and connect its vertices.
     fn light_path(&self, pass: u32, path: u32, filter: &FilterTable, splats: &mut Vec<Splat>) {
         let scene = self.setting.scene;
-        // Passes are streams; within one, paths are the points of a sequence.
+        // Each pass is a stream; within a stream, paths are the points of a sequence.
         let sampler = Sampler::new(self.setting.seed ^ 0x6c69_6768, pass, path);
         let Some(walk) = LightWalk::begin(scene, sampler) else { return };
         let mut walk = walk.through_media();
@@ -121,7 +121,8 @@ impl PathTracer<'_> {
         }
     }
 
-    /// Connect a point of a medium: the phase function is the fraction of the scattered power per solid angle toward the eye.
+    /// Connect a point of a medium: the phase function is the fraction of the scattered power per solid angle toward
+    /// the eye.
     fn connect_within(
         &self,
         vertex: &MediumVertex,
@@ -131,7 +132,7 @@ impl PathTracer<'_> {
     ) {
         let Some((c, pixel)) = self.connect(vertex.p, filter, sampler) else { return };
         let phase = self.setting.scene.medium(vertex.medium).phase.eval(vertex.wo, c.wi);
-        // No surface to be lifted off.
+        // A point in a medium needs no ray offset.
         let left = self.visibility(vertex.p, Vec3::ZERO, Some(vertex.medium), &c);
         splats.push(Splat {
             pixel,
@@ -143,7 +144,8 @@ impl PathTracer<'_> {
 }
 
 impl PathTracer<'_> {
-    /// Connect a point to the camera: returns the connection and the pixel. The importance includes the weight of the filter.
+    /// Connect a point to the camera: returns the connection and the pixel. The importance includes the weight of the
+    /// filter.
     fn connect(
         &self,
         p: Vec3,
@@ -171,8 +173,8 @@ impl PathTracer<'_> {
         }
     }
 
-    /// Light that only a path from the eye can find: light from infinity seen directly. Also fills in the layers of the first surface.
-    /// The eye is in `medium`.
+    /// Light that only a path from the eye can find: light from infinity seen directly. Also fills in the layers of the
+    /// first surface. The eye is in `medium`.
     fn look(&self, [x, y]: [usize; 2], index: u32, mut medium: Option<MediumId>) -> Sample {
         let (scene, camera) = (self.setting.scene, self.setting.camera);
         let mut sampler = Sampler::new(self.setting.seed, (y * camera.size()[0] + x) as u32, index);

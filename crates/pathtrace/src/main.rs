@@ -7,8 +7,9 @@ use pathtrace::{Params, PathTracer};
 
 /// Path tracing: the reference that the other techniques are compared with.
 ///
-/// Every estimate is unbiased, so errors show as noise. `--mode path` is slow where mirrors and glass focus the light of small
-/// lights (caustics). `--mode light` finds such light, but shows nothing that the eye sees through mirrors or glass.
+/// Every estimate is unbiased, so errors show as noise. `--mode path` is slow where mirrors and glass focus the light
+/// of small lights (caustics). `--mode light` finds such light, but shows nothing that the eye sees through mirrors or
+/// glass.
 #[derive(Parser)]
 #[command(name = "pathtrace", version)]
 struct Program {

@@ -1,4 +1,4 @@
-//! The program run as a user runs it: messages, exit status, files.
+//! Runs the program as a user would: messages, exit status, files.
 
 use std::path::Path;
 use std::process::Output;
@@ -11,7 +11,7 @@ fn run(arguments: &[&str]) -> Output {
     program::run(env!("CARGO_BIN_EXE_pathtrace"), arguments)
 }
 
-/// One clear error, the given exit status, and nothing in the folder that was not there.
+/// Expect one clear error, the given exit status, and no new files in the folder.
 fn assert_nothing_made(
     output: &Output,
     status: i32,
@@ -20,11 +20,11 @@ fn assert_nothing_made(
     files_before: usize,
 ) {
     assert_refused(output, status, says);
-    assert_eq!(folder.files().len(), files_before, "something was left half-written");
+    assert_eq!(folder.files().len(), files_before, "a file was left half-written");
 }
 
 #[test]
-fn a_run_leaves_a_picture_its_view_and_its_statistics() {
+fn a_run_writes_a_picture_its_view_and_its_statistics() {
     let folder = Folder::make();
     let at = |name: &str| folder.at(name);
     let (out, stats) = (at("a.exr"), at("a.json"));
@@ -59,7 +59,7 @@ fn a_run_leaves_a_picture_its_view_and_its_statistics() {
 }
 
 #[test]
-fn damaged_input_is_one_clear_error_and_status_2() {
+fn damaged_input_gives_one_clear_error_and_status_2() {
     let folder = Folder::make();
     let out = &folder.at("a.exr");
     let write = |name: &str, text: &str| {
@@ -113,7 +113,7 @@ fn damaged_input_is_one_clear_error_and_status_2() {
 }
 
 #[test]
-fn an_output_that_cannot_be_written_is_status_1_before_any_work() {
+fn an_output_that_cannot_be_written_gives_status_1_before_any_work() {
     let folder = Folder::make();
     let out = folder.at("no/such/folder/a.exr");
     let arguments = [&scene("cornell-box"), "-o", &out, "--spp", "100000"];
@@ -139,9 +139,15 @@ fn presets_of_a_scene_are_defaults_that_flags_override() {
         std::fs::read_to_string(stats).expect("statistics")
     };
     assert!(stats_of(&[]).contains("light_paths"), "the preset chooses the mode");
-    assert!(!stats_of(&["--mode", "path"]).contains("light_paths"), "the flag wins");
+    assert!(
+        !stats_of(&["--mode", "path"]).contains("light_paths"),
+        "the flag overrides the preset"
+    );
     assert!(stats_of(&["-D", "gi.pathtrace.spp=3"]).contains("\"passes\": 1"), "--spp 1 was typed");
-    assert!(!stats_of(&["-D", "gi.pathtrace.mode=path"]).contains("light_paths"), "so does -D");
+    assert!(
+        !stats_of(&["-D", "gi.pathtrace.mode=path"]).contains("light_paths"),
+        "-D overrides the preset"
+    );
 }
 
 #[test]
@@ -183,7 +189,7 @@ fn an_exported_scene_is_read_again_and_gives_the_same_picture() {
 }
 
 #[test]
-fn a_resumed_run_has_the_bits_of_one_that_was_never_stopped() {
+fn a_resumed_run_equals_an_uninterrupted_one_bit_for_bit() {
     let folder = Folder::make();
     let at = |name: &str| folder.at(name);
     let (scene, kept) = (scene("cornell-spheres"), at("kept"));
@@ -204,7 +210,7 @@ fn a_resumed_run_has_the_bits_of_one_that_was_never_stopped() {
 }
 
 #[test]
-fn volpath_walks_media_and_path_says_that_it_leaves_them_out() {
+fn volpath_renders_media_and_path_says_that_it_ignores_them() {
     let folder = Folder::make();
     let out = &folder.at("a.exr");
     let with = |mode: &str| {
@@ -217,7 +223,7 @@ fn volpath_walks_media_and_path_says_that_it_leaves_them_out() {
 }
 
 #[test]
-fn the_scenes_own_max_depth_is_named_unless_the_flag_was_typed() {
+fn the_scenes_max_depth_is_reported_unless_the_flag_was_given() {
     let folder = Folder::make();
     let (path, out) = (folder.at("a.xml"), folder.at("a.exr"));
     let xml = "<scene version='3.0.0'><integrator type='path'><integer name='max_depth' value='7'/></integrator>\

@@ -1,6 +1,6 @@
-//! Photons traced and pixels gathered a second, in the Cornell box with a mirror and a glass ball.
+//! Measures photons traced and pixels gathered per second, in the Cornell box with a mirror and a glass ball.
 //!
-//! `cargo bench -p ppm --bench passes`. Of several rounds the least time counts; all threads of the pool work.
+//! `cargo bench -p ppm --bench passes`. Of several rounds, the smallest time counts. All threads of the pool work.
 
 use std::time::Instant;
 
@@ -32,7 +32,7 @@ fn main() {
         };
         let params = Params { method, photons, ..Params::default() };
         let mut film = Film::new(SIZE, loaded.filter, show);
-        let mut ppm = Ppm::prepare(setting, &params).expect("nothing to refuse");
+        let mut ppm = Ppm::prepare(setting, &params).expect("valid parameters");
         let pass = |k| {
             let clock = Instant::now();
             ppm.pass(k, &mut film);
@@ -42,13 +42,14 @@ fn main() {
     };
     let pixels = (SIZE[0] * SIZE[1]) as f64;
     let paths = SIZE[0] as u32 * SIZE[1] as u32;
-    println!("256 x 256 pixels, {} threads; millions a second", rayon::current_num_threads());
+    println!("256 x 256 pixels, {} threads; millions per second", rayon::current_num_threads());
     for method in [Method::Ppm, Method::Sppm, Method::Ppa, Method::Adaptive] {
-        // One photon path leaves the eye's half of a pass; eight times the paths add seven times the photons' share.
+        // With one photon path, only the eye's half of a pass remains. Eight times the paths add seven times the time
+        // for photons.
         let [eye, one, eight] = [1, paths, 8 * paths].map(|n| seconds(method, n, Show::All));
         let photons = 7.0 * f64::from(paths) / (eight - one);
         println!(
-            "{method:?}: {:.1} passes a second; {:.2} pixels looked through and gathered, {:.2} paths walked, stored and sorted; \
+            "{method:?}: {:.1} passes per second; {:.2} pixels looked through and gathered, {:.2} paths walked, stored and sorted; \
              without photons {:.2} pixels",
             1.0 / one,
             1e-6 * pixels / one,

@@ -1,7 +1,8 @@
 //! Aim light from infinity at the points that eye paths reach after the first gather point.
 //!
-//! The value of a photon is its effect on the picture. Eye paths that continue beyond gather points sample points in proportion to
-//! that value. So the photons of a sun go where the picture needs them, even if the ground extends to the horizon.
+//! The value of a photon is its effect on the picture. Eye paths that continue beyond gather points sample points in
+//! proportion to that value. So the photons of a sun go where the picture needs them, even if the ground extends to the
+//! horizon.
 
 use gi_core::eye::EyeWalk;
 use gi_core::light::{Light, Targets};
@@ -12,7 +13,8 @@ use rayon::prelude::*;
 use crate::gather::covers;
 use crate::params::Params;
 
-/// Number of eye paths. They are few compared to a pass, because they only tell roughly where, not how bright.
+/// Number of eye paths. This is few compared to a pass, because they only estimate where photons are needed, not how
+/// bright the light is.
 const PATHS: u32 = 4096;
 /// Maximum number of surfaces per path.
 const MOST_MET: u32 = 8;

@@ -9,8 +9,8 @@ use crate::shows::{Row, Trace};
 use crate::statistics::Statistics;
 use crate::{Counts, Params, Ppm};
 
-/// What must be the same for a run to go on: everything that changes a pixel. What is shown, traced, and when to end are
-/// not.
+/// The parameters that must be the same for a run to continue: everything that changes a pixel. Parameters that only
+/// select figures, traces and the end of the run are not included.
 fn same(params: &Params) -> String {
     let Params { method, alpha, initial_radius, initial_photons, min_roughness, .. } = params;
     let Params { photons, hit_points, limits, photon_rr_depth, direct_by_photons, .. } = params;

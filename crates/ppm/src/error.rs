@@ -1,8 +1,8 @@
-//! Estimate the error of a pixel without a reference: noise from the variance over passes, bias from the Laplacian of the
-//! radiance \[Hachisuka10\].
+//! Estimate the error of a pixel without a reference: noise from the variance over passes, bias from the Laplacian of
+//! the radiance \[Hachisuka10\].
 //!
-//! A disc of radius R blurs: on a flat surface the estimate is L + R^2 / 8 lap L + ... The photons themselves give the Laplacian, with
-//! the second derivatives of a kernel instead of the disc.
+//! A disc of radius R blurs: on a flat surface the estimate is L + R^2 / 8 lap L + ... The photons themselves give the
+//! Laplacian, with the second derivatives of a kernel instead of the disc.
 
 use gi_core::bytes::{Reader, Writer};
 
@@ -76,7 +76,7 @@ impl Moments {
         if self.passes > 1 { deviation / (n * (n - 1.0)) } else { f64::INFINITY }
     }
 
-    /// Every field, bit for bit.
+    /// Write every field, bit for bit.
     pub(crate) fn write(&self, w: &mut Writer) {
         let Moments { passes, mean, deviation, laplacian, .. } = *self;
         w.u32(passes);
@@ -84,7 +84,7 @@ impl Moments {
         w.f64s(&[self.laplacian_deviation, self.radius_sq, self.squares]);
     }
 
-    /// What [`Moments::write`] wrote.
+    /// Read what [`Moments::write`] wrote.
     pub(crate) fn read(r: &mut Reader) -> Result<Self, String> {
         let passes = r.u32()?;
         let [mean, deviation, laplacian] = r.f64s()?;
@@ -107,7 +107,7 @@ mod tests {
     use std::f64::consts::PI;
 
     #[test]
-    fn the_kernel_reads_the_laplacian_of_a_quadratic_and_nothing_of_a_plane() {
+    fn the_kernel_gives_the_laplacian_of_a_quadratic_and_zero_for_a_plane() {
         // Midpoint sums over the disc of radius h of (c + g x + q x^2 / 2 + p y^2 / 2) times the kernel.
         let (h, n) = (0.7f32, 600);
         let mut sum = 0.0f64;
@@ -128,7 +128,8 @@ mod tests {
 
     #[test]
     fn noise_and_bias_of_a_known_density_are_found() {
-        // Photons of equal flux over the plane with density 1 + 8 (x^2 + y^2) (Laplacian 32), gathered at the origin.
+        // Photons of equal flux over the plane with density 1 + 8 (x^2 + y^2), whose Laplacian is 32, gathered at the
+        // origin.
         let (emitted, radius, wide) = (4000u32, 0.25f64, 0.4f64);
         let total = 4.0 * (1.0 + 8.0 * 2.0 / 3.0); // over the square from -1 to 1
         let mut moments = Moments::default();
@@ -161,11 +162,12 @@ mod tests {
             gathered.squares /= PI * wide * wide;
             moments.add(radiance, &gathered, radius);
         }
-        // The disc's mean of 8 r^2 is 4 R^2 = 0.25: that is the bias.
+        // The mean of 8 r^2 over the disc is 4 R^2 = 0.25: that is the bias.
         let noise = moments.noise_sq().sqrt();
         assert!((moments.mean() - 1.25).abs() < 4.0 * noise, "{} +- {noise}", moments.mean());
         assert!((moments.bias() - 0.25).abs() < 0.03, "{}", moments.bias());
-        // Poisson: a pass's variance is the squared weight times the number in the disc, over the area squared.
+        // Poisson distribution: the variance of a pass is the squared weight times the number in the disc, divided by
+        // the squared area.
         let w = total / f64::from(emitted);
         let expected = w * 1.25 / (PI * radius * radius) / f64::from(passes);
         assert!((moments.noise_sq() / expected - 1.0).abs() < 0.2, "{noise}");

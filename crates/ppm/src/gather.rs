@@ -50,8 +50,8 @@ pub(crate) struct Gathered {
     pub(crate) direct: Rgb,
     pub(crate) indirect: Rgb,
     pub(crate) caustic: Rgb,
-    /// Luminance weighted by the throughput, from the disc of the derivative: the Laplacian of the radiance over the surface, and the
-    /// density of squared contributions.
+    /// Luminance weighted by the throughput, from the disc of the derivative: the Laplacian of the radiance over the
+    /// surface, and the density of squared contributions.
     pub(crate) laplacian: f64,
     pub(crate) squares: f64,
 }
@@ -84,11 +84,11 @@ pub(crate) fn covers(bsdf: &Bsdf, wo: Vec3, min_roughness: f32) -> Option<Covers
     }
 }
 
-/// Gather only the photons on the visible part of the disc, as seen from just above the point, and scale the flux from the area of
-/// that part to that of the disc. `u` gives uniform points.
+/// Gather only the photons on the visible part of the disc, as seen from just above the point, and scale the flux from
+/// the area of that part to that of the disc. `u` gives uniform points.
 ///
-/// Usually this costs one shadow ray to the farthest photon and one probe at a random point of the disc. If either fails, or photons
-/// of another surface lie within the radius, the visibility of every photon is tested.
+/// Usually this costs one shadow ray to the farthest photon and one probe at a random point of the disc. If either
+/// fails, or photons of another surface lie within the radius, the visibility of every photon is tested.
 pub(crate) fn gather_seen(
     scene: &Scene,
     grid: &Grid,
@@ -131,7 +131,7 @@ fn gather_where(
     let Point { bsdf, wo, surface, .. } = *point;
     let whole = |wi: Vec3| bsdf.f(wo, wi);
     match point.covers {
-        // The common case.
+        // The usual case.
         Covers::NonDelta | Covers::Visible { .. } if bsdf.is_diffuse() => {
             match bsdf.diffuse_part(wo) {
                 Some(part) if part.normal.dot(surface.ns()).abs() > 1.0 - 1e-6 => {
@@ -140,14 +140,14 @@ fn gather_where(
                     sum(grid, point, discs, takes, |a| if above(a) { f } else { Rgb::BLACK })
                 }
                 Some(_) => sum(grid, point, discs, takes, |a| whole(a.wi)),
-                // A black surface, or its back.
+                // A black surface, or the back of a surface that scatters only on its front.
                 None => Gathered::default(),
             }
         }
         Covers::NonDelta | Covers::Visible { .. } => {
             sum(grid, point, discs, takes, |a| whole(a.wi))
         }
-        // Exactly what the path that goes on leaves out.
+        // Gather exactly the part of the scattering that the continued path leaves out.
         Covers::Diffuse(part) => sum(grid, point, discs, takes, |a| {
             let left = bsdf.beside_diffuse(&part, wo, a.wi);
             whole(a.wi) * (Rgb::WHITE - left)
@@ -208,8 +208,8 @@ fn sum(
     out
 }
 
-/// The radius of the disc that contains `count` contributing photons, between `least` and `most`. The search starts at `guess`. `None`
-/// if there is no photon within `most`.
+/// The radius of the disc that contains `count` contributing photons, between `least` and `most`. The search starts at
+/// `guess`. `None` if there is no photon within `most`.
 pub(crate) fn radius_of(
     grid: &Grid,
     point: &Point,
@@ -228,7 +228,7 @@ pub(crate) fn radius_of(
     if found == 0 {
         return None;
     }
-    // Only a fraction of the photons on this surface contribute: take the same fraction of the nearest.
+    // Only a fraction of the photons on this surface contribute: count the same fraction of the nearest photons.
     let mut near = Vec::new();
     grid.within(point.surface.p, reach, |_, arrival, distance_sq| {
         if arrival.lights(point.surface.ng) {
@@ -243,8 +243,9 @@ pub(crate) fn radius_of(
     Some(kth.sqrt().clamp(least, most))
 }
 
-/// (1 - s)^3 over the unit disc, s the squared distance: its Laplacian, such that the weighted sum over photons reads
-/// the Laplacian of their density. `s` below 1; over `h`^4.
+/// The kernel (1 - s)^3 over the unit disc, where s is the squared distance divided by h^2: its Laplacian, normalised
+/// so that the weighted sum over photons gives the Laplacian of their density. Requires `s` below 1; divide the result
+/// by `h`^4.
 #[inline]
 pub(crate) fn laplacian_kernel(s: f32) -> f32 {
     // K = 4 / pi (1 - s)^3; in two dimensions lap g(s) = 4 (g' + s g'').

@@ -1,8 +1,9 @@
 //! The photons of one pass in a grid.
 //!
-//! Photons are sorted into cubic cells. If their bounding box has few cells compared to the number of photons, the cells form an
-//! array, and the cells of a row along x are adjacent. Otherwise cells are hashed, and several may share a bucket. The build runs in
-//! parallel. The order is the same for any number of threads: by cell, and within a cell by path.
+//! Photons are sorted into cubic cells. If their bounding box has few cells compared to the number of photons, the
+//! cells form an array, and the cells of a row along x are adjacent. Otherwise cells are hashed, and several may share
+//! a bucket. The build runs in parallel. The order is the same for any number of threads: by cell, and within a cell by
+//! path.
 
 mod build;
 
@@ -92,7 +93,10 @@ impl Grid {
         layout: Layout,
     ) -> Self {
         let n = chunks.iter().map(Vec::len).sum::<usize>();
-        assert!(u32::try_from(n).is_ok(), "a pass of {n} photons is more than are counted here");
+        assert!(
+            u32::try_from(n).is_ok(),
+            "a pass of {n} photons exceeds the range of the grid's 32-bit indices"
+        );
         let empty = || vec![0.0; n];
         let mut grid = Grid {
             origin,
@@ -107,12 +111,12 @@ impl Grid {
         grid
     }
 
-    /// How many photons there are.
+    /// Number of photons.
     pub fn len(&self) -> usize {
         self.arrivals.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no photons.
     pub fn is_empty(&self) -> bool {
         self.arrivals.is_empty()
     }
@@ -138,7 +142,7 @@ impl Grid {
                     }
                 }
             }
-            // More cells than photons: scan all photons.
+            // The query covers more cells than there are photons: scan all photons.
             Layout::Hashed { .. } if extent.x * extent.y * extent.z >= self.len() as u64 => {
                 self.scan(0..self.len(), p, radius, visit);
             }
@@ -148,8 +152,8 @@ impl Grid {
                         for x in low.x..=high.x {
                             let cell = IVec3::new(x, y, z);
                             let bucket = self.layout.bucket(cell);
-                            // Other cells share the bucket, perhaps ones that this query visits too: of each visit
-                            // only the photons of its own cell count.
+                            // Other cells share the bucket, and this query may visit those too. So in each visit, only
+                            // the photons of the visited cell count.
                             let own = |at, a: &Arrival, d| {
                                 if self.cell_of(at) == cell {
                                     visit(at, a, d);
@@ -202,7 +206,7 @@ impl Grid {
         }
     }
 
-    /// The cell that a point lies in, wherever it is.
+    /// The cell that contains a point; its coordinates are outside the grid if the point is outside the box.
     #[inline]
     fn cell_at(&self, p: Vec3) -> IVec3 {
         ((p - self.origin) * self.inverse_cell).floor().as_ivec3()
@@ -222,7 +226,7 @@ fn bounds(chunks: &[Vec<Photon>]) -> Bounds {
     if bounds.is_empty() { Bounds::of([Vec3::ZERO]) } else { bounds }
 }
 
-/// Side of a cell, no smaller than floats can count, and the last cell along each axis.
+/// The side of a cell, large enough for floats to distinguish cells, and the last cell along each axis.
 fn cells(bounds: Bounds, cell: f32) -> (f32, IVec3) {
     let extent = bounds.extent();
     let cell = cell.max(extent.max_element() / MOST_CELLS).max(f32::MIN_POSITIVE);
@@ -230,129 +234,4 @@ fn cells(bounds: Bounds, cell: f32) -> (f32, IVec3) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use gi_core::math::Rgb;
-    use gi_core::rng::Pcg;
-
-    /// Photons on the walls of the unit cube and in a cluster, in uneven chunks; power is the photon's number.
-    fn photons(n: usize) -> Vec<Vec<Photon>> {
-        let mut rng = Pcg::new(5, 1);
-        let mut chunks = vec![Vec::new()];
-        for i in 0..n {
-            let mut p = Vec3::from_array([rng.next_f32(), rng.next_f32(), rng.next_f32()]);
-            if i % 3 == 0 {
-                p = p * 0.02 + Vec3::new(0.4, 0.0, 0.7);
-            } else {
-                p[i % 3] = (i % 2) as f32;
-            }
-            let arrival = Arrival { power: Rgb::grey(i as f32), ..Arrival::default() };
-            if rng.next_below(700) == 0 {
-                chunks.push(Vec::new());
-            }
-            chunks.last_mut().expect("a chunk").push(Photon { p, arrival });
-        }
-        chunks
-    }
-
-    fn found(grid: &Grid, p: Vec3, radius: f32) -> Vec<u32> {
-        let mut found = Vec::new();
-        grid.within(p, radius, |_, a, _| found.push(a.power.r as u32));
-        found.sort_unstable();
-        found
-    }
-
-    fn brute_force(chunks: &[Vec<Photon>], p: Vec3, radius: f32) -> Vec<u32> {
-        let near = |q: &&Photon| {
-            let d = q.p - p;
-            d.x * d.x + d.y * d.y + d.z * d.z < radius * radius
-        };
-        chunks.iter().flatten().filter(near).map(|q| q.arrival.power.r as u32).collect()
-    }
-
-    /// Queries in and round the box of the photons, of radii from far below to far above a cell.
-    fn assert_finds_each_once(name: &str, grid: &Grid, chunks: &[Vec<Photon>]) {
-        let mut rng = Pcg::new(9, 2);
-        let mut total = 0;
-        for case in 0..400 {
-            let mut p = Vec3::from_array([rng.next_f32(), rng.next_f32(), rng.next_f32()]);
-            match case % 4 {
-                0 => p = p * 0.02 + Vec3::new(0.4, 0.0, 0.7),
-                1 => p[case % 3] = 1.0,
-                // Outside of the box, and still within reach of photons.
-                2 => p[case % 3] = 1.02,
-                _ => {}
-            }
-            let radius = 0.003 * 300f32.powf(rng.next_f32());
-            let (got, expected) = (found(grid, p, radius), brute_force(chunks, p, radius));
-            assert_eq!(got, expected, "{name}, case {case}: {p}, radius {radius}");
-            total += got.len();
-        }
-        assert!(total > 10_000, "{name}: only {total} photons were found");
-    }
-
-    #[test]
-    fn a_query_is_a_linear_scan_as_a_multiset() {
-        let chunks = photons(6000);
-        for cell in [0.5, 0.08, 0.01, 0.001] {
-            let grid = Grid::build(&chunks, cell);
-            assert_eq!(grid.len(), 6000);
-            let dense = matches!(grid.layout, Layout::Dense { .. });
-            assert_eq!(dense, cell > 0.05, "cells of {cell}");
-            assert_finds_each_once(&format!("cells of {cell}"), &grid, &chunks);
-        }
-    }
-
-    #[test]
-    fn cells_that_share_a_bucket_do_not_count_a_photon_twice() {
-        let chunks = photons(6000);
-        for bits in [0, 1, 4, 8] {
-            let (cell, last) = cells(bounds(&chunks), 0.05);
-            let layout = Layout::Hashed { bits };
-            let grid = Grid::with_layout(&chunks, bounds(&chunks).min, cell, last, layout);
-            assert_finds_each_once(&format!("{} buckets", 1 << bits), &grid, &chunks);
-        }
-        // With 16 buckets the 27 cells of a query must share some: without the check photons would count twice.
-        let layout = Layout::Hashed { bits: 4 };
-        let mut buckets: Vec<usize> = (0..27)
-            .map(|k| layout.bucket(IVec3::new(4 + k % 3, 4 + k / 3 % 3, 4 + k / 9)))
-            .collect();
-        buckets.sort_unstable();
-        buckets.dedup();
-        assert!(buckets.len() < 27);
-    }
-
-    #[test]
-    fn the_order_is_by_path_within_a_cell_for_any_number_of_threads_and_any_chunks() {
-        let chunks = photons(5000);
-        let one: Vec<Photon> = chunks.iter().flatten().copied().collect();
-        for cell in [0.08, 0.01] {
-            let expected = Grid::build(std::slice::from_ref(&one), cell);
-            for threads in [1, 2, 4] {
-                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-                let grid = pool.expect("threads").install(|| Grid::build(&chunks, cell));
-                assert!(grid.start == expected.start && grid.columns == expected.columns);
-                assert!(grid.arrivals == expected.arrivals, "{threads} threads");
-            }
-            for bucket in expected.start.windows(2) {
-                let order: Vec<f32> = expected.arrivals[bucket[0] as usize..bucket[1] as usize]
-                    .iter()
-                    .map(|a| a.power.r)
-                    .collect();
-                assert!(order.is_sorted(), "{order:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn no_photons_one_photon_and_photons_in_one_place() {
-        let at = |p| Photon { p, arrival: Arrival::default() };
-        let none = Grid::build(&[], 0.1);
-        assert_eq!((none.len(), found(&none, Vec3::ZERO, 9.0).len()), (0, 0));
-        let one = Grid::build(&[vec![at(Vec3::ONE)], Vec::new()], 0.1);
-        assert_eq!(found(&one, Vec3::ONE, 1e-3).len(), 1);
-        assert_eq!(found(&one, Vec3::ZERO, 1.7).len(), 0);
-        let many = Grid::build(&[vec![at(Vec3::ONE); 100]], 0.1);
-        assert_eq!(found(&many, Vec3::new(1.0, 1.0, 1.05), 0.06).len(), 100);
-    }
-}
+mod tests;

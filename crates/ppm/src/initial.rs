@@ -21,7 +21,8 @@ pub(crate) const PILOT: u32 = u32::MAX;
 const MOST: f32 = 0.03;
 /// Smallest automatic radius, in pixel widths at the end of the eye path.
 const LEAST_PIXELS: f32 = 1.0;
-/// Fraction of a disc that must lie on its surface, and number of probes for it. A disc over a narrow slat is shrunk until it does.
+/// Fraction of a disc that must lie on its surface, and number of probes to test it. A disc that extends beyond its
+/// surface, such as over a narrow slat, is shrunk.
 const LEAST_COVERED: f32 = 0.75;
 const PROBES: u32 = 16;
 /// Factor by which such a disc shrinks per step.
@@ -43,7 +44,7 @@ pub(crate) fn regions(look: &Look, photons: &[Vec<Photon>]) -> (PerPixel<Region>
         let radius = f64::from(params.initial_radius * scene.radius());
         PerPixel::new(size, |_| radius)
     } else {
-        // If photons were uniform on the sphere of the scene: pi r^2 / (4 pi R^2) = k / n.
+        // This holds if photons are uniform on the sphere around the scene: pi r^2 / (4 pi R^2) = k / n.
         let stored = photons.iter().map(Vec::len).sum::<usize>().max(1);
         let share = params.initial_photons as f32 / stored as f32;
         let guess = scene.radius() * (2.0 * share.sqrt()).min(MOST);
@@ -56,7 +57,7 @@ pub(crate) fn regions(look: &Look, photons: &[Vec<Photon>]) -> (PerPixel<Region>
         let median =
             median(found.rows().flatten().map(|n| n.radius)).unwrap_or(0.01 * scene.radius());
         PerPixel::new(size, |at| match found.get(at) {
-            // One radius for the picture is what makes passes independent of it.
+            // With the same radius for all pixels, passes do not depend on each other.
             Some(n) if params.method != Method::Ppa => f64::from(n.radius),
             _ => f64::from(median),
         })
@@ -80,7 +81,7 @@ struct Nearest {
     most: f32,
 }
 
-/// Search round the first gather point of a pixel.
+/// Search around the first gather point of a pixel.
 fn nearest(look: &Look, at: [usize; 2], grid: &Grid, guess: f32) -> Option<Nearest> {
     let setting = look.setting;
     let pixel = pixel_width(setting.camera);

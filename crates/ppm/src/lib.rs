@@ -11,11 +11,12 @@
 //! | how it fails | blotches as large as the initial radius where photons are few, because the radius shrinks slowly there |
 //! | sources | \[Hachisuka08\], \[Hachisuka09\], \[Hachisuka10\], \[Knaus11\], \[Kaplanyan13\] |
 //!
-//! In every pass tau / R^2 grows by exactly the flux of that pass / R^2, whatever R becomes later. So the estimate is the mean of the
-//! estimates of all passes, each with its own radius, and a pass is a sample of the film as in any other technique.
+//! In every pass tau / R^2 grows by exactly the flux of that pass / R^2, whatever R becomes later. So the estimate is
+//! the mean of the estimates of all passes, each with its own radius, and a pass is a sample of the film as in any
+//! other technique.
 //!
-//! Read next: `region.rs` (a pixel in a pass), `gather.rs` (gathering), `methods.rs` (radii), `photons.rs` (photon tracing),
-//! `params.rs` (the options).
+//! Read next: `region.rs` (a pixel in a pass), `gather.rs` (gathering), `methods.rs` (radii), `photons.rs` (photon
+//! tracing), `params.rs` (the options).
 #![forbid(unsafe_code)]
 
 mod aim;
@@ -123,7 +124,7 @@ impl<'a> Technique<'a> for Ppm<'a> {
             }
             sample
         });
-        // The pass was abandoned: it is not in the film.
+        // The pass was interrupted, so it is not in the film.
         if film.passes() == passes_before {
             return;
         }
@@ -202,11 +203,13 @@ impl<'a> Technique<'a> for Ppm<'a> {
     }
 }
 
-/// Take a pass in, and shrink the disc such that a fraction `alpha` of the pass's photons stays [slides 41, 42]:
+/// Add a pass to the statistics, and shrink the disc so that a fraction `alpha` of the pass's photons stays [slides 41,
+/// 42]:
 ///
 /// N' = N + alpha M, R' = R sqrt(N' / (N + M)), tau' = (tau + tau_M) R'^2 / R^2
 pub fn update(statistics: &mut Statistics, pass: &Pass, alpha: f64) {
-    // d'(x) = (N + M) / (pi R^2): the density stays, so the area shrinks as the number of photons [slide 41].
+    // d'(x) = (N + M) / (pi R^2): the density stays the same, so the area shrinks in proportion to the number of
+    // photons [slide 41].
     let (n, m) = (statistics.photons, pass.photons as f64);
     let ratio = if n + m > 0.0 { (n + alpha * m) / (n + m) } else { 1.0 };
     statistics.radius *= ratio.sqrt();
@@ -253,8 +256,8 @@ impl Ppm<'_> {
         (self.pixels.sum(|r| r.statistics.radius) / pixels) as f32
     }
 
-    /// The root of the estimated relMSE of the picture's luminance: (noise^2 + bias^2) / (radiance^2 + 0.01). Infinite during the
-    /// first passes.
+    /// The root of the estimated relMSE of the picture's luminance: (noise^2 + bias^2) / (radiance^2 + 0.01). Infinite
+    /// during the first passes.
     pub fn error_estimate(&self) -> f64 {
         if self.counts.passes < FEWEST_PASSES {
             return f64::INFINITY;

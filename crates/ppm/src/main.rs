@@ -1,15 +1,16 @@
-//! `ppm`: a picture by progressive photon mapping.
+//! `ppm`: renders by progressive photon mapping.
 
 use std::process::ExitCode;
 
 use clap::Parser;
 use ppm::{Params, Ppm};
 
-/// Progressive photon mapping: passes of photons, gathered within a radius that shrinks from pass to pass [slides 35-46].
+/// Progressive photon mapping: passes of photons, gathered within a radius that shrinks from pass to pass [slides
+/// 35-46].
 ///
-/// Finds light that path tracing cannot: light through glass onto a surface that is seen through glass. Each pass traces photons,
-/// then every pixel gathers them at the first sufficiently rough surface; rays follow mirrors, glass and sharp gloss.
-/// Errors show as blur, which disappears with more passes, and as blotches where few photons arrive.
+/// Finds light that path tracing cannot: light through glass onto a surface that is seen through glass. Each pass
+/// traces photons, then every pixel gathers them at the first sufficiently rough surface; rays follow mirrors, glass
+/// and sharp gloss. Errors show as blur, which disappears with more passes, and as blotches where few photons arrive.
 #[derive(Parser)]
 #[command(name = "ppm", version)]
 struct Program {

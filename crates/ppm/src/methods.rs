@@ -8,7 +8,7 @@ pub use crate::params::Method;
 /// R_k / R_0 of pass `k` (the first is 0) without statistics:
 /// R_(i+1)^2 / R_i^2 = (i + alpha) / (i + 1) for i = 1, 2, ... \[Knaus11, eq. 20\].
 pub fn probabilistic_radius(k: u32, alpha: f64) -> f64 {
-    // prod (i + alpha) / (i + 1), i from 1 to k, is Gamma(k + 1 + alpha) / (Gamma(1 + alpha) Gamma(k + 2)).
+    // The product of (i + alpha) / (i + 1) for i from 1 to k is Gamma(k + 1 + alpha) / (Gamma(1 + alpha) Gamma(k + 2)).
     let k = f64::from(k);
     let log = ln_gamma(k + 1.0 + alpha) - ln_gamma(1.0 + alpha) - ln_gamma(k + 2.0);
     (0.5 * log).exp()
@@ -17,17 +17,17 @@ pub fn probabilistic_radius(k: u32, alpha: f64) -> f64 {
 /// Radius of the kernel for derivatives over the initial radius. Derivatives need more photons than the estimate.
 const DERIVATIVE_WIDTH: f64 = 2.0;
 
-/// R_k / R_0 of the kernel for second derivatives. The asymptotically optimal width shrinks with the tenth root of the number of
-/// photons, in two dimensions and for second derivatives \[Silverman86, 4.3; Wand95, 4.9\].
+/// R_k / R_0 of the kernel for second derivatives. The asymptotically optimal width shrinks with the tenth root of the
+/// number of photons, in two dimensions and for second derivatives \[Silverman86, 4.3; Wand95, 4.9\].
 pub fn derivative_radius(k: u32) -> f64 {
     DERIVATIVE_WIDTH * f64::from(k + 1).powf(-0.1)
 }
 
-/// The radius that minimizes the asymptotic error of the mean over passes, from the moments of passes 0 to k - 1, and whether the
-/// limit `most` applies instead \[Kaplanyan13\].
+/// The radius that minimises the asymptotic error of the mean over passes, from the moments of passes 0 to k - 1. Also
+/// returns whether the limit `most` applies instead \[Kaplanyan13\].
 ///
-/// With r_i^2 = a i^(-1/3) in pass i, the bias of the mean after k passes is 3/2 a k^(-1/3) lap / 8, its variance
-/// 3/4 S / (pi a) k^(-2/3): a^3 = 64 S / (6 pi lap^2) makes the sum of bias^2 and variance least. S is the density of
+/// With r_i^2 = a i^(-1/3) in pass i, the mean over k passes has the bias 3/2 a k^(-1/3) lap / 8 and the variance 3/4 S
+/// / (pi a) k^(-2/3). The sum of bias^2 and variance is smallest for a^3 = 64 S / (6 pi lap^2). S is the density of
 /// squared contributions, lap the Laplacian of the radiance over the surface.
 pub fn adaptive_radius(k: u32, moments: &Moments, most: f64) -> (f64, bool) {
     let (squares, laplacian_sq) = (moments.squares(), moments.laplacian_sq());
@@ -39,8 +39,7 @@ pub fn adaptive_radius(k: u32, moments: &Moments, most: f64) -> (f64, bool) {
     if radius < most { (radius, false) } else { (most, true) }
 }
 
-/// Logarithm of the gamma function for x > 0: Stirling's series, the argument raised first
-/// [Abramowitz64, 6.1.41].
+/// Logarithm of the gamma function for x > 0: Stirling's series, after shifting the argument up [Abramowitz64, 6.1.41].
 fn ln_gamma(x: f64) -> f64 {
     const RAISED: f64 = 12.0;
     let (mut x, mut shift) = (x, 0.0);
@@ -75,10 +74,10 @@ mod tests {
     }
 
     #[test]
-    fn the_adaptive_radius_makes_the_error_least() {
+    fn the_adaptive_radius_minimises_the_error() {
         let (squares, laplacian) = (3.0, 40.0);
         let moments = Moments::known(squares, laplacian);
-        // Bias and variance after k passes with r_i^2 = a i^(-1/3), summed as they stand.
+        // Bias and variance after k passes with r_i^2 = a i^(-1/3), by direct summation.
         let k = 20_000;
         let error = |a: f64| {
             let (mut areas, mut inverse) = (0.0, 0.0);

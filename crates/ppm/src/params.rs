@@ -10,7 +10,8 @@ use gi_core::options::{Parameters, PathLimits, defaults, number, pixel, rr_depth
 pub enum Method {
     /// Progressive photon mapping: hit points are found once, and each has its own statistics (Hachisuka08)
     Ppm,
-    /// Stochastic: each pass finds new hit points, and each pixel has its own statistics; depth of field and glossy reflections are correct (Hachisuka09)
+    /// Stochastic: each pass finds new hit points, and each pixel has its own statistics; depth of field and glossy
+    /// reflections are correct (Hachisuka09)
     Sppm,
     /// Probabilistic: one radius for the picture, which depends only on the number of the pass (Knaus11)
     Ppa,
@@ -36,7 +37,8 @@ pub struct Params {
     /// How the radius of a pixel changes from pass to pass
     #[arg(long, value_enum, default_value_t = Method::Sppm)]
     pub method: Method,
-    /// Fraction of a pass's photons that is kept [slide 42]: with 1 the radius stays the same, smaller values shrink it faster
+    /// Fraction of a pass's photons that is kept [slide 42]: with 1 the radius stays the same, smaller values shrink it
+    /// faster
     #[arg(long, value_name = "SHARE", default_value_t = 0.7, value_parser = number("a fraction above 0, at most 1", |a: &f64| *a > 0.0 && *a <= 1.0))]
     pub alpha: f64,
     /// Number of light paths per pass; 0 takes as many as the picture has pixels
@@ -48,7 +50,8 @@ pub struct Params {
     /// Number of photons of a pilot pass within the initial radius; more photons give less noise and more blur
     #[arg(long, value_name = "K", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..))]
     pub initial_photons: u32,
-    // A disc holds few photons, and hardly one of them arrives within a sharper lobe. Few materials have exactly this roughness.
+    // The default is this rough because a disc contains few photons, and hardly any of them arrives within a sharper
+    // lobe. Few materials have exactly this roughness.
     /// Minimum roughness (microfacet alpha) of the sharpest lobe where photons are gathered; rays follow sharper lobes
     #[arg(long, value_name = "ALPHA", default_value_t = 0.35, value_parser = number("a roughness, 0 or more", |a: &f32| *a >= 0.0))]
     pub min_roughness: f32,
@@ -64,13 +67,15 @@ pub struct Params {
     /// Number of scatterings after which Russian roulette may end a light path
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub photon_rr_depth: u32,
-    /// Stop when the estimated relative error, sqrt(mean of (noise^2 + bias^2) / radiance^2), is below this; 0 never stops early
+    /// Stop when the estimated relative error, sqrt(mean of (noise^2 + bias^2) / radiance^2), is below this; 0 never
+    /// stops early
     #[arg(long, value_name = "E", default_value_t = 0.0, value_parser = number("an error, 0 or more", |e: &f64| *e >= 0.0))]
     pub stop_at_error: f64,
     /// Maps of the statistics to draw, separated by commas; each becomes OUT.WHAT.png and layers of the EXR
     #[arg(long = "show", value_enum, value_delimiter = ',', value_name = "WHAT")]
     pub figures: Vec<Figure>,
-    /// Pixel whose R, N, M and estimate are written to --trace-out after every pass [slides 40 to 42]; give the option once per pixel
+    /// Pixel whose R, N, M and estimate are written to --trace-out after every pass [slides 40 to 42]; give the option
+    /// once per pixel
     #[arg(long = "trace-pixel", value_name = "X,Y", value_parser = pixel, requires = "trace_out")]
     pub trace_pixels: Vec<[usize; 2]>,
     /// File for the values at --trace-pixel

@@ -31,14 +31,14 @@ pub struct Arrival {
     pub wi: Vec3,
     /// Geometric normal of the surface, on the side of `wi`, times 127.
     pub(crate) normal: [i8; 3],
-    /// What the path has met.
+    /// The kind of path that brought it.
     pub kind: PhotonKind,
     /// Number of segments from the light to here.
     pub segments: u32,
 }
 
-/// A photon belongs to the surface of a gather point if the cosine between the normals is at least this. The limit is wide
-/// enough for coarse curved meshes, because the radius shrinks.
+/// A photon belongs to the surface of a gather point if the cosine between the normals is at least this. The limit is
+/// wide enough for coarse curved meshes, because the radius shrinks.
 pub(crate) const SAME_SURFACE: f32 = 0.5;
 
 impl Arrival {
@@ -50,7 +50,7 @@ impl Arrival {
         Arrival { power, wi, normal, kind, segments }
     }
 
-    /// Whether the photon lies on the surface with normal `ng`, and not on another one that intersects it.
+    /// Whether the photon is on the surface with normal `ng`, and not on another surface that intersects it.
     #[inline]
     pub(crate) fn lights(&self, ng: Vec3) -> bool {
         let normal = Vec3::from_array(self.normal.map(f32::from));
@@ -96,7 +96,7 @@ impl Emission {
         gathers: &impl Fn(&LightVertex) -> bool,
         photons: &mut Vec<Photon>,
     ) {
-        // Passes are streams; within one, paths are the points of a sequence.
+        // Each pass is a stream; within a stream, paths are the points of a sequence.
         let sampler = Sampler::new(self.seed ^ PHOTONS, pass, path);
         let walk = match &self.targets {
             Some(targets) => LightWalk::begin_toward(scene, sampler, targets),

@@ -51,7 +51,7 @@ pub(crate) struct Hit {
 /// Separates the random numbers of disc probes from those of eye paths.
 const PROBES: u32 = 0x6469_7363;
 
-/// One over the area of a disc.
+/// 1 / (area of a disc).
 fn per_area(radius: f64) -> f32 {
     (1.0 / (std::f64::consts::PI * radius * radius)) as f32
 }
@@ -83,13 +83,14 @@ impl<'a> Look<'_, 'a> {
         self.params.direct_by_photons && matches!(covers, Covers::NonDelta)
     }
 
-    /// Accounts for the light that photons bring, which is added elsewhere. Adds nothing.
+    /// Marks the light from photons as found, so that the path does not add it. Its value is zero, because the photons
+    /// are added elsewhere.
     pub(crate) fn nothing(&self, covers: Covers) -> Estimate {
         let direct = self.direct(covers).then_some(Rgb::BLACK);
         Estimate { covers, direct, indirect: Rgb::BLACK, caustic: Some(Rgb::BLACK) }
     }
 
-    /// What photons cover at a vertex; `None` where paths continue.
+    /// The scattering that photons cover at a vertex; `None` if the path continues.
     pub(crate) fn covers(&self, v: &EyeVertex) -> Option<Covers> {
         if v.wants_estimate() { covers(&v.bsdf, v.wo, self.params.min_roughness) } else { None }
     }

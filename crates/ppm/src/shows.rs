@@ -11,7 +11,7 @@ use crate::region::Region;
 /// The statistics of a pixel after every pass [slides 40 to 42].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
-    /// Which pixel.
+    /// The pixel.
     pub at: [usize; 2],
     pub(crate) rows: Vec<Row>,
 }

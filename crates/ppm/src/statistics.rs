@@ -1,13 +1,14 @@
-//! The statistics of a pixel or a hit point: R, N and tau [slides 40 to 42]. [`crate::update`] takes a pass in.
+//! The statistics of a pixel or a hit point: R, N and tau [slides 40 to 42]. [`crate::update`] adds a pass.
 
 use std::f64::consts::PI;
 
 /// The photons that one pass found within the radius.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pass {
-    /// M: number of photons that contribute. Photons from behind, of another surface, or with f = 0 do not.
+    /// M: number of photons that contribute. Photons from behind, on another surface, or with f = 0 do not.
     pub photons: u64,
-    /// Sum over them of f times power, weighted as the picture sees it; power already divided by the paths of the pass.
+    /// Sum of f times power over these photons, weighted by the path throughput; the power is already divided by the
+    /// number of paths of the pass.
     pub flux: [f64; 3],
 }
 
@@ -28,14 +29,14 @@ impl Statistics {
         Statistics { radius, ..Statistics::default() }
     }
 
-    /// Scale the disc's area, and photons and flux with it.
+    /// Scale the area of the disc by `share`, together with photons and flux.
     pub fn scale(&mut self, share: f64) {
         self.radius *= share.sqrt();
         self.photons *= share;
         self.flux.iter_mut().for_each(|tau| *tau *= share);
     }
 
-    /// Radiance after `passes` passes: tau / (pi R^2) over their number.
+    /// Radiance after `passes` passes: tau / (pi R^2), divided by their number.
     pub fn radiance(&self, passes: u32) -> [f64; 3] {
         let area = PI * self.radius * self.radius * f64::from(passes);
         self.flux.map(|tau| if area > 0.0 { tau / area } else { 0.0 })
@@ -52,7 +53,7 @@ mod tests {
     }
 
     #[test]
-    fn for_a_constant_number_of_photons_a_pass_the_radius_follows_the_closed_product() {
+    fn with_a_constant_number_of_photons_per_pass_the_radius_follows_the_closed_form() {
         // With N = j alpha M after j passes: (R_k / R_0)^2 = prod alpha (j + 1) / (alpha j + 1), j from 0 to k - 1.
         for alpha in [0.5, 0.6, 2.0 / 3.0, 0.7, 0.9, 1.0] {
             for photons in [1, 37] {
@@ -78,7 +79,8 @@ mod tests {
 
     #[test]
     fn at_constant_density_the_radius_goes_to_zero_and_the_photons_to_infinity() {
-        // M is then proportional to R^2, and R^2 ~ k^(alpha - 1), N ~ k^alpha: n R^2 ~ k^alpha for n ~ k emitted.
+        // M is proportional to R^2, with R^2 ~ k^(alpha - 1) and N ~ k^alpha. For n ~ k emitted photons, n R^2 ~
+        // k^alpha.
         for alpha in [0.5, 2.0 / 3.0, 0.9] {
             let mut s = Statistics::new(1.0);
             let mut at = Vec::new();
@@ -107,8 +109,8 @@ mod tests {
     }
 
     #[test]
-    fn the_estimate_is_the_mean_of_the_passes_own_estimates() {
-        // tau / R^2 gains exactly flux / R^2 of each pass, R being the radius that the pass was gathered with.
+    fn the_estimate_is_the_mean_of_the_estimates_of_all_passes() {
+        // In each pass, tau / R^2 increases by exactly flux / R^2, where R is the radius of that pass.
         let mut s = Statistics::new(0.3);
         let mut rng = gi_core::rng::Pcg::new(4, 4);
         let mut sum = 0.0;

@@ -1,4 +1,4 @@
-//! The program run as a user runs it: checkpoints, traces, messages, exit status.
+//! Runs the program as a user would: checkpoints, traces, messages, exit status.
 
 use std::path::Path;
 use std::process::Output;
@@ -6,24 +6,24 @@ use std::process::Output;
 use gi_core::image_io::{Layers, read_exr};
 use gi_tests::program::{self, Folder, assert_refused, assert_success, said, scene};
 
-/// Run the program on a small picture of the balls.
+/// Run the program on a small picture of the scene with balls.
 fn run(folder: &Folder, name: &str, flags: &[&str]) -> Output {
     let (scene, out) = (scene("cornell-spheres"), folder.at(name));
     let small = [&scene, "-o", &out, "--size", "24x20", "-q"];
     program::run(env!("CARGO_BIN_EXE_ppm"), &[&small, flags].concat())
 }
 
-/// The layers that a run leaves.
+/// The layers of the picture that a run writes.
 fn picture(folder: &Folder, name: &str, flags: &[&str]) -> Layers {
     assert_success(&run(folder, name, flags));
     read_exr(Path::new(&folder.at(name))).expect("an EXR")
 }
 
-/// A run must be refused as bad input, with these words, and leave nothing.
+/// Expect a run to be refused as bad input, with these words, and to write no file.
 fn refuse(folder: &Folder, flags: &[&str], says: &[&str]) {
     let before = folder.files();
     assert_refused(&run(folder, "refused.exr", flags), 2, says);
-    assert_eq!(folder.files(), before, "{flags:?} left something");
+    assert_eq!(folder.files(), before, "{flags:?} left a file");
 }
 
 fn bits(layers: &Layers) -> Vec<(String, Vec<u32>)> {
@@ -32,7 +32,7 @@ fn bits(layers: &Layers) -> Vec<(String, Vec<u32>)> {
 }
 
 #[test]
-fn a_resumed_run_has_the_bits_of_one_that_was_never_stopped() {
+fn a_resumed_run_equals_an_uninterrupted_one_bit_for_bit() {
     for method in ["ppm", "sppm", "ppa", "adaptive"] {
         let folder = Folder::make();
         let (kept, csv, whole_csv) =
@@ -50,14 +50,14 @@ fn a_resumed_run_has_the_bits_of_one_that_was_never_stopped() {
         let read = |path: &str| std::fs::read_to_string(path).expect("a trace");
         assert_eq!(read(&csv), read(&whole_csv), "{method}");
         assert_eq!(read(&csv).lines().count(), 1 + 7);
-        // Nothing is left to do: the same picture again.
+        // All passes are done already, so the picture must be the same.
         let again = render("again.exr", &csv, &[&keep[..], &["7", "--resume"]].concat());
         assert!(bits(&again) == bits(&whole), "{method}");
     }
 }
 
 #[test]
-fn ranges_of_probabilistic_passes_merge_to_the_whole() {
+fn ranges_of_probabilistic_passes_merge_to_the_picture_of_one_run() {
     let folder = Folder::make();
     let ppa = ["--method", "ppa", "--photons", "700"];
     let whole = picture(&folder, "whole.exr", &[&ppa[..], &["--passes", "5"]].concat());
@@ -68,7 +68,7 @@ fn ranges_of_probabilistic_passes_merge_to_the_whole() {
     }
     let merged = picture(&folder, "m.exr", &[&ppa[..], &["--merge", &a, "--merge", &b]].concat());
     for ((name, m), (_, w)) in merged.channels.iter().zip(&whole.channels) {
-        // Sums in another order: the last bits of a double may differ, and so the last of a float.
+        // The sums are in a different order, so the last bits of a double may differ, and thus the last bit of a float.
         let near = m.iter().zip(w).all(|(m, w)| (m - w).abs() <= 4e-6 * w.abs().max(1e-3));
         assert!(near, "{name}");
     }
@@ -99,7 +99,7 @@ fn checkpoints_of_another_run_are_refused_with_the_cause() {
         std::fs::write(&kept, &bytes[..n]).expect("written");
         refuses(&[], &["cannot use", "kept"]);
     }
-    // Whatever byte is wrong, even of a length, there is no panic and no hunger for memory.
+    // Whichever byte is wrong, even in a length, there must be no panic and no huge allocation.
     for k in (0..2500).step_by(41) {
         let mut damaged = bytes.clone();
         damaged[k] ^= 0xff;
@@ -112,7 +112,7 @@ fn checkpoints_of_another_run_are_refused_with_the_cause() {
 }
 
 #[test]
-fn knobs_that_make_no_sense_are_refused() {
+fn options_that_make_no_sense_are_refused() {
     let folder = Folder::make();
     refuse(&folder, &["--alpha", "0"], &["--alpha"]);
     refuse(&folder, &["--alpha", "nan"], &["--alpha"]);

@@ -1,5 +1,6 @@
-//! BRDF tables [slide 18]: the coefficients c_k of f_r times the cosine, for a material's glossy lobe and each elevation of the
-//! outgoing direction. Lobes are isotropic, so azimuth 0 represents all, and only functions with m >= 0 are not zero.
+//! BRDF tables [slide 18]: the coefficients c_k of f_r times the cosine, for a material's glossy lobe and each
+//! elevation of the outgoing direction. Lobes are isotropic, so azimuth 0 represents all, and only functions with m >=
+//! 0 are not zero.
 
 use std::f32::consts::FRAC_PI_2;
 
@@ -24,7 +25,8 @@ pub const LEFT_OUT: f32 = 0.05;
 pub struct BrdfTable {
     /// Number of bands.
     pub order: usize,
-    /// Fraction of the energy, the integral of (f_r cos)^2, that these bands leave out; the mean over outgoing directions.
+    /// Fraction of the energy, the integral of (f_r cos)^2, that these bands leave out; the mean over outgoing
+    /// directions.
     pub left_out: f32,
     basis: Basis,
     /// One row per elevation, with the functions of m >= 0; (l, m) is at l (l + 1) / 2 + m.
@@ -82,8 +84,8 @@ fn mean(all: &[Projection], of: impl Fn(&Projection) -> f32) -> f32 {
 }
 
 impl BrdfTable {
-    /// Tabulate a lobe with `order` bands. 0 selects the smallest order that leaves out at most [`LEFT_OUT`] of the energy, up to
-    /// [`MAX_ORDER`].
+    /// Tabulate a lobe with `order` bands. 0 selects the smallest order that leaves out at most [`LEFT_OUT`] of the
+    /// energy, up to [`MAX_ORDER`].
     pub fn new(lobe: &GlossyLobe, basis: Basis, window: Window, order: usize) -> Self {
         let bands = if order == 0 { MAX_ORDER } else { order };
         let project = |i| project(lobe, basis, bands, outgoing(i));
@@ -119,7 +121,8 @@ impl BrdfTable {
         Rgb::from((low[0].lerp(high[0], fraction) * self.basis.integral()).to_array())
     }
 
-    /// The basis functions at `wi` as if they were light: the dot product with them is the approximation of f_r cos at `wi`.
+    /// The basis functions at `wi` as if they were light: the dot product with them is the approximation of f_r cos at
+    /// `wi`.
     pub fn light_from(&self, wi: Vec3) -> Coefficients {
         let mut y = [0.0; MAX_FUNCTIONS];
         self.basis.evaluate(self.order, wi, &mut y);
@@ -127,8 +130,8 @@ impl BrdfTable {
     }
 }
 
-/// Coefficients c_k(w_o) at one elevation of the outgoing direction, between two rows of a table. Functions with m >= 0 only;
-/// (l, m) stands at l (l + 1) / 2 + m.
+/// Coefficients c_k(w_o) at one elevation of the outgoing direction, between two rows of a table. Functions with m >= 0
+/// only; (l, m) is at l (l + 1) / 2 + m.
 #[derive(Clone, Copy, Debug)]
 pub struct BrdfRow<'t> {
     /// Number of bands.
@@ -150,7 +153,7 @@ mod tests {
     use gi_core::math::INV_PI;
 
     #[test]
-    fn tables_hold_the_lobes_albedo_and_more_bands_leave_out_less() {
+    fn tables_give_the_lobes_albedo_and_more_bands_leave_out_less() {
         let scene = lobe_scene(0.3);
         let lobe = scene.glossy_lobe(0).expect("a lobe");
         let directions = quadrature(200);
@@ -164,7 +167,7 @@ mod tests {
                     .map(|(d, w)| w * f64::from(lobe.f_cos(wo, *d).g))
                     .sum();
                 let found = f64::from(table.albedo(wo.z).g);
-                // 64 samples a side of a smooth lobe; the quadrature's rings end at the horizon, where f cos is 0.
+                // 64 samples per side of a smooth lobe; the quadrature's rings end at the horizon, where f cos is 0.
                 assert!(
                     (found / exact - 1.0).abs() < 3e-3,
                     "{basis:?}, {i}: {found} is not {exact}"
@@ -180,10 +183,10 @@ mod tests {
     }
 
     #[test]
-    fn of_light_that_is_the_same_all_round_the_albedo_comes_back() {
+    fn constant_light_gives_the_albedo() {
         let scene = lobe_scene(0.2);
         let lobe = scene.glossy_lobe(0).expect("a lobe");
-        // In hemispherical harmonics light from above alone is the first function.
+        // In hemispherical harmonics, constant light from above is exactly the first function.
         let table = BrdfTable::new(&lobe, Basis::Hsh, Window::None, 8);
         let mut light = [Vec3A::ZERO; MAX_FUNCTIONS];
         light[0] = Vec3A::splat((0.5 * INV_PI).sqrt().recip());
@@ -194,8 +197,8 @@ mod tests {
     }
 
     #[test]
-    fn under_light_of_limited_band_the_error_falls_with_the_order_to_nothing() {
-        // Light of 6 bands: what is missing is the sum over the bands left out.
+    fn under_band_limited_light_the_error_falls_to_zero_with_the_order() {
+        // Light with 6 bands: the error is the sum over the bands that are left out.
         let scene = lobe_scene(0.25);
         let lobe = scene.glossy_lobe(0).expect("a lobe");
         let mut rng = gi_core::rng::Pcg::new(9, 0);

@@ -1,4 +1,4 @@
-//! Both caches, and how they begin.
+//! Both caches, and how they are created.
 
 use gi_core::technique::Setting;
 use lightcache::control::{Control, ErrorControl};

@@ -57,7 +57,7 @@ fn records(subject: &Subject, film: &Film) -> Vec<Picture> {
     vec![diffuse, Picture { name: "glossy-records".into(), ..glossy }]
 }
 
-/// Blue and orange, which colour-blind readers can tell apart.
+/// Blue and orange, which colour-blind readers can distinguish.
 const POSITIVE: Rgb = Rgb::new(0.02, 0.15, 0.6);
 const NEGATIVE: Rgb = Rgb::new(0.85, 0.3, 0.02);
 /// Number of bands that are drawn.
@@ -135,8 +135,8 @@ fn draw_lobe(
 /// Outgoing direction in [`brdf`] and [`samples`]: 45 degrees.
 const OUT: Vec3 = Vec3::new(std::f32::consts::FRAC_1_SQRT_2, 0.0, std::f32::consts::FRAC_1_SQRT_2);
 
-/// Polar curves of f_r cos over incoming directions in the plane of the outgoing direction. Each cell shows the BRDF in black
-/// and its approximation of one order from 1 to 10 in blue, or orange where it is negative.
+/// Polar curves of f_r cos over incoming directions in the plane of the outgoing direction. Each cell shows the BRDF in
+/// black and its approximation of one order from 1 to 10 in blue, or orange where it is negative.
 fn brdf(subject: &Subject, [w, h]: [usize; 2]) -> Option<Vec<Rgb>> {
     let params = subject.params;
     let (material, _) = subject.surfaces.tables().next()?;

@@ -1,4 +1,4 @@
-//! The caches as a file: the records of both.
+//! Reads and writes the caches as a file: the records of both.
 
 use gi_core::bytes::{Reader, Writer};
 use glam::Vec3A;
@@ -10,7 +10,7 @@ use crate::params::Params;
 use crate::record::RadianceRecord;
 use crate::sh::MAX_FUNCTIONS;
 
-/// Caches as they were saved.
+/// Caches as they are stored in a file.
 pub type SavedCache = lightcache::file::SavedCache<Records>;
 
 /// Records of both kinds.
@@ -56,7 +56,7 @@ impl Body for Records {
 /// Insert the records of a saved cache, and return their number. `order` is that of this run's radiance records.
 ///
 /// # Errors
-/// One line: the cache was made of another world or with other settings, or it is damaged.
+/// A message of one line: the cache was made for another scene or with other settings, or it is damaged.
 pub(crate) fn insert(
     saved: SavedCache,
     world: u64,
@@ -83,7 +83,7 @@ pub(crate) fn saved(world: u64, params: &Params, order: usize, caches: &Caches) 
     SavedCache { world, settings: shaping_settings(params, order), body }
 }
 
-/// The settings that change what a record holds. A saved cache can be used only with the same ones.
+/// The settings that affect the contents of records. A saved cache can be used only with the same ones.
 fn shaping_settings(params: &Params, order: usize) -> String {
     let Params { accuracy, glossy_accuracy, basis, min_roughness, limits, .. } = params;
     let Params { error, glossy_error, radius, .. } = params;

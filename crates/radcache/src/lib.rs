@@ -1,5 +1,6 @@
-//! Radiance caching [slides 15-20]: on glossy surfaces too, the light that arrives at a point from each direction changes slowly
-//! along the surface. Store it in spherical harmonics; for each view, its dot product with the BRDF is the reflected light.
+//! Radiance caching [slides 15-20]: on glossy surfaces too, the light that arrives at a point from each direction
+//! changes slowly along the surface. Store it in spherical harmonics; for each view, its dot product with the BRDF is
+//! the reflected light.
 //!
 //! | | |
 //! |---|---|
@@ -17,8 +18,9 @@
 //! | coats | the base of a plastic counts as Lambertian; its coat changes that by a few per cent at most |
 //! | sources | \[Krivanek05\], \[Gautron04\], \[Green03\], \[Ivanic96\], \[Ramamoorthi01\] |
 //!
-//! Read next: `sh.rs` (the basis), `brdf.rs` (c_k), `record.rs` and `project.rs` (l_k and its gradient), `rotate.rs` (rotation of
-//! l), `surfaces.rs` (which surface uses which record), `prepass.rs` (how the caches are filled); then the crate `lightcache`.
+//! Read next: `sh.rs` (the basis), `brdf.rs` (c_k), `record.rs` and `project.rs` (l_k and its gradient), `rotate.rs`
+//! (rotation of l), `surfaces.rs` (which surface uses which record), `prepass.rs` (how the caches are filled); then the
+//! crate `lightcache`.
 
 #![forbid(unsafe_code)]
 
@@ -78,7 +80,8 @@ pub struct RadianceCaching<'a> {
 impl<'a> Technique<'a> for RadianceCaching<'a> {
     type Params = Params;
 
-    /// Tabulate BRDFs, then fill the caches: look at every pixel from coarse to fine, and make records where none is valid.
+    /// Tabulate BRDFs, then fill the caches: look at every pixel from coarse to fine, and make records where none is
+    /// valid.
     fn prepare(setting: Setting<'a>, params: &Params) -> Result<Self, String> {
         let Setting { scene, camera, seed, show, world, .. } = setting;
         let surfaces = Surfaces::new(scene, params);
@@ -202,8 +205,8 @@ impl RadianceCaching<'_> {
         Some(Estimate { covers, indirect, direct: None, caustic: None })
     }
 
-    /// Irradiance E(x) = sum w_j E_j(x) / sum w_j over the records that are valid at x [slide 11]. `slack` multiplies the
-    /// allowed error.
+    /// Irradiance E(x) = sum w_j E_j(x) / sum w_j over the records that are valid at x [slide 11]. `slack` multiplies
+    /// the allowed error.
     #[inline]
     fn irradiance(&self, x: &Query, slack: f32) -> Option<Rgb> {
         let (mut sum, mut weights) = (Rgb::BLACK, 0.0);
@@ -216,8 +219,8 @@ impl RadianceCaching<'_> {
         (weights > 0.0).then(|| (sum / weights).map(|e| e.max(0.0)))
     }
 
-    /// Irradiance E(x) and the coefficients l(x) = sum w_j l_j(x) / sum w_j of incoming light in `frame`, whose z is the
-    /// query's normal.
+    /// Irradiance E(x) and the coefficients l(x) = sum w_j l_j(x) / sum w_j of incoming light in `frame`, whose z is
+    /// the query's normal.
     fn radiance(&self, x: &Query, frame: &Frame, slack: f32) -> Option<(Rgb, Coefficients)> {
         let Params { basis, gradients, .. } = self.params;
         let (mut e, mut weights) = (Rgb::BLACK, 0.0);
@@ -239,8 +242,8 @@ impl RadianceCaching<'_> {
         Some(((e / weights).map(|e| e.max(0.0)), light))
     }
 
-    /// Look up with the allowed error. Between the pixels of the prepass that may fail: then accept records with a larger
-    /// error. If there are none, the path continues.
+    /// Look up with the allowed error. Between the pixels of the prepass that may fail: then accept records with a
+    /// larger error. If there are none, the path continues.
     fn relaxing<T>(&self, lookup: impl Fn(f32) -> Option<T>) -> Option<T> {
         lookup(1.0).or_else(|| {
             let relaxed = lookup(RELAXED);
@@ -277,8 +280,8 @@ impl RadianceCaching<'_> {
     }
 }
 
-/// Reflected radiance, the dot product L_o(w_o) = sum_k c_k(w_o) l_k [slide 18]. In the frame of the tables the c_k with
-/// m < 0 are zero.
+/// Reflected radiance, the dot product L_o(w_o) = sum_k c_k(w_o) l_k [slide 18]. In the frame of the tables the c_k
+/// with m < 0 are zero.
 #[inline]
 fn dot(brdf: &BrdfRow, light: &Coefficients) -> Rgb {
     let (mut low, mut high) = (Vec3A::ZERO, Vec3A::ZERO);

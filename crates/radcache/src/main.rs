@@ -5,11 +5,12 @@ use std::process::ExitCode;
 use clap::Parser;
 use radcache::{Params, RadianceCaching};
 
-/// Radiance caching: indirect light of diffuse and rough glossy surfaces, interpolated from a few records [slides 15-20].
+/// Radiance caching: indirect light of diffuse and rough glossy surfaces, interpolated from a few records [slides
+/// 15-20].
 ///
-/// Diffuse surfaces use irradiance records, as in irrcache. Glossy lobes with a roughness of at least --min-roughness use
-/// records of radiance in spherical harmonics, which serve every view. Sharper lobes and direct light are path-traced.
-/// The picture is biased: with a low --order, reflections blur, and bright ones show rings.
+/// Diffuse surfaces use irradiance records, as in irrcache. Glossy lobes with a roughness of at least --min-roughness
+/// use records of radiance in spherical harmonics, which serve every view. Sharper lobes and direct light are
+/// path-traced. The picture is biased: with a low --order, reflections blur, and bright ones show rings.
 #[derive(Parser)]
 #[command(name = "radcache", version)]
 struct Program {

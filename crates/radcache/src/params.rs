@@ -47,7 +47,8 @@ pub enum Figure {
     Records,
     /// Functions of the basis up to l = 4 as lobes: blue where positive, orange where negative [slide 18]
     Basis,
-    /// The first tabulated BRDF (black) and its approximations of orders 1 to 10 (blue, orange where negative) [slide 18]
+    /// The first tabulated BRDF (black) and its approximations of orders 1 to 10 (blue, orange where negative) [slide
+    /// 18]
     Brdf,
     /// Directions sampled for that BRDF, by the cosine and by the BRDF itself [slide 19]
     Samples,
@@ -74,7 +75,8 @@ pub struct Params {
     /// Accuracy a of radiance records, as a fraction of the harmonic mean distance [slides 9, 11]
     #[arg(long, value_name = "A", default_value_t = 0.1, value_parser = accuracy())]
     pub glossy_accuracy: f32,
-    /// Order n of the basis, which then has n^2 functions [slide 18]; 0 lets each material choose an order that misses 5 % of its energy
+    /// Order n of the basis, which then has n^2 functions [slide 18]; 0 lets each material choose an order that misses
+    /// 5 % of its energy
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(0..=MAX_ORDER as i64))]
     pub order: u32,
     /// Basis in which incoming light is expanded
@@ -89,13 +91,13 @@ pub struct Params {
     /// Minimum roughness (microfacet alpha) of glossy lobes that use records; sharper lobes are path-traced
     #[arg(long, value_name = "ALPHA", default_value_t = 0.2, value_parser = number("a roughness, 0 or more; above 1 leaves all glossy lobes to paths", |a: &f32| *a >= 0.0 && a.is_finite()))]
     pub min_roughness: f32,
-    /// How the error of irradiance records is estimated; not on the command line.
+    /// How the error of irradiance records is estimated; there is no command-line option for it.
     #[arg(skip = ErrorControl::HessianOcclusion)]
     pub error: ErrorControl,
     /// The same for radiance records.
     #[arg(skip = ErrorControl::Bounded)]
     pub glossy_error: ErrorControl,
-    /// Which distance is the radius of the split sphere; not on the command line.
+    /// Which distance is the radius of the split sphere; there is no command-line option for it.
     #[arg(skip = SphereRadius::Harmonic)]
     pub radius: SphereRadius,
     /// Where records are valid.
@@ -104,13 +106,14 @@ pub struct Params {
     /// Interpolate without gradients [slide 12]
     #[arg(long = "no-gradients", action = clap::ArgAction::SetFalse)]
     pub gradients: bool,
-    /// How records are weighted; not on the command line.
+    /// How records are weighted; there is no command-line option for it.
     #[arg(skip = Weights::Smooth)]
     pub weights: Weights,
     /// Files of the caches.
     #[command(flatten)]
     pub files: CacheFiles,
-    /// Pictures of the caches and of the basis to draw, separated by commas; each becomes OUT.NAME.png and layers of the EXR
+    /// Pictures of the caches and of the basis to draw, separated by commas; each becomes OUT.NAME.png and layers of
+    /// the EXR
     #[arg(long = "show", value_name = "SHOW", value_enum, value_delimiter = ',')]
     pub figures: Vec<Figure>,
 }
@@ -122,8 +125,8 @@ impl Default for Params {
 }
 
 impl Params {
-    /// Whether records hold the light of a vertex after `segments` segments. With `max_depth`, a record is valid only at the
-    /// depth it was created for, and the last vertex of a path has no indirect light.
+    /// Whether records contain the light of a vertex after `segments` segments. With `max_depth`, a record is valid
+    /// only at the depth it was created for, and the last vertex of a path has no indirect light.
     pub(crate) fn covers_depth(&self, segments: u32) -> bool {
         match self.limits.max_depth {
             None => true,

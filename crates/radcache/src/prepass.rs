@@ -23,7 +23,7 @@ use crate::params::Params;
 use crate::record::RadianceRecord;
 use crate::surfaces::{Rule, Surfaces};
 
-/// How the records of both caches are made.
+/// Settings for making the records of both caches.
 pub(crate) struct Gatherers<'a> {
     pub(crate) diffuse: Gatherer<'a>,
     pub(crate) glossy: Gatherer<'a>,
@@ -135,8 +135,8 @@ impl Filler<'_, '_> {
         uncovered
     }
 
-    /// Add the place of `v` to `uncovered` if no record is valid there. The black estimate that is returned ends the path
-    /// for the lobes that the record covers.
+    /// Add the place of `v` to `uncovered` if no record is valid there. The black estimate that is returned ends the
+    /// path for the lobes that the record covers.
     fn visit(
         &self,
         caches: &Caches,

@@ -24,9 +24,9 @@ impl Projection {
         Projection { basis, order, coefficients: vec![Vec3A::ZERO; 3 * order * order] }
     }
 
-    /// Add the coefficients, the integral of L y over the hemisphere. The weight of a ray is pi / (N cos), which is unbounded
-    /// at the horizon, so cosines are limited to [`GRAZING`] times the last ring's cosine. This loses the fraction GRAZING / 2
-    /// of the last ring's solid angle.
+    /// Add the coefficients, the integral of L y over the hemisphere. The weight of a ray is pi / (N cos), which is
+    /// unbounded at the horizon, so cosines are limited to [`GRAZING`] times the last ring's cosine. This loses the
+    /// fraction GRAZING / 2 of the last ring's solid angle.
     pub(crate) fn project(mut self, h: &Hemisphere, into: impl Fn(Vec3) -> Vec3) -> Self {
         let mut y = [0.0; MAX_FUNCTIONS];
         let least = GRAZING * (1.0 - h.strata.sin_sq(h.strata.rings - 1)).sqrt();
@@ -41,9 +41,9 @@ impl Projection {
         self
     }
 
-    /// Add the gradients. When the point moves, the walls between strata move; the speed is one over the distance of the nearer
-    /// side. Where a wall moves, the radiance of one stratum replaces that of the other. This is the sum of \[Ward92\] with
-    /// y instead of the cosine \[Krivanek05\].
+    /// Add the gradients. When the point moves, the walls between strata move; the speed is one over the distance of
+    /// the nearer side. Where a wall moves, the radiance of one stratum replaces that of the other. This is the sum of
+    /// \[Ward92\] with y instead of the cosine \[Krivanek05\].
     pub(crate) fn differentiate(
         mut self,
         h: &Hemisphere,

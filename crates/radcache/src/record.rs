@@ -1,5 +1,5 @@
-//! The radiance record of a point on a glossy surface: its irradiance, and incoming radiance as coefficients of the basis with
-//! their gradients \[Krivanek05\].
+//! The radiance record of a point on a glossy surface: its irradiance, and incoming radiance as coefficients of the
+//! basis with their gradients \[Krivanek05\].
 
 use gi_core::math::Frame;
 use glam::{Vec2, Vec3, Vec3A};
@@ -15,8 +15,8 @@ use crate::sh::{Basis, Coefficients, MAX_FUNCTIONS};
 ///
 /// Spherical harmonics are stored in world space. Rotation does not change the bands of a function, so nothing is lost;
 /// records with different normals can be added directly, and their mean is rotated into the shading frame once.
-/// Hemispherical harmonics cannot be rotated to a tilted surface: they are stored in the frame that [`Frame::from_normal`]
-/// makes of the record's normal.
+/// Hemispherical harmonics cannot be rotated to a tilted surface: they are stored in the frame that
+/// [`Frame::from_normal`] makes of the record's normal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RadianceRecord {
     /// Position, radius and irradiance.
@@ -37,7 +37,8 @@ impl Sited for RadianceRecord {
 }
 
 impl RadianceRecord {
-    /// The record of the light that a hemisphere of rays found, with directions in `frame`; `irradiance` is from the same rays.
+    /// The record of the light that a hemisphere of rays found, with directions in `frame`; `irradiance` is from the
+    /// same rays.
     pub fn new(
         irradiance: Record,
         frame: &Frame,
@@ -57,8 +58,8 @@ impl RadianceRecord {
         RadianceRecord { irradiance, light: light.into() }
     }
 
-    /// Add `weight` times the light at the query to `out`, extrapolated along the gradients if `gradients`. `frame` is the frame
-    /// of the query.
+    /// Add `weight` times the light at the query to `out`, extrapolated along the gradients if `gradients`. `frame` is
+    /// the frame of the query.
     #[inline]
     pub fn add_to(
         &self,

@@ -1,8 +1,8 @@
 //! Rotation of coefficients. Rotation does not mix bands, so each band has a matrix of its own.
 //!
-//! [`band_matrices`] builds the matrices for any rotation \[Ivanic96, with the corrections of Ivanic98\]. The faster [`Turn`]
-//! splits a rotation into rotations about z, whose matrices are sparse, and quarter turns about x, whose matrices are
-//! constant.
+//! [`band_matrices`] builds the matrices for any rotation \[Ivanic96, with the corrections of Ivanic98\]. The faster
+//! [`Turn`] splits a rotation into rotations about z, whose matrices are sparse, and quarter turns about x, whose
+//! matrices are constant.
 
 use std::sync::LazyLock;
 
@@ -109,7 +109,7 @@ impl Step<'_> {
     }
 }
 
-/// The quarter turn about x and its inverse, row by row of all bands: which coefficients count how much.
+/// The quarter turn about x and its inverse, row by row of all bands: the non-zero entries with their columns.
 struct Quarter {
     rows: Vec<Vec<(u32, f32)>>,
 }
@@ -131,7 +131,7 @@ static QUARTERS: LazyLock<[Quarter; 2]> = LazyLock::new(|| {
     })
 });
 
-/// Entries that rounding keeps from being -1, 0 or 1.
+/// Rounds matrix entries that should be exactly -1, 0 or 1.
 trait Rounded {
     fn map_rounded(self) -> Self;
 }
@@ -142,7 +142,7 @@ impl Rounded for Mat3 {
     }
 }
 
-/// A rotation taken apart: about z by `first`, about y by `second`, about z by `third`; each as (cos, sin).
+/// A rotation as three rotations: about z by `first`, about y by `second`, about z by `third`; each as (cos, sin).
 #[derive(Clone, Copy, Debug)]
 pub struct Turn {
     first: [f32; 2],
@@ -151,13 +151,13 @@ pub struct Turn {
 }
 
 impl Turn {
-    /// The rotation that brings world directions into a frame.
+    /// The rotation from world directions to a frame.
     pub fn into_frame(frame: &Frame) -> Self {
         let n = frame.n;
         let sin = n.x.hypot(n.y);
-        // Any first turn will do where the normal is along z: the third makes up for it.
+        // If the normal is along z, any first rotation is correct: the third compensates for it.
         let first = if sin > 0.0 { [-n.x / sin, n.y / sin] } else { [1.0, 0.0] };
-        // What ends on the x axis before the third turn.
+        // The direction that is on the x axis before the third rotation.
         let (c, s) = (first[0], first[1]);
         let x = Vec3::new(c * n.z, -s * n.z, sin);
         let (a, b) = (frame.s.dot(x), frame.t.dot(x));
@@ -165,7 +165,7 @@ impl Turn {
         Turn { first, second: [n.z, sin], third: [a / length, b / length] }
     }
 
-    /// Turn the coefficients of order `n`.
+    /// Rotate the coefficients of order `n`.
     #[inline]
     pub fn apply(&self, n: usize, c: &mut [Vec3A; MAX_FUNCTIONS]) {
         let [forward, back] = &*QUARTERS;
@@ -187,7 +187,7 @@ impl Quarter {
     }
 }
 
-/// Turn coefficients of order `n` about z by the angle with this cosine and sine.
+/// Rotate coefficients of order `n` about z by the angle with this cosine and sine.
 #[inline]
 pub fn about_z(n: usize, [cos, sin]: [f32; 2], c: &mut [Vec3A; MAX_FUNCTIONS]) {
     let (mut cm, mut sm) = (1.0, 0.0);
@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn turned_coefficients_evaluate_as_the_function_at_the_turned_direction() {
+    fn rotated_coefficients_give_the_function_at_the_rotated_direction() {
         let mut rng = Pcg::new(5, 0);
         for frame in frames() {
             let c = random_coefficients(&mut rng);
@@ -242,7 +242,8 @@ mod tests {
             for _ in 0..20 {
                 let d = random_frame(&mut rng).n;
                 let (a, b) = (value(&c, d), value(&turned, frame.to_local(d)));
-                // The value's standard deviation over directions is about 2.6 (256 uniform coefficients); f32 angles.
+                // Over directions, the value has a standard deviation of about 2.6 (256 uniform coefficients); angles
+                // are f32.
                 assert!((a - b).length() < 1e-3, "{a} is not {b}: {frame:?}");
             }
         }
@@ -266,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn both_ways_of_turning_agree_and_matrices_are_orthogonal() {
+    fn both_rotations_agree_and_matrices_are_orthogonal() {
         let mut rng = Pcg::new(7, 0);
         for frame in frames() {
             let to_local = Mat3::from_cols(frame.s, frame.t, frame.n).transpose();

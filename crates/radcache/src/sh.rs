@@ -1,5 +1,5 @@
 //! Real spherical harmonics: the basis [slide 18], evaluated by recurrences that stay stable at any order, and windows
-//! against ringing. Function (l, m) stands at l (l + 1) + m; an order n has the n^2 functions with l < n.
+//! against ringing. Function (l, m) is at index l (l + 1) + m; an order n has the n^2 functions with l < n.
 //!
 //! Signs are those of \[Green03\] without the Condon-Shortley phase: band 1 is (y, z, x).
 
@@ -29,7 +29,7 @@ impl Basis {
         match self {
             Basis::Sh => evaluate(n, d, out),
             Basis::Hsh if d.z <= 0.0 => out[..n * n].fill(0.0),
-            // Mapping cos to 2 cos - 1 doubles the density of the measure.
+            // Mapping cos to 2 cos - 1 doubles the solid-angle density.
             Basis::Hsh => {
                 let across = 2.0 * (d.z / (1.0 + d.z)).sqrt();
                 evaluate(n, Vec3::new(d.x * across, d.y * across, 2.0 * d.z - 1.0), out);
@@ -49,7 +49,7 @@ impl Basis {
 
 /// Factors of the recurrence over l, normalised: P(l, m) = a (z P(l - 1, m) - b P(l - 2, m)).
 struct Factors {
-    /// P(m, m) over sin^m, with the factor of the azimuthal part.
+    /// P(m, m) divided by sin^m, with the factor of the azimuthal part.
     start: [f32; MAX_ORDER],
     a: [[f32; MAX_ORDER]; MAX_ORDER],
     b: [[f32; MAX_ORDER]; MAX_ORDER],
@@ -171,11 +171,11 @@ pub(crate) mod tests {
 
     #[test]
     fn both_bases_are_orthonormal_under_quadrature() {
-        // Rounding of directions to f32 is multiplied by up to l.
+        // The rounding of directions to f32 is multiplied by up to l.
         let sphere = quadrature(MAX_ORDER + 1);
         let off = off_orthonormal(Basis::Sh, &sphere);
         assert!(off < 2e-5, "sphere: {off}");
-        // Over the hemisphere z goes from 0 to 1.
+        // For the hemisphere, map z to the range from 0 to 1.
         let mut half = Vec::new();
         for (x, w) in gauss_legendre(MAX_ORDER + 1) {
             let z = 0.5 + 0.5 * x;
@@ -191,7 +191,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn the_first_bands_are_the_textbooks() {
+    fn the_first_bands_agree_with_the_textbook() {
         let d = Vec3::new(0.48, -0.6, 0.64);
         let mut y = [0.0; MAX_FUNCTIONS];
         evaluate(3, d, &mut y);
@@ -214,7 +214,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn the_cosine_lobes_bands_are_pi_two_thirds_pi_and_a_quarter_pi() {
+    fn the_bands_of_the_cosine_lobe_are_pi_two_thirds_pi_and_a_quarter_pi() {
         // A_l = sqrt(4 pi / (2 l + 1)) times the coefficient at m = 0 [Ramamoorthi01].
         let mut coefficient = [0.0f64; 6];
         let mut y = [0.0; MAX_FUNCTIONS];

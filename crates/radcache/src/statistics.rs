@@ -11,11 +11,11 @@ use crate::surfaces::Surfaces;
 /// Counts of lookups.
 #[derive(Default)]
 pub(crate) struct LookupCounts {
-    /// No record was valid; one with twice the allowed error was used.
+    /// Lookups that used a record with up to twice the allowed error.
     pub(crate) relaxed: AtomicU64,
-    /// Nothing was found: the path continued.
+    /// Lookups that found nothing: the path continued.
     pub(crate) failed: AtomicU64,
-    /// Ringing made a channel negative; it was set to zero.
+    /// Lookups with a negative channel due to ringing, which was set to zero.
     pub(crate) negative: AtomicU64,
     /// Lookups of radiance.
     pub(crate) glossy: AtomicU64,

@@ -9,14 +9,14 @@ use glam::Vec3;
 use crate::brdf::BrdfTable;
 use crate::params::Params;
 
-/// Where the indirect light of a vertex comes from.
+/// The source of the indirect light at a vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rule {
     /// Irradiance records, for the diffuse part. The path continues over the other lobes.
     Diffuse(DiffusePart),
     /// Radiance records, for all lobes but delta lobes.
     Glossy {
-        /// The diffuse part, if there is one: radiance records hold irradiance too.
+        /// The diffuse part, if there is one: radiance records contain irradiance too.
         part: Option<DiffusePart>,
         /// Normal of all lobes.
         n: Vec3,
@@ -28,7 +28,7 @@ pub enum Rule {
 /// BRDF tables of the materials that have them.
 pub struct Surfaces {
     tables: Vec<Option<BrdfTable>>,
-    /// For each material with a glossy lobe, a sentence that says how it is handled.
+    /// For each material with a glossy lobe, a text that says how it is handled.
     pub decided: Vec<String>,
 }
 
@@ -70,8 +70,8 @@ impl Surfaces {
         self.tables().map(|(_, t)| t.order).max().unwrap_or(0)
     }
 
-    /// Where the indirect light of a vertex comes from. If one glossy lobe is too sharp for a table, the path continues over
-    /// all glossy lobes of the vertex.
+    /// The source of the indirect light at a vertex. If one glossy lobe is too sharp for a table, the path continues
+    /// over all glossy lobes of the vertex.
     #[inline]
     pub fn rule(&self, v: &EyeVertex) -> Rule {
         let part = v.bsdf.diffuse_part(v.wo);
@@ -97,8 +97,8 @@ impl Surfaces {
         Frame::from_normal_tangent(n, wo)
     }
 
-    /// The sum of `of` over the glossy lobes of a vertex, times their tints; `of` gets a lobe's table and the cosine of the
-    /// outgoing direction.
+    /// The sum of `of` over the glossy lobes of a vertex, times their tints; `of` gets a lobe's table and the cosine of
+    /// the outgoing direction.
     #[inline]
     pub fn sum_lobes(&self, v: &EyeVertex, of: impl Fn(&BrdfTable, f32) -> Rgb) -> Rgb {
         let lobes = v.bsdf.lobes().filter(|lobe| lobe.kind == Kind::Glossy);

@@ -7,7 +7,7 @@ use gi_core::scene::{Scene, SceneParts};
 use gi_core::texture::Texture;
 use glam::Vec3;
 
-/// A ball of a perfectly reflecting rough conductor.
+/// A ball with a perfectly reflecting rough conductor.
 pub(crate) fn lobe_scene(alpha: f32) -> Scene {
     let alpha = Texture::grey(alpha);
     let roughness =

@@ -1,4 +1,4 @@
-//! The program run as a user runs it: its own flags and files.
+//! Runs the program as a user would: its own flags and files.
 
 use std::path::Path;
 use std::process::Output;
@@ -14,7 +14,7 @@ fn run(arguments: &[&str]) -> Output {
 }
 
 #[test]
-fn a_run_leaves_its_pictures_its_cache_and_its_records() {
+fn a_run_writes_its_pictures_its_cache_and_its_records() {
     let folder = Folder::make();
     let at = |name: &str| folder.at(name);
     let (out, cache, ply, csv) = (at("a.exr"), at("a.cache"), at("a.ply"), at("a.csv"));
@@ -33,7 +33,7 @@ fn a_run_leaves_its_pictures_its_cache_and_its_records() {
         "a.samples.png",
     ];
     assert_eq!(folder.files(), expected);
-    // The cache serves a second run, which makes no record and the same picture.
+    // A second run with this cache makes no record, and the same picture.
     let (second, stats) = (at("b.exr"), at("b.json"));
     let output =
         run(&["-o", &second, "--cache-in", &cache, "--records-out", &csv, "--stats", &stats]);
@@ -49,7 +49,7 @@ fn a_run_leaves_its_pictures_its_cache_and_its_records() {
 }
 
 #[test]
-fn what_cannot_be_used_is_one_clear_error_and_status_2() {
+fn unusable_files_and_flags_give_one_clear_error_and_status_2() {
     let folder = Folder::make();
     let at = |name: &str| folder.at(name);
     let (cache, broken, out) = (at("a.cache"), at("b.cache"), at("c.exr"));
@@ -72,5 +72,5 @@ fn what_cannot_be_used_is_one_clear_error_and_status_2() {
     for (output, says) in cases {
         assert_refused(&output, 2, &[says]);
     }
-    assert_eq!(folder.files(), before, "something was left half-written");
+    assert_eq!(folder.files(), before, "a file was left half-written");
 }

@@ -1,8 +1,8 @@
-//! Points connected with virtual point lights, against the bare shadow rays of the same connections.
+//! Measures connections of points with virtual point lights, against only the shadow rays of the same connections.
 //!
-//! `cargo bench -p vpl --bench connections -- SCENE.xml ... [--vpls N]`, scenes with absolute paths or as seen from
-//! crates/vpl. One thread; each figure is the least time of all
-//! repetitions of its chunk of points, the two taken in turn. Then the memory of a million lights.
+//! `cargo bench -p vpl --bench connections -- SCENE.xml ... [--vpls N]`; scenes have absolute paths or paths relative
+//! to crates/vpl. One thread. Each time is the sum over chunks of points of the smallest time of all repetitions; the
+//! two measurements alternate. The bench then prints the memory of a million lights.
 
 use std::hint::black_box;
 use std::path::Path;
@@ -21,7 +21,7 @@ const POINTS: usize = 64;
 const CHUNK: usize = 256;
 const REPETITIONS: usize = 5;
 
-/// Least seconds of the connections and of their shadow rays alone, and how many there were.
+/// Smallest seconds of the connections, and of their shadow rays alone; and the number of connections.
 fn race(scene: &Scene, points: &[(Surface, Vec3, Bsdf)], set: &Vpls) -> ([f64; 2], usize) {
     let (mut total, mut count) = ([0.0; 2], 0);
     let (prepared, all) = (Prepared::new(set, scene), 0..set.lights.len());

@@ -1,4 +1,4 @@
-//! A point lit by one virtual point light [slide 50].
+//! Illuminates a point by one virtual point light [slide 50].
 
 use gi_core::bsdf::{Bsdf, DiffusePart};
 use gi_core::geometry::Surface;
@@ -42,15 +42,16 @@ impl<'r, 'a> Receiver<'r, 'a> {
     }
 }
 
-/// The unshadowed light that reaches the eye from a virtual light by way of a point.
+/// The unshadowed light from a virtual light that a point scatters toward the eye.
 #[derive(Clone, Copy, Debug)]
 pub struct Connection {
     /// Radiance toward the eye, with the geometry term not clamped.
     pub radiance: Rgb,
-    /// Unshadowed irradiance on a plane across `wi`; `radiance` is what the point scatters of it.
+    /// Unshadowed irradiance on a plane perpendicular to `wi`; `radiance` is the part that the point scatters toward
+    /// the eye.
     pub arriving: Rgb,
-    /// The geometry term cos cos' / d^2 with the geometric normals, per squared world unit; 0 for lights without a surface,
-    /// which paths cannot hit.
+    /// The geometry term cos cos' / d^2 with the geometric normals, per squared world unit; 0 for lights without a
+    /// surface, which paths cannot hit.
     pub geometry: f32,
     /// Unit direction to the light.
     pub wi: Vec3,
@@ -82,8 +83,8 @@ impl Vpls {
     }
 }
 
-/// Connect a point with a light. `scattered` gives the fraction of the arriving power, per solid angle, that a glossy light
-/// scatters toward a direction.
+/// Connect a point with a light. `scattered` gives the fraction of the arriving power, per solid angle, that a glossy
+/// light scatters toward a direction.
 #[inline]
 pub(crate) fn connect(
     scene: &Scene,

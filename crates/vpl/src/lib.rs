@@ -1,10 +1,10 @@
-//! Virtual point lights: where light paths meet surfaces, light starts again [slides 47-50, Keller97]. Instant radiosity and
-//! lightcuts share them.
+//! Virtual point lights: where light paths meet surfaces, light starts again [slides 47-50, Keller97]. Instant
+//! radiosity and lightcuts share them.
 //!
 //! The power of a light is already divided by the number of paths: the light at a point is the sum over all lights.
 //!
-//! Read next: `shoot.rs` (light paths leave lights), `illuminate.rs` (one light illuminates a point), `prepared.rs` (many
-//! lights illuminate a point), `points.rs` (lights on light sources).
+//! Read next: `shoot.rs` (light paths leave lights), `illuminate.rs` (one light illuminates a point), `prepared.rs`
+//! (many lights illuminate a point), `points.rs` (lights on light sources).
 
 #![forbid(unsafe_code)]
 

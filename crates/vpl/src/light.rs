@@ -7,9 +7,9 @@ use gi_core::math::Rgb;
 use gi_core::scene::Scene;
 use glam::Vec3;
 
-/// Smallest microfacet roughness of a lobe that virtual lights illuminate or scatter by. Narrower lobes are sampled by paths:
-/// a nearly specular lobe sees few of the lights, and those far too bright. At 0.1, the default roughness in Mitsuba,
-/// virtual lights have half the error of paths on `cornell-glossy`.
+/// Smallest microfacet roughness of a lobe that virtual lights illuminate or scatter by. Narrower lobes are sampled by
+/// paths: a nearly specular lobe sees few of the lights, and those far too bright. At 0.1, the default roughness in
+/// Mitsuba, virtual lights have half the error of paths on `cornell-glossy`.
 pub const MIN_ROUGHNESS: f32 = 0.1;
 
 /// A virtual point light.
@@ -21,8 +21,8 @@ pub struct Vpl {
     pub n: Vec3,
     /// Unit shading normal on that side; no light leaves below it. Equal to `n` for lights without a surface.
     pub ns: Vec3,
-    /// Oriented: intensity along the normal. Omni and spot: intensity. Directional: irradiance on a plane across the light.
-    /// Glossy: arriving power. Already divided by the number of paths.
+    /// Oriented: intensity along the normal. Omni and spot: intensity. Directional: irradiance on a plane across the
+    /// light. Glossy: arriving power. Already divided by the number of paths.
     pub power: Rgb,
     /// How it emits.
     pub kind: Kind,

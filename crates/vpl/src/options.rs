@@ -6,7 +6,8 @@ use gi_core::options::number;
 /// When light paths end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Termination {
-    /// Fractional absorption: of N paths, the first N rho^j continue after j scatterings; rho is the mean reflectance of the scene (Keller97)
+    /// Fractional absorption: of N paths, the first N rho^j continue after j scatterings; rho is the mean reflectance
+    /// of the scene (Keller97)
     Fractional,
     /// Russian roulette with the reflectance of the surface as the probability to continue
     Roulette,
@@ -33,7 +34,8 @@ pub enum Compensation {
 /// The bound on bright spots near virtual point lights.
 #[derive(Args, Clone, Copy, Debug, PartialEq)]
 pub struct BoundOptions {
-    /// Upper bound on the geometry term cos cos'/d^2 of lights on surfaces, in units of 1 / (scene radius)^2; inf for no bound
+    /// Upper bound on the geometry term cos cos'/d^2 of lights on surfaces, in units of 1 / (scene radius)^2; inf for
+    /// no bound
     #[arg(long, value_name = "B", default_value_t = 20.0, value_parser = number("a number above 0, or inf", |b: &f32| *b > 0.0))]
     pub clamp: f32,
     /// What happens to the light that the bound cuts off
@@ -47,12 +49,12 @@ impl BoundOptions {
         BoundOptions { clamp, compensation: Compensation::None }
     }
 
-    /// A bound whose lost light paths bring back.
+    /// A bound with compensation by paths.
     pub fn compensated(clamp: f32) -> Self {
         BoundOptions { clamp, compensation: Compensation::Path }
     }
 
-    /// Whether paths bring back what the bound cuts off.
+    /// Whether paths restore the light that the bound cuts off.
     pub fn is_compensated(&self) -> bool {
         self.compensation == Compensation::Path
     }

@@ -21,7 +21,7 @@ pub struct LightNumbers {
     pub sun: Option<u32>,
 }
 
-/// The option's syntax: `4096,sky=1000`.
+/// Print in the option's syntax: `4096,sky=1000`.
 impl Display for LightNumbers {
     fn fmt(&self, f: &mut Formatter) -> std::fmt::Result {
         let LightNumbers { total, area, sky, sun } = self;

@@ -1,5 +1,5 @@
-//! A set of lights prepared for many points. Lights that face a point are found eight at a time, and the BSDFs of glossy lights
-//! are computed once.
+//! A set of lights prepared for many points. Lights that face a point are found eight at a time, and the BSDFs of
+//! glossy lights are computed once.
 
 use std::ops::Range;
 
@@ -18,8 +18,8 @@ pub struct Prepared<'v, 'a> {
     scene: &'a Scene,
     /// BSDFs of the glossy lights; empty if there are more than [`MOST_KEPT`].
     bsdfs: Vec<Option<Bsdf<'a>>>,
-    /// Positions and normals, one column per coordinate. Lights that emit in all directions have a zero normal; parallel lights
-    /// have a position far away.
+    /// Positions and normals, one column per coordinate. Lights that emit in all directions have a zero normal;
+    /// parallel lights have a position far away.
     columns: [Vec<f32>; 6],
 }
 
@@ -46,8 +46,8 @@ impl<'v, 'a> Prepared<'v, 'a> {
         Prepared { set, scene, bsdfs, columns }
     }
 
-    /// Connect a point with a range of the lights, and call `take` with each connection that carries light and the fraction of it
-    /// that passes the shadow ray. Returns the number of shadow rays.
+    /// Connect a point with a range of the lights, and call `take` with each connection that carries light and the
+    /// fraction of it that passes the shadow ray. Returns the number of shadow rays.
     #[inline]
     pub fn for_each_visible(
         &self,
@@ -101,8 +101,8 @@ impl<'v, 'a> Prepared<'v, 'a> {
         self.set
     }
 
-    /// The lights of a batch that face the point and that the point faces. The loop has no branches, so that the compiler can
-    /// vectorise it.
+    /// The lights of a batch that face the point and that the point faces. The loop has no branches, so that the
+    /// compiler can vectorise it.
     #[inline]
     fn facing<'f>(
         &self,

@@ -85,8 +85,8 @@ struct Chunk {
     emitted: Rgb,
 }
 
-/// Walk light paths, and leave a light at every vertex whose surface scatters non-specularly. The lights do not depend on the
-/// number of threads.
+/// Walk light paths, and leave a light at every vertex whose surface scatters non-specularly. The lights do not depend
+/// on the number of threads.
 pub fn shoot(scene: &Scene, how: &Shooting) -> Vpls {
     progress::begin("light paths", u64::from(how.paths));
     let chunks: Vec<Chunk> = (0..how.paths.div_ceil(CHUNK))
@@ -149,7 +149,8 @@ impl Shooting {
         match self.termination {
             Termination::Roulette => Roulette::ByAlbedo { from: 1 },
             Termination::Fractional => {
-                // The paths with the smallest indices survive. Their number is whole, so the survival fraction is exact.
+                // The paths with the smallest indices survive. Their number is whole, so the survival fraction is
+                // exact.
                 let left = |j: u32| {
                     let share = f64::from(self.pilot.reflectance).powi(j as i32);
                     (f64::from(self.paths) * share).ceil().max(1.0) as u32
@@ -173,8 +174,8 @@ impl Chunk {
         let depth = vertex.depth + 1;
         let toward = |n: Vec3| n * 1f32.copysign(n.dot(vertex.wo));
         let n = toward(surface.ng);
-        // A Lambertian surface emits by the cosine with its geometric normal even if a shading normal differs: the correction by
-        // both normals leaves just that. Other surfaces evaluate their BSDF.
+        // A Lambertian surface emits by the cosine with its geometric normal even if a shading normal differs: the
+        // correction by both normals leaves just that. Other surfaces evaluate their BSDF.
         let (kind, ns, power) = match bsdf.diffuse_only(vertex.wo) {
             Some(part) => {
                 let bent = part.normal.dot(vertex.wo) / n.dot(vertex.wo).max(f32::MIN_POSITIVE);

@@ -1,4 +1,4 @@
-//! Where a picture is too bright or too dark: a map with a legend.
+//! Draws a map, with a legend, of where a picture is too bright or too dark.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -15,19 +15,19 @@ pub(crate) struct Args {
     out: PathBuf,
     /// The picture
     picture: PathBuf,
-    /// What it is compared with
+    /// The reference picture
     #[arg(long)]
     reference: PathBuf,
-    /// Layer of both: Direct, Indirect, Caustic [default: the whole]
+    /// Layer of both pictures: Direct, Indirect, Caustic [default: all light]
     #[arg(long)]
     layer: Option<String>,
-    /// Relative difference of the ends of the scale
+    /// Relative difference at the ends of the scale
     #[arg(long, default_value_t = 0.2)]
     most: f32,
 }
 
-/// Blue for too dark, white, brown for too bright: told apart by colour-blind eyes, and in print by the legend's ends.
-/// Positions from -1 to 1; sRGB.
+/// Blue for too dark, white, brown for too bright. Colour-blind readers can distinguish them, and in grey print the
+/// legend's ends help. Positions from -1 to 1; sRGB.
 const SCALE: [(f32, [f32; 3]); 5] = [
     (-1.0, [0.02, 0.19, 0.38]),
     (-0.5, [0.40, 0.66, 0.81]),
@@ -54,7 +54,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let picture = Picture::read(&args.picture, layer)?;
     let reference = Picture::read(&args.reference, layer)?;
     picture.errors(&reference).with_context(|| args.picture.display().to_string())?;
-    // A thousandth of the mean keeps black pixels from being divided by nothing.
+    // Adding a thousandth of the mean avoids division by zero at black pixels.
     let pixels = reference.rgb.len() / 3;
     let floor = 1e-3 * reference.rgb.chunks(3).map(luminance).sum::<f32>() / pixels as f32;
     let relative = |(a, r): (&[f32], &[f32])| {
@@ -74,7 +74,7 @@ fn png(size: [usize; 2], colours: impl Iterator<Item = [f32; 3]>) -> anyhow::Res
     encode_png(&layers).map_err(|e| anyhow!(e))
 }
 
-/// Small maps are drawn so large that their legend can be read.
+/// Smaller maps are enlarged to this size, so that their legend is readable.
 const LEAST_SIZE: usize = 256;
 
 /// The map with its legend to the right.
@@ -105,7 +105,7 @@ fn drawing([w, h]: [usize; 2], png: &[u8], most: f32) -> String {
         (0.5, "0".to_string()),
         (0.0, format!("\u{2212}{:.0} %", 100.0 * most)),
     ] {
-        // The ends' labels stay inside.
+        // The labels of both ends stay inside the drawing.
         let (full, text_height) = (h as f32, text as f32);
         let y = ((1.0 - share) * full + 0.35 * text_height)
             .clamp(0.9 * text_height, full - 0.2 * text_height);
@@ -123,7 +123,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_scale_is_white_in_the_middle_and_ends_where_it_ends() {
+    fn the_scale_is_white_in_the_middle_and_is_clamped_at_both_ends() {
         assert_eq!(colour(0.0), [1.0; 3]);
         for (x, expected) in [(-7.0, SCALE[0].1), (1.0, SCALE[4].1), (-0.25, [0.7, 0.83, 0.905])] {
             let found = colour(x);

@@ -1,4 +1,4 @@
-//! One figure: panels, a caption, and what lies behind them, as `figure.json`.
+//! Writes one figure as `figure.json`: its panels, its caption, and where its pictures came from.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -10,29 +10,29 @@ use crate::picture::Picture;
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// The figure's folder; its panels lie there
+    /// The figure's folder, which contains its panels
     folder: PathBuf,
-    /// Slides that it belongs to: 12, or 29-30
+    /// Slides that the figure belongs to: 12, or 29-30
     #[arg(long)]
     slide: String,
     #[arg(long)]
     title: String,
-    /// What there is to see, and why
+    /// The caption: what to see, and why
     #[arg(long)]
     caption: String,
-    /// Columns of the panels
+    /// Number of columns of panels
     #[arg(long, default_value_t = 3)]
     columns: u32,
-    /// Picture that the others of its size are compared with
+    /// Picture to compare all others of its size with
     #[arg(long)]
     reference: Option<PathBuf>,
-    /// Layer in which they are compared: Direct, Indirect, Caustic [default: the whole]
+    /// Layer to compare: Direct, Indirect, Caustic [default: all light]
     #[arg(long)]
     layer: Option<String>,
-    /// Show pictures brighter by this power of two than the programs' views
+    /// Brighten the pictures, compared to the programs' display images, by this power of two
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     exposure: f32,
-    /// Pictures (.png) and drawings (.svg) with what stands below them
+    /// Pictures (.png) and drawings (.svg), with the captions below them
     #[arg(value_name = "FILE=CAPTION", required = true)]
     panels: Vec<Panel>,
 }
@@ -74,7 +74,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     std::fs::write(&out, format!("{figure:#}\n")).with_context(|| out.display().to_string())
 }
 
-/// Check a panel, and tell how it came to be from the data behind it.
+/// Check a panel, and describe how it was made, from the data of its picture.
 fn describe(args: &Args, panel: &Panel, reference: Option<&Picture>) -> anyhow::Result<Value> {
     let file = args.folder.join(&panel.file);
     check(&file)?;
@@ -113,7 +113,7 @@ fn describe(args: &Args, panel: &Panel, reference: Option<&Picture>) -> anyhow::
     Ok(told.into())
 }
 
-/// A panel is there, is a picture or a drawing, and is not empty.
+/// Check that a panel exists, is a picture or a drawing, and is complete.
 fn check(file: &Path) -> anyhow::Result<()> {
     let bytes = std::fs::read(file).context("cannot be read")?;
     let sound = match file.extension().and_then(|e| e.to_str()) {
@@ -122,7 +122,7 @@ fn check(file: &Path) -> anyhow::Result<()> {
         _ => bail!("neither .png nor .svg"),
     };
     if !sound {
-        bail!("not whole");
+        bail!("is incomplete");
     }
     Ok(())
 }
@@ -136,7 +136,7 @@ fn data_behind(file: &Path) -> Option<PathBuf> {
         if data.is_file() {
             return Some(data);
         }
-        // Names hold points of their own: alpha-0.7.radius.png belongs to alpha-0.7.exr.
+        // Names may contain dots: alpha-0.7.radius.png belongs to alpha-0.7.exr.
         stem = stem.rsplit_once('.')?.0;
     }
 }

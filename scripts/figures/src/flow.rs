@@ -1,4 +1,4 @@
-//! The steps of a program as boxes with arrows, their numbers from a real run.
+//! Draws the steps of a program as boxes with arrows; the numbers in them are from a real run.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -12,21 +12,21 @@ use crate::svg::{FONT, escaped};
 pub(crate) struct Args {
     /// The drawing to write (.svg)
     out: PathBuf,
-    /// What stands above it
+    /// Title above the drawing
     #[arg(long)]
     title: String,
-    /// Statistics of the run, as --stats wrote them
+    /// Statistics of the run, as written by --stats
     #[arg(long)]
     stats: PathBuf,
-    /// Steps from this number to that one are repeated: FROM,TO
+    /// Steps that are repeated: FROM,TO
     #[arg(long, value_name = "FROM,TO", value_delimiter = ',')]
     again: Vec<usize>,
-    /// Steps; {passes} and {technique.global_photons} stand for numbers of the run, | begins a new line
+    /// Steps; {passes} and {technique.global_photons} are replaced by numbers of the run, | starts a new line
     #[arg(required = true)]
     steps: Vec<String>,
 }
 
-/// Width, height and gap of boxes, and the height of a line.
+/// Width, height and gap of the boxes; below, the height of a line.
 const BOX: [usize; 3] = [200, 110, 46];
 const LINE: usize = 19;
 
@@ -45,13 +45,13 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         .with_context(|| args.out.display().to_string())
 }
 
-/// Put the run's numbers where their names stand in braces.
+/// Replace names in braces by the run's numbers.
 fn filled(step: &str, stats: &Value) -> anyhow::Result<String> {
     let mut out = String::new();
     let mut rest = step;
     while let Some((before, after)) = rest.split_once('{') {
         let (name, behind) =
-            after.split_once('}').with_context(|| format!("{step}: a brace is open"))?;
+            after.split_once('}').with_context(|| format!("{step}: a closing brace is missing"))?;
         let value = name.split('.').fold(stats, step_into);
         let number = value.as_f64().with_context(|| format!("the run has no number {name}"))?;
         write!(out, "{before}{}", counted(number))?;
@@ -60,7 +60,7 @@ fn filled(step: &str, stats: &Value) -> anyhow::Result<String> {
     Ok(out + rest)
 }
 
-/// A member of an object by its name, an element of an array by its number.
+/// A member of an object by its name, or an element of an array by its index.
 fn step_into<'v>(value: &'v Value, key: &str) -> &'v Value {
     match key.parse::<usize>() {
         Ok(k) => &value[k],
@@ -68,7 +68,7 @@ fn step_into<'v>(value: &'v Value, key: &str) -> &'v Value {
     }
 }
 
-/// A number as one reads it: whole ones in groups of three.
+/// Format a number; integers in groups of three digits.
 fn counted(v: f64) -> String {
     if v.fract() != 0.0 {
         return format!("{v:.3}");
@@ -143,7 +143,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_in_braces_become_numbers_and_unknown_ones_are_told() {
+    fn names_in_braces_become_numbers_and_unknown_ones_are_errors() {
         let stats = serde_json::json!({ "passes": 64, "technique": { "photons": 1_234_567.0 } });
         let text = filled("{passes} passes|{technique.photons} photons", &stats).expect("numbers");
         assert_eq!(text, "64 passes|1\u{202f}234\u{202f}567 photons");

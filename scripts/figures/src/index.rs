@@ -1,4 +1,4 @@
-//! All figures on one page that needs nothing else.
+//! Writes all figures to one page that needs no other file.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use crate::svg::{data_uri, escaped};
 pub(crate) struct Args {
     /// The page to write (.html)
     out: PathBuf,
-    /// Figures' folders, in the order of their slides
+    /// Folders of the figures, in the order of their slides
     #[arg(required = true)]
     folders: Vec<PathBuf>,
 }
@@ -21,7 +21,7 @@ pub(crate) struct Args {
 pub(crate) struct ThumbArgs {
     /// The folder to write to
     out: PathBuf,
-    /// Figures' folders
+    /// Folders of the figures
     #[arg(required = true)]
     folders: Vec<PathBuf>,
 }
@@ -50,7 +50,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     std::fs::write(&args.out, page).with_context(|| args.out.display().to_string())
 }
 
-/// Read all sidecars; tell all that are missing at once.
+/// Read all figure.json files; if several are missing, the error lists all of them.
 fn read(folders: &[PathBuf]) -> anyhow::Result<Vec<(&PathBuf, Value)>> {
     let (mut figures, mut missing) = (Vec::new(), Vec::new());
     for folder in folders {
@@ -74,7 +74,7 @@ fn panels(figure: &Value) -> &[Value] {
     figure["panels"].as_array().map_or(&[], Vec::as_slice)
 }
 
-/// One figure: heading, panels in a grid, caption, and how it was made.
+/// One figure: heading, panels in a grid, caption, and the commands that made it.
 fn section(page: &mut String, home: &Path, folder: &Path, figure: &Value) -> anyhow::Result<()> {
     let (slide, title) = (text(figure, "slide"), escaped(text(figure, "title")));
     let columns = figure["columns"].as_u64().unwrap_or(3);
@@ -125,7 +125,7 @@ fn section(page: &mut String, home: &Path, folder: &Path, figure: &Value) -> any
     Ok(())
 }
 
-/// Time and errors of a panel in a line.
+/// Time and errors of a panel, on one line.
 fn facts(panel: &Value) -> String {
     let mut facts = Vec::new();
     if let Some(seconds) = panel["seconds"].as_str().and_then(|s| s.parse::<f64>().ok()) {

@@ -1,7 +1,7 @@
-//! What the figures' recipes (`scripts/figures.mk`) need besides the programs: errors of pictures as a table, curves, maps of
-//! differences, and one figure after the other on a page.
+//! Tools that the figures' recipes (`scripts/figures.mk`) need in addition to the programs: tables of errors, curves,
+//! maps of differences, and a page with all figures.
 //!
-//! Everything is drawn from files that the programs wrote. The same files make the same bytes.
+//! All tools use only files that the programs wrote. The same files give the same output, byte for byte.
 #![forbid(unsafe_code)]
 
 mod difference;
@@ -18,7 +18,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-/// Tables, curves and pages of the lecture's figures, from what the programs wrote.
+/// Draw tables, curves and pages of the lecture's figures from the programs' output.
 #[derive(Parser)]
 #[command(name = "figures", version)]
 struct Args {
@@ -28,23 +28,23 @@ struct Args {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Errors of pictures against a reference, as a table: x, seconds, relmse, rmse, ratio_r, ratio_g, ratio_b
+    /// Write the errors of pictures against a reference as a table: x, seconds, relmse, rmse, ratio_r, ratio_g, ratio_b
     Measure(measure::Args),
-    /// Curves from the columns of tables
+    /// Draw curves from the columns of tables
     Plot(plot::Args),
-    /// Where a picture is too bright or too dark, in false colours with a legend
+    /// Draw where a picture is too bright or too dark, in false colours with a legend
     Difference(difference::Args),
-    /// The steps of a program, with numbers of a real run
+    /// Draw the steps of a program, with numbers from a real run
     Flow(flow::Args),
-    /// One figure: its panels checked, and its sidecar figure.json written
+    /// Check the panels of one figure, and write its figure.json
     Figure(figure::Args),
-    /// All figures on one self-contained page
+    /// Write all figures to one self-contained page
     Index(index::Args),
-    /// The first panel of every figure, small, for a contact sheet
+    /// Write the first panel of each figure as a small picture, for a contact sheet
     Thumbs(index::ThumbArgs),
 }
 
-/// A file with a name before it: `NAME=FILE`.
+/// A file with a name: `NAME=FILE`.
 #[derive(Clone, Debug)]
 pub(crate) struct Named {
     pub(crate) name: String,
@@ -55,7 +55,7 @@ impl std::str::FromStr for Named {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        // The last sign: names may hold one, files of ours do not.
+        // Split at the last `=`: names may contain it, our files do not.
         let (name, file) = text.rsplit_once('=').ok_or("expected NAME=FILE")?;
         Ok(Named { name: name.into(), file: file.into() })
     }

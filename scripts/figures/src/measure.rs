@@ -1,4 +1,4 @@
-//! Errors of pictures against a reference, as a table.
+//! Writes the errors of pictures against a reference as a table.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -12,13 +12,13 @@ use crate::picture::Picture;
 pub(crate) struct Args {
     /// The table to write
     out: PathBuf,
-    /// What the pictures are compared with
+    /// The reference picture
     #[arg(long)]
     reference: PathBuf,
-    /// Layer of all of them: Direct, Indirect, Caustic [default: the whole]
+    /// Layer of all pictures: Direct, Indirect, Caustic [default: all light]
     #[arg(long)]
     layer: Option<String>,
-    /// Pictures, each with the number that the column x gets
+    /// Pictures, each with its number for the column x
     #[arg(value_name = "X=PICTURE", required = true)]
     pictures: Vec<Named>,
 }

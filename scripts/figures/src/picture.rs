@@ -1,4 +1,4 @@
-//! Pictures that programs wrote: a layer's radiance, and what the file says about how it came to be.
+//! Reads pictures that the programs wrote: the radiance of a layer, and the metadata about how it was made.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ pub(crate) struct Picture {
 }
 
 impl Picture {
-    /// Read R G B, or those of a named layer.
+    /// Read the channels R, G, B, or those of a named layer.
     pub(crate) fn read(path: &Path, layer: Option<&str>) -> anyhow::Result<Self> {
         let layers = read_exr(path).map_err(|e| anyhow!("{}: {e}", path.display()))?;
         let names = ["R", "G", "B"].map(|c| layer.map_or(c.into(), |l| format!("{l}.{c}")));
@@ -28,13 +28,13 @@ impl Picture {
         Ok(Picture { size: [layers.width, layers.height], rgb, layers })
     }
 
-    /// What the file says about itself under `gi.NAME`.
+    /// The metadata with the key `gi.NAME`.
     pub(crate) fn said(&self, name: &str) -> Option<&str> {
         let (_, value) = self.layers.metadata.iter().find(|(n, _)| *n == format!("gi.{name}"))?;
         Some(value)
     }
 
-    /// Write a view, brighter by a power of two than radiance itself.
+    /// Write a display image, brightened by a power of two.
     pub(crate) fn save_view(&self, path: &Path, exposure: f32) -> anyhow::Result<()> {
         let scale = exposure.exp2();
         let (pixels, _) = self.rgb.as_chunks::<3>();

@@ -1,39 +1,40 @@
-//! Curves from the columns of tables.
+//! Draws curves from the columns of tables.
 
-use std::collections::HashMap;
-use std::path::{Path, PathBuf};
-use std::str::FromStr;
+mod table;
 
-use anyhow::{Context, anyhow, bail};
+use std::path::PathBuf;
+
+use anyhow::{Context, anyhow};
 use gi_stats::log_log_line;
-use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::prelude::*;
 
 use crate::svg::FONT;
+use table::{Curve, Source, curve};
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
     /// The drawing to write (.svg)
     out: PathBuf,
-    /// What stands above it
+    /// Title above the drawing
     #[arg(long)]
     title: String,
-    /// Name and unit of the axis to the right
+    /// Name and unit of the horizontal axis
     #[arg(long)]
     x: String,
-    /// Name and unit of the axis upwards
+    /// Name and unit of the vertical axis
     #[arg(long)]
     y: String,
-    /// Axes with equal steps for equal factors
+    /// Axes with a logarithmic scale
     #[arg(long, value_enum, default_value_t = Log::None)]
     log: Log,
-    /// Write each curve's slope of log y over log x, fitted over its points, behind its name
+    /// Add the fitted slope of log y over log x to each curve's name
     #[arg(long)]
     slopes: bool,
-    /// A level line: NAME=Y
+    /// A horizontal line: NAME=Y
     #[arg(long, value_name = "NAME=Y")]
     level: Vec<String>,
-    /// Marks without lines between them
+    /// Draw points without lines between them
     #[arg(long)]
     scatter: bool,
     /// Curves: name, table, and the columns of both axes
@@ -49,40 +50,13 @@ enum Log {
     Xy,
 }
 
-/// Where a curve's numbers stand.
-#[derive(Clone, Debug)]
-struct Source {
-    name: String,
-    table: PathBuf,
-    columns: [String; 2],
-}
-
-impl FromStr for Source {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = "expected NAME=TABLE.csv:X:Y";
-        let (name, rest) = text.rsplit_once('=').ok_or(wrong)?;
-        let mut parts = rest.split(':');
-        let mut next = || parts.next().map(str::to_string).ok_or(wrong);
-        let (table, x, y) = (next()?, next()?, next()?);
-        Ok(Source { name: name.into(), table: table.into(), columns: [x, y] })
-    }
-}
-
-/// A curve with its numbers.
-struct Curve {
-    name: String,
-    points: Vec<(f64, f64)>,
-}
-
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let [log_x, log_y] =
         [[Log::X, Log::Xy], [Log::Y, Log::Xy]].map(|logs| logs.contains(&args.log));
     let curves: Vec<Curve> =
         args.curves.iter().map(|s| curve(s, [log_x, log_y])).collect::<Result<_, _>>()?;
     let levels = args.level.iter().map(|text| level(text)).collect::<anyhow::Result<Vec<_>>>()?;
-    // Less than a decade has no marks of its own on a logarithmic axis.
+    // A logarithmic axis of less than a decade would have no tick marks, so such an axis is linear.
     let x_range = range(&curves, &[], log_x, 0);
     let y_range = range(&curves, &levels, log_y, 1);
     let long = |r: &std::ops::Range<f64>| r.end >= 8.0 * r.start;
@@ -104,58 +78,13 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     std::fs::write(&args.out, picture).with_context(|| args.out.display().to_string())
 }
 
-/// Read two columns of a table; what an axis cannot show (an empty field, nothing and less on a logarithmic one) is left out.
-fn curve(source: &Source, log: [bool; 2]) -> anyhow::Result<Curve> {
-    let text = std::fs::read_to_string(&source.table)
-        .with_context(|| source.table.display().to_string())?;
-    let columns = columns(&text, &source.table)?;
-    let column = |name: &String| {
-        columns.get(name.as_str()).with_context(|| {
-            let all: Vec<&str> = columns.keys().copied().collect();
-            format!("{}: no column {name}; there are {}", source.table.display(), all.join(", "))
-        })
-    };
-    let (xs, ys) = (column(&source.columns[0])?, column(&source.columns[1])?);
-    let shown = |v: f64, log: bool| v.is_finite() && (!log || v > 0.0);
-    let points: Vec<(f64, f64)> = xs
-        .iter()
-        .zip(ys)
-        .filter_map(|(x, y)| Some((x.parse().ok()?, y.parse().ok()?)))
-        .filter(|(x, y)| shown(*x, log[0]) && shown(*y, log[1]))
-        .collect();
-    if points.is_empty() {
-        bail!("{}: nothing to draw in {}", source.table.display(), source.columns.join(" and "));
-    }
-    Ok(Curve { name: source.name.clone(), points })
-}
-
-/// The fields of every column, by its name.
-fn columns<'t>(text: &'t str, path: &Path) -> anyhow::Result<HashMap<&'t str, Vec<&'t str>>> {
-    let mut lines = text.lines().filter(|l| !l.starts_with('#') && !l.is_empty());
-    let names: Vec<&str> = lines.next().context("an empty table")?.split(',').collect();
-    let mut columns: Vec<Vec<&str>> = vec![Vec::new(); names.len()];
-    for line in lines {
-        let fields: Vec<&str> = line.split(',').collect();
-        if fields.len() != names.len() {
-            bail!(
-                "{}: {} fields for {} columns: {line}",
-                path.display(),
-                fields.len(),
-                names.len()
-            );
-        }
-        columns.iter_mut().zip(fields).for_each(|(column, field)| column.push(field.trim()));
-    }
-    Ok(names.into_iter().map(str::trim).zip(columns).collect())
-}
-
 fn level(text: &str) -> anyhow::Result<(String, f64)> {
     let (name, y) =
         text.rsplit_once('=').with_context(|| format!("--level {text}: expected NAME=Y"))?;
     Ok((name.into(), y.parse().with_context(|| format!("--level {text}"))?))
 }
 
-/// From the least to the largest number of an axis, with some room.
+/// The range of an axis: from the smallest to the largest number, with a margin.
 fn range(
     curves: &[Curve],
     levels: &[(String, f64)],
@@ -172,12 +101,13 @@ fn range(
         return low / room..high * room;
     }
     let room = (0.05 * (high - low)).max(1e-6 * high.abs().max(1e-30));
-    // Numbers that are all on one side of nothing are drawn from nothing on.
+    // If all numbers are non-negative and the smallest is close to zero, start the axis at zero.
     let low = if low >= 0.0 && low < 0.5 * high { 0.0 } else { low - room };
     low..high + room
 }
 
-/// Seven colours that colour-blind eyes tell apart \[Okabe & Ito\]; marks and dashes tell the curves apart in print.
+/// Seven colours that colour-blind readers can distinguish \[Okabe & Ito\]. Marks and dashes distinguish the curves in
+/// grey print.
 const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -188,7 +118,7 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 0, 0),
 ];
 
-/// Numbers as few digits tell them.
+/// Format a number with few digits.
 fn label(v: &f64) -> String {
     let size = v.abs();
     if size != 0.0 && !(1e-3..1e5).contains(&size) {
@@ -198,7 +128,7 @@ fn label(v: &f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
-/// The mark of a curve: a disc, a triangle, a cross, a ring, in turn.
+/// The marks of curves, in turn: a disc, a triangle, a cross, a ring.
 macro_rules! mark {
     ($curve:expr, $at:expr, $size:expr, $colour:expr) => {
         match $curve % 4 {
@@ -238,7 +168,10 @@ fn corner(
     best.map_or(SeriesLabelPosition::UpperRight, |(position, _)| position)
 }
 
-/// What a drawing shows.
+type Chart<'b, X, Y> = ChartContext<'b, SVGBackend<'b>, Cartesian2d<X, Y>>;
+type Drawn = Result<(), Box<dyn std::error::Error>>;
+
+/// The content of a drawing.
 struct Shown<'a> {
     args: &'a Args,
     curves: &'a [Curve],
@@ -254,21 +187,20 @@ impl Shown<'_> {
         X::CoordDescType: ValueFormatter<f64>,
         Y::CoordDescType: ValueFormatter<f64>,
     {
-        let Shown { args, curves, levels, .. } = self;
         let mut out = String::new();
         {
             let root = SVGBackend::with_string(&mut out, (640, 440)).into_drawing_area();
             root.fill(&WHITE)?;
             let mut chart = ChartBuilder::on(&root)
-                .caption(&args.title, (FONT, 20))
+                .caption(&self.args.title, (FONT, 20))
                 .margin(12)
                 .x_label_area_size(44)
                 .y_label_area_size(68)
                 .build_cartesian_2d(x, y)?;
             chart
                 .configure_mesh()
-                .x_desc(&args.x)
-                .y_desc(&args.y)
+                .x_desc(&self.args.x)
+                .y_desc(&self.args.y)
                 .axis_desc_style((FONT, 16))
                 .label_style((FONT, 13))
                 .x_labels(6)
@@ -278,34 +210,11 @@ impl Shown<'_> {
                 .light_line_style(RGBColor(240, 240, 240))
                 .bold_line_style(RGBColor(215, 215, 215))
                 .draw()?;
-            for (k, c) in curves.iter().enumerate() {
-                let colour = COLOURS[k % COLOURS.len()];
-                let fit = if args.slopes { log_log_line(&c.points) } else { None };
-                let name = match fit {
-                    Some((slope, _)) => format!("{} (slope {slope:.2})", c.name),
-                    None => c.name.clone(),
-                };
-                if !args.scatter {
-                    let line = LineSeries::new(c.points.iter().copied(), colour.stroke_width(2));
-                    chart.draw_series(line)?;
-                }
-                // Of many points every few are marked.
-                let every = c.points.len().div_ceil(if args.scatter { 4000 } else { 24 });
-                let size = if args.scatter { 1 } else { 4 };
-                let marked = c.points.iter().copied().step_by(every.max(1));
-                let series = chart.draw_series(marked.map(|p| mark!(k, p, size, colour)))?;
-                series.label(name).legend(move |(x, y)| mark!(k, (x + 10, y), 4, colour));
+            for k in 0..self.curves.len() {
+                self.draw_curve(&mut chart, k)?;
             }
-            for (name, y) in *levels {
-                let ends = [f64::MIN_POSITIVE, f64::MAX];
-                let xs = curves.iter().flat_map(|c| c.points.iter().map(|p| p.0));
-                let [low, high] = xs.fold([ends[1], -ends[1]], |[l, h], x| [l.min(x), h.max(x)]);
-                let line =
-                    DashedLineSeries::new([(low, *y), (high, *y)], 6, 4, BLACK.stroke_width(1));
-                chart
-                    .draw_series(line)?
-                    .label(name.clone())
-                    .legend(|(x, y)| PathElement::new([(x, y), (x + 20, y)], BLACK));
+            for level in self.levels {
+                self.draw_level(&mut chart, level)?;
             }
             chart
                 .configure_series_labels()
@@ -318,6 +227,49 @@ impl Shown<'_> {
         }
         Ok(out)
     }
+
+    /// Draw curve number `k`, with its entry in the legend.
+    fn draw_curve<'b, X, Y>(&self, chart: &mut Chart<'b, X, Y>, k: usize) -> Drawn
+    where
+        X: Ranged<ValueType = f64>,
+        Y: Ranged<ValueType = f64>,
+    {
+        let (args, c) = (self.args, &self.curves[k]);
+        let colour = COLOURS[k % COLOURS.len()];
+        let fit = if args.slopes { log_log_line(&c.points) } else { None };
+        let name = match fit {
+            Some((slope, _)) => format!("{} (slope {slope:.2})", c.name),
+            None => c.name.clone(),
+        };
+        if !args.scatter {
+            let line = LineSeries::new(c.points.iter().copied(), colour.stroke_width(2));
+            chart.draw_series(line)?;
+        }
+        // If there are many points, mark only some of them.
+        let every = c.points.len().div_ceil(if args.scatter { 4000 } else { 24 });
+        let size = if args.scatter { 1 } else { 4 };
+        let marked = c.points.iter().copied().step_by(every.max(1));
+        let series = chart.draw_series(marked.map(|p| mark!(k, p, size, colour)))?;
+        series.label(name).legend(move |(x, y)| mark!(k, (x + 10, y), 4, colour));
+        Ok(())
+    }
+
+    /// Draw a horizontal line over the range of all curves, with its entry in the legend.
+    fn draw_level<'b, X, Y>(&self, chart: &mut Chart<'b, X, Y>, (name, y): &(String, f64)) -> Drawn
+    where
+        X: Ranged<ValueType = f64>,
+        Y: Ranged<ValueType = f64>,
+    {
+        let ends = [f64::MIN_POSITIVE, f64::MAX];
+        let xs = self.curves.iter().flat_map(|c| c.points.iter().map(|p| p.0));
+        let [low, high] = xs.fold([ends[1], -ends[1]], |[l, h], x| [l.min(x), h.max(x)]);
+        let line = DashedLineSeries::new([(low, *y), (high, *y)], 6, 4, BLACK.stroke_width(1));
+        chart
+            .draw_series(line)?
+            .label(name.clone())
+            .legend(|(x, y)| PathElement::new([(x, y), (x + 20, y)], BLACK));
+        Ok(())
+    }
 }
 
 #[cfg(test)]
@@ -328,11 +280,5 @@ mod tests {
     fn labels_have_few_digits() {
         let all = [0.0, 0.25, 1000.0, 2e6, 3e-5].map(|v| label(&v));
         assert_eq!(all, ["0", "0.25", "1000", "2e6", "3e-5"]);
-    }
-
-    #[test]
-    fn a_table_that_does_not_fit_its_head_is_refused() {
-        let error = columns("a,b\n1,2\n3\n", Path::new("t.csv")).expect_err("a short line");
-        assert!(error.to_string().contains("1 fields for 2 columns: 3"), "{error}");
     }
 }

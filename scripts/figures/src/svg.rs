@@ -1,13 +1,13 @@
-//! Drawings with pictures in them.
+//! Helpers for drawings that contain pictures.
 
 use base64::Engine;
 
-/// Bytes as they stand in a page.
+/// Bytes as a data URI for a page.
 pub(crate) fn data_uri(kind: &str, bytes: &[u8]) -> String {
     format!("data:{kind};base64,{}", base64::engine::general_purpose::STANDARD.encode(bytes))
 }
 
-/// Text as it stands in XML.
+/// Text escaped for XML.
 pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

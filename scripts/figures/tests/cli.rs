@@ -1,11 +1,11 @@
-//! The command line: tables, drawings, figures and the page, from small pictures.
+//! Tests the command line: tables, drawings, figures and the page, from small pictures.
 
 use std::path::Path;
 
 use gi_core::image_io::{ImageFile, Layers, write_file};
 use gi_tests::program::{Folder, assert_refused, assert_success, run};
 
-/// A picture of one grey, and its view.
+/// A picture of uniform grey, and its display image.
 fn picture(folder: &Folder, name: &str, grey: f32, seconds: &str) {
     let metadata = [("gi.seconds", seconds), ("gi.command", "pathtrace scene.xml --spp <4>")];
     let layers = Layers {
@@ -37,7 +37,7 @@ fn refuse(arguments: &[&str], says: &[&str]) {
 fn pictures_become_tables_drawings_figures_and_a_page_that_needs_nothing_else() {
     let f = Folder::make();
     picture(&f, "reference", 1.0, "9");
-    // A name with a point in it finds its data all the same.
+    // A name that contains a dot must find its data.
     picture(&f, "alpha-0.5", 1.2, "2.5");
     picture(&f, "alpha-0.9", 1.1, "5");
     let (table, reference) = (f.at("errors.csv"), f.at("reference.exr"));
@@ -73,7 +73,7 @@ fn pictures_become_tables_drawings_figures_and_a_page_that_needs_nothing_else() 
 }
 
 #[test]
-fn what_is_missing_black_or_cut_off_is_refused_by_its_name() {
+fn missing_black_and_incomplete_panels_are_refused_by_name() {
     let f = Folder::make();
     picture(&f, "black", 0.0, "1");
     picture(&f, "fine", 0.5, "1");
@@ -82,7 +82,7 @@ fn what_is_missing_black_or_cut_off_is_refused_by_its_name() {
     let folder = f.at("");
     for (panel, says) in [
         ("black.png=x", "is black"),
-        ("half.png=x", "not whole"),
+        ("half.png=x", "is incomplete"),
         ("none.png=x", "cannot be read"),
         ("notes.txt=x", "cannot be read"),
     ] {

@@ -1,4 +1,4 @@
-//! The recipes, with programs that only write down how they were called.
+//! Tests the recipes, with stand-in programs that only log how they were called.
 #![cfg(unix)]
 
 use std::os::unix::fs::PermissionsExt;
@@ -7,13 +7,14 @@ use std::process::{Command, Output};
 
 use gi_tests::program::Folder;
 
-/// Make a target with stand-ins for all programs, of which runs with certain words fail; `None` where there is no make.
+/// Make a target with stand-ins for all programs. Runs whose arguments contain `breaks` fail. `None` if make is not
+/// installed.
 fn make(folder: &Path, breaks: &str, arguments: &[&str]) -> Option<Output> {
     if Command::new("make").arg("--version").output().is_err() {
         eprintln!("skipped: make is not installed");
         return None;
     }
-    // Each leaves a line in the log, and its picture unless it fails.
+    // Each stand-in writes a line to the log, and its picture unless it fails.
     let script = "#!/bin/sh\necho \"${0##*/} $*\" >> \"${0%/*}/log\"\n\
         case \"$*\" in *\"$BREAKS\"*) exit 1;; esac\n\
         while [ $# -gt 0 ]; do if [ \"$1\" = -o ]; then : > \"$2\"; : > \"${2%.exr}.png\"; fi; shift; done\n";
@@ -48,12 +49,15 @@ fn a_run_that_fails_in_a_loop_fails_the_figure_though_an_older_picture_is_there(
     assert!(output.status.success(), "{output:?}");
     let drawn = log(folder.path()).matches("figures figure").count();
     let output = make(folder.path(), "--passes 10 ", &["figure-43", "QUALITY=quick"]);
-    assert!(output.is_some_and(|o| !o.status.success()), "made of what was left from before");
+    assert!(
+        output.is_some_and(|o| !o.status.success()),
+        "the figure was made from an older picture"
+    );
     assert_eq!(log(folder.path()).matches("figures figure").count(), drawn);
 }
 
 #[test]
-fn a_look_leaves_no_references_of_its_size_for_the_full_figures() {
+fn references_of_quick_figures_are_not_used_for_full_ones() {
     let folder = Folder::make();
     for quality in ["QUALITY=quick", "QUALITY=full", "QUALITY=full"] {
         let Some(output) = make(folder.path(), NOTHING, &["figure-12", quality]) else { return };
@@ -61,7 +65,7 @@ fn a_look_leaves_no_references_of_its_size_for_the_full_figures() {
     }
     let log = log(folder.path());
     let references: Vec<&str> = log.lines().filter(|l| l.starts_with("pathtrace")).collect();
-    // One of each size, kept the second time.
+    // One reference of each size; the second run reuses them.
     assert_eq!(references.len(), 2, "{references:#?}");
     assert!(references[0].contains("128x128") && references[1].contains("512x512"));
 }

@@ -23,7 +23,7 @@ fn quad(c: [[f32; 3]; 4]) -> Mesh {
     Mesh::quad(c.map(Vec3::from_array))
 }
 
-/// The walls and the lamp, each with its file's name.
+/// The walls and the lamp, each with the name of its file.
 fn room() -> Vec<(String, Mesh)> {
     let piece = |name: &str, mesh| (format!("cornell-{name}"), mesh);
     vec![

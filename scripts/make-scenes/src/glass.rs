@@ -1,4 +1,5 @@
-//! Light through glass onto what is seen through glass: where path tracing fails [slides 35 to 46].
+//! Scenes where light goes through glass onto surfaces that are seen through glass. Path tracing fails there [slides 35
+//! to 46].
 
 use std::f32::consts::TAU;
 
@@ -8,7 +9,7 @@ use crate::SceneFile;
 use crate::mesh::Mesh;
 use crate::xml::{self, Camera, bsdf, comment, default, diffuse, glass, mesh, sphere};
 
-/// A lamp of its own radius parameter: a small one is what path tracing cannot find, a large one it can.
+/// A lamp with a radius parameter. Path tracing finds only a large lamp.
 fn lamp(center: Vec3, radiance: [f32; 3]) -> String {
     sphere(center, 0.0, "black", Some(radiance)).replace("value=\"0\"", "value=\"$lamp\"")
 }
@@ -48,7 +49,7 @@ pub(crate) fn torus_in_glass() -> SceneFile {
     SceneFile { name: "torus-in-glass", xml, meshes }
 }
 
-/// Height of the water's surface over its mean, metres: waves of several lengths and directions.
+/// Height of the water surface over its mean in metres: waves of several lengths and directions.
 fn wave(x: f32, z: f32) -> f32 {
     let waves = [(0.011, 1.9, 0.4, 0.3), (0.009, 3.1, 2.1, 1.7), (0.006, 5.3, 3.9, 4.2)];
     let height = |(amplitude, k, angle, phase): (f32, f32, f32, f32)| {
@@ -59,7 +60,7 @@ fn wave(x: f32, z: f32) -> f32 {
 
 /// A basin of water under a small lamp.
 pub(crate) fn pool() -> SceneFile {
-    /// Half width of the basin, its depth, and how far the deck reaches.
+    /// Half width of the basin, its depth, and half width of the deck.
     const HALF: f32 = 1.2;
     const DEPTH: f32 = 1.0;
     const DECK: f32 = 3.0;

@@ -1,10 +1,11 @@
-//! The project's scenes, made from code: Mitsuba 3 XML in `scenes/`, meshes beside it.
+//! Generates the project's scenes: Mitsuba 3 XML in `scenes/`, with meshes beside it.
 //!
-//! `make-scenes [FOLDER] [--lights N]` writes all of them (into `scenes` unless said), and the lamps of `gallery` for one more
-//! number of lights. The same program writes the same bytes.
+//! `make-scenes [FOLDER] [--lights N]` writes all scenes to FOLDER (default: `scenes`), and the lamps of `gallery` for
+//! one additional number of lights. The output is the same, byte for byte, in every run.
 
 mod buildings;
 mod cornell;
+mod gallery;
 mod glass;
 mod media;
 mod mesh;
@@ -18,7 +19,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use mesh::Mesh;
 
-/// A scene's file and the meshes that it names.
+/// A scene file and the meshes that it uses.
 struct SceneFile {
     name: &'static str,
     xml: String,
@@ -31,7 +32,7 @@ fn main() -> anyhow::Result<()> {
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         if argument == "--lights" {
-            let n = arguments.next().context("--lights wants a number")?;
+            let n = arguments.next().context("--lights needs a number")?;
             lights = Some(
                 n.parse::<u32>()
                     .ok()
@@ -54,7 +55,7 @@ fn main() -> anyhow::Result<()> {
         rooms::ring(),
         glass::torus_in_glass(),
         glass::pool(),
-        rooms::gallery(),
+        gallery::gallery(),
         outdoors::patio(),
         buildings::pavilion(),
         buildings::colonnade(),
@@ -69,7 +70,7 @@ fn main() -> anyhow::Result<()> {
         write_meshes(&folder, &scene.meshes)?;
     }
     if let Some(n) = lights {
-        write_meshes(&folder, &[rooms::gallery_lights(n)])?;
+        write_meshes(&folder, &[gallery::gallery_lights(n)])?;
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! Light inside things: mist, a translucent solid, a glass of milk [slide 34].
+//! Scenes with light inside media: mist, a translucent solid, a glass of milk [slide 34].
 
 use glam::{Quat, Vec2, Vec3};
 
@@ -11,7 +11,7 @@ use crate::xml::{
 
 const SEGMENTS: u32 = 96;
 
-/// A named medium; sigma_t is one over world units.
+/// A named medium; sigma_t is per world unit.
 fn medium(id: &str, sigma_t: [f32; 3], albedo: [f32; 3], g: f32) -> String {
     let phase = if g == 0.0 {
         "<phase type=\"isotropic\"/>".to_string()
@@ -31,7 +31,7 @@ fn dielectric(int: f32, ext: f32) -> String {
     )
 }
 
-/// A shaded lamp that shines on a ball of glass in mist: the ball focuses the light, and the mist shows how.
+/// A shaded lamp shines on a glass ball in mist: the ball focuses the light, and the mist makes it visible.
 pub(crate) fn fog() -> SceneFile {
     let at = Vec3::new(-1.25, 2.75, 0.35);
     let ball = Vec3::new(0.15, 1.15, 0.0);
@@ -56,7 +56,7 @@ pub(crate) fn fog() -> SceneFile {
         mesh("fog-floor", "floor", None),
         mesh("fog-wall", "floor", None),
     ];
-    // A tube round the lamp, open toward the ball.
+    // A tube around the lamp, open toward the ball.
     let shade = [[0.0, -0.2], [0.2, -0.2], [0.2, 0.42], [0.19, 0.42], [0.19, -0.19], [0.0, -0.19]];
     let turn = Quat::from_rotation_arc(Vec3::Y, (ball - at).normalize());
     let shade = Mesh::lathe(&shade.map(Vec2::from_array), SEGMENTS).turned(turn).moved(at);
@@ -83,7 +83,7 @@ pub(crate) fn fog() -> SceneFile {
     SceneFile { name: "fog", xml, meshes }
 }
 
-/// From the middle of a chessman's foot to the top of its head, as (radius, height).
+/// The profile of a chessman, from the centre of its foot to the top of its head, as (radius, height).
 const CHESSMAN: [[f32; 2]; 14] = [
     [0.48, 0.0],
     [0.5, 0.07],
@@ -101,7 +101,7 @@ const CHESSMAN: [[f32; 2]; 14] = [
     [0.0, 1.49],
 ];
 
-/// A chessman and a ring of polished marble before a lamp.
+/// A chessman and a ring of polished marble in front of a lamp.
 pub(crate) fn marble() -> SceneFile {
     let body = [
         comment("Marble: most light that enters leaves again, some way off"),
@@ -142,7 +142,7 @@ pub(crate) fn marble() -> SceneFile {
 
 /// A tumbler of milk on a table under a lamp.
 pub(crate) fn milk() -> SceneFile {
-    /// Outer radius, height, thickness of wall and bottom, height of the milk.
+    /// Outer radius, height, thickness of wall and bottom, and height of the milk.
     const R: f32 = 0.42;
     const H: f32 = 1.2;
     const WALL: f32 = 0.03;

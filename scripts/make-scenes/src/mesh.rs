@@ -1,4 +1,4 @@
-//! Meshes from formulas, written as binary PLY.
+//! Generates meshes, and writes them as binary PLY.
 
 use std::f32::consts::TAU;
 
@@ -13,7 +13,7 @@ pub(crate) struct Mesh {
 }
 
 impl Mesh {
-    /// One planar quadrilateral; its normal follows the right hand round the corners.
+    /// One planar quadrilateral; its normal follows the right-hand rule around the corners.
     pub(crate) fn quad(corners: [Vec3; 4]) -> Self {
         Mesh {
             positions: corners.to_vec(),
@@ -34,8 +34,8 @@ impl Mesh {
         faces.iter().fold(Mesh::default(), |m, f| m.with(&Mesh::quad(f.map(corner))))
     }
 
-    /// A surface of revolution round the y axis of a profile of (radius, height) from bottom to top,
-    /// normals away from the axis, smooth where the profile turns by less than 40 degrees.
+    /// A surface of revolution around the y axis. The profile lists (radius, height) from bottom to top. Normals point
+    /// away from the axis; they are smooth where the profile turns by less than 40 degrees.
     pub(crate) fn lathe(profile: &[Vec2], segments: u32) -> Self {
         let mut mesh = Mesh::default();
         let out = |a: Vec2, b: Vec2| Vec2::new(b.y - a.y, a.x - b.x).normalize();
@@ -48,7 +48,7 @@ impl Mesh {
             let (n0, n1) = (joined(k.wrapping_sub(1)), joined(k + 1));
             let base = mesh.positions.len() as u32;
             for s in 0..=segments {
-                // The last column is the first one again, to the bit: the surface is closed.
+                // The last column equals the first one exactly, so that the surface is closed.
                 let (sin, cos) = (TAU * (s % segments) as f32 / segments as f32).sin_cos();
                 for (p, n) in [(w[0], n0), (w[1], n1)] {
                     mesh.positions.push(Vec3::new(p.x * cos, p.y, p.x * sin));
@@ -64,7 +64,7 @@ impl Mesh {
         mesh
     }
 
-    /// The mesh with its faces turned to the side that `n` points to.
+    /// The mesh with its faces turned toward the side of `n`.
     pub(crate) fn facing(mut self, n: Vec3) -> Self {
         for t in &mut self.triangles {
             let [a, b, c] = t.map(|i| self.positions[i as usize]);
@@ -75,7 +75,7 @@ impl Mesh {
         self
     }
 
-    /// A corner of a room: floor and two walls of side 2 `size`.
+    /// A corner of a room: floor and two walls with side length 2 `size`.
     pub(crate) fn corner(size: f32) -> Self {
         let (s, h) = (size, 2.0 * size);
         let v = |x, y, z| Vec3::new(x, y, z);
@@ -85,7 +85,8 @@ impl Mesh {
         floor.with(&back).with(&left)
     }
 
-    /// A ring round the y axis: `major` from its axis to the middle of its tube, `minor` the tube's radius.
+    /// A ring around the y axis: `major` is the distance from the axis to the centre of the tube, `minor` the radius of
+    /// the tube.
     pub(crate) fn torus(major: f32, minor: f32, [around, across]: [u32; 2]) -> Self {
         let vertex = |i: u32, j: u32| {
             let (sin_u, cos_u) = (TAU * i as f32 / around as f32).sin_cos();
@@ -105,7 +106,7 @@ impl Mesh {
         mesh
     }
 
-    /// Heights over the square of half side `half` round the y axis, `n` cells a side, normals upward.
+    /// A height field over a square around the y axis with half side `half`, `n` cells per side, normals upward.
     pub(crate) fn height_field(half: f32, n: u32, height: impl Fn(f32, f32) -> f32) -> Self {
         let mut mesh = Mesh::default();
         let step = 2.0 * half / n as f32;
@@ -126,7 +127,7 @@ impl Mesh {
         mesh
     }
 
-    /// The mesh turned about the origin.
+    /// The mesh rotated about the origin.
     pub(crate) fn turned(mut self, by: Quat) -> Self {
         self.positions.iter_mut().chain(&mut self.normals).for_each(|v| *v = by * *v);
         self

@@ -1,4 +1,4 @@
-//! Under the sky.
+//! Scenes under the sky.
 
 use glam::{Vec2, Vec3};
 
@@ -11,7 +11,38 @@ use crate::xml::{
 
 /// A paved court with columns and a slatted roof, under sun and sky.
 pub(crate) fn patio() -> SceneFile {
-    let body = [
+    let floor = Mesh::quad(
+        [[-200.0, -200.0], [-200.0, 200.0], [200.0, 200.0], [200.0, -200.0]]
+            .map(|[x, z]| Vec3::new(x, 0.0, z)),
+    );
+    let slats = (0..14).fold(Mesh::default(), |m, k| {
+        let z = 1.9 - 0.47 * k as f32;
+        m.with(&Mesh::cuboid(Vec3::new(-2.7, 2.75, z - 0.06), Vec3::new(2.7, 2.95, z + 0.06)))
+    });
+    let wall = Mesh::cuboid(Vec3::new(-4.0, 0.0, -5.2), Vec3::new(4.0, 2.2, -4.9));
+    let meshes = vec![
+        ("patio-floor".into(), floor),
+        ("patio-columns".into(), columns()),
+        ("patio-slats".into(), slats),
+        ("patio-wall".into(), wall),
+    ];
+    let camera = Camera {
+        origin: Vec3::new(1.3, 1.6, 5.4),
+        target: Vec3::new(-0.1, 1.05, -1.0),
+        fov: 55.0,
+        size: [512, 384],
+    };
+    let xml = xml::scene(
+        "A paved court with columns and a slatted roof, under sun and sky.",
+        &camera,
+        &body(),
+    );
+    SceneFile { name: "patio", xml, meshes }
+}
+
+/// The scene file after the camera.
+fn body() -> Vec<String> {
+    vec![
         default("sun", 1),
         default("sky", 1),
         comment("Materials"),
@@ -29,11 +60,11 @@ pub(crate) fn patio() -> SceneFile {
         sphere(Vec3::new(0.9, 0.35, 0.3), 0.35, "gold", None),
         comment("Sun and sky; Mitsuba's sky has its zenith along z"),
         sun_and_sky(Vec3::new(0.5, 0.35, 0.6)),
-    ];
-    let floor = Mesh::quad(
-        [[-200.0, -200.0], [-200.0, 200.0], [200.0, 200.0], [200.0, -200.0]]
-            .map(|[x, z]| Vec3::new(x, 0.0, z)),
-    );
+    ]
+}
+
+/// Four columns on either side.
+fn columns() -> Mesh {
     let profile = [
         [0.3, 0.0],
         [0.3, 0.12],
@@ -46,28 +77,5 @@ pub(crate) fn patio() -> SceneFile {
     .map(Vec2::from_array);
     let column = Mesh::lathe(&profile, 48);
     let stands = (0..4).flat_map(|k| [-2.2, 2.2].map(|x| Vec3::new(x, 0.0, 1.5 - 1.8 * k as f32)));
-    let columns = stands.fold(Mesh::default(), |m, p| m.with(&column.clone().moved(p)));
-    let slats = (0..14).fold(Mesh::default(), |m, k| {
-        let z = 1.9 - 0.47 * k as f32;
-        m.with(&Mesh::cuboid(Vec3::new(-2.7, 2.75, z - 0.06), Vec3::new(2.7, 2.95, z + 0.06)))
-    });
-    let wall = Mesh::cuboid(Vec3::new(-4.0, 0.0, -5.2), Vec3::new(4.0, 2.2, -4.9));
-    let meshes = vec![
-        ("patio-floor".into(), floor),
-        ("patio-columns".into(), columns),
-        ("patio-slats".into(), slats),
-        ("patio-wall".into(), wall),
-    ];
-    let camera = Camera {
-        origin: Vec3::new(1.3, 1.6, 5.4),
-        target: Vec3::new(-0.1, 1.05, -1.0),
-        fov: 55.0,
-        size: [512, 384],
-    };
-    let xml = xml::scene(
-        "A paved court with columns and a slatted roof, under sun and sky.",
-        &camera,
-        &body,
-    );
-    SceneFile { name: "patio", xml, meshes }
+    stands.fold(Mesh::default(), |m, p| m.with(&column.clone().moved(p)))
 }

@@ -1,4 +1,4 @@
-//! On a table: what a photon map is for.
+//! A scene on a table that photon maps render well.
 
 use glam::{Vec2, Vec3};
 
@@ -22,7 +22,7 @@ const BOWL: [[f32; 2]; 7] = [
     [0.33, 1.24],
     [0.27, 1.38],
 ];
-/// From the middle of the foot to the bowl.
+/// The profile from the centre of the foot to the bowl.
 const FOOT: [[f32; 2]; 7] = [
     [0.0, 0.0],
     [0.36, 0.0],
@@ -40,7 +40,7 @@ pub(crate) fn cognac() -> SceneFile {
     let inside = moved_in(&outside);
     let (dry, wet) = cut(&inside);
     let rim = [outside[outside.len() - 1], inside[inside.len() - 1]];
-    // Round the glass where there is air: up the outside, over the rim, down the inside to the cognac.
+    // The glass where it touches air: up the outside, over the rim, down the inside to the cognac.
     let round: Vec<Vec2> =
         outside.iter().chain(&rim[1..]).copied().chain(dry.iter().rev().skip(1).copied()).collect();
     let stem = smooth(&foot[2..]);
@@ -55,7 +55,27 @@ pub(crate) fn cognac() -> SceneFile {
     let wall = Mesh::quad(
         [[-6.0, 0.0], [6.0, 0.0], [6.0, 6.0], [-6.0, 6.0]].map(|[x, y]| Vec3::new(x, y, -4.0)),
     );
-    // A tint wherever light enters or leaves the cognac, which programs draw that know no media; or absorption on the way.
+    let camera = Camera {
+        origin: Vec3::new(0.9, 2.1, 3.9),
+        target: Vec3::new(0.28, 0.52, 0.0),
+        fov: 32.0,
+        size: [512, 512],
+    };
+    let meshes = vec![
+        ("cognac-glass".into(), glass_mesh),
+        ("cognac-inside".into(), Mesh::lathe(&down, SEGMENTS)),
+        ("cognac-surface".into(), Mesh::lathe(&top, SEGMENTS)),
+        ("cognac-table".into(), table),
+        ("cognac-wall".into(), wall),
+        ("cognac-lamp".into(), lamp(Vec3::new(-2.4, 2.9, -0.9), Vec3::new(0.0, 0.7, 0.0), 0.12)),
+    ];
+    let xml = xml::scene("A snifter of cognac on a table: the caustic.", &camera, &body());
+    SceneFile { name: "cognac", xml, meshes }
+}
+
+/// The scene file after the camera.
+fn body() -> Vec<String> {
+    // Either a tint at the boundary of the cognac, for programs that do not support media, or absorption along the way.
     let tint = "<rgb name=\"specular_transmittance\" value=\"$tint\"/>";
     let amber = "    <medium type=\"homogeneous\" id=\"amber\">\n        <rgb name=\"sigma_t\" value=\"$absorption\"/>\n        \
                  <rgb name=\"albedo\" value=\"0, 0, 0\"/>\n    </medium>\n";
@@ -65,8 +85,8 @@ pub(crate) fn cognac() -> SceneFile {
              <float name=\"ext_ior\" value=\"{ext}\"/>\n    {tint}\n</bsdf>\n"
         )
     };
-    let body = [
-        // Two tints are what 0.4 units of this absorption leave.
+    vec![
+        // Two of these tints have the effect of this absorption over a length of 0.4.
         comment("The cognac's colour: a tint at its boundary, which all programs know, or with -D tint=1,1,1 -D absorption=0.36,2.08,6.37 by the length of the way"),
         default("tint", "0.93, 0.66, 0.28"),
         default("absorption", "0, 0, 0"),
@@ -87,26 +107,10 @@ pub(crate) fn cognac() -> SceneFile {
         mesh("cognac-wall", "wall", None),
         mesh("cognac-lamp", "black", Some([640.0, 580.0, 490.0])),
         "    <emitter type=\"constant\">\n        <rgb name=\"radiance\" value=\"0.12, 0.13, 0.15\"/>\n    </emitter>\n".into(),
-    ];
-    let camera = Camera {
-        origin: Vec3::new(0.9, 2.1, 3.9),
-        target: Vec3::new(0.28, 0.52, 0.0),
-        fov: 32.0,
-        size: [512, 512],
-    };
-    let meshes = vec![
-        ("cognac-glass".into(), glass_mesh),
-        ("cognac-inside".into(), Mesh::lathe(&down, SEGMENTS)),
-        ("cognac-surface".into(), Mesh::lathe(&top, SEGMENTS)),
-        ("cognac-table".into(), table),
-        ("cognac-wall".into(), wall),
-        ("cognac-lamp".into(), lamp(Vec3::new(-2.4, 2.9, -0.9), Vec3::new(0.0, 0.7, 0.0), 0.12)),
-    ];
-    let xml = xml::scene("A snifter of cognac on a table: the caustic.", &camera, &body);
-    SceneFile { name: "cognac", xml, meshes }
+    ]
 }
 
-/// A square lamp of half side `half` at `p` that faces `target`.
+/// A square lamp with half side `half` at `p` that faces `target`.
 pub(crate) fn lamp(p: Vec3, target: Vec3, half: f32) -> Mesh {
     let n = (target - p).normalize();
     let s = n.cross(Vec3::Y).normalize() * half;
@@ -114,7 +118,7 @@ pub(crate) fn lamp(p: Vec3, target: Vec3, half: f32) -> Mesh {
     Mesh::quad([p - s - t, p + s - t, p + s + t, p - s + t]).facing(n)
 }
 
-/// A curve through the points \[Catmull74\], eight pieces between two.
+/// A smooth curve through the points \[Catmull74\], with eight segments between two points.
 pub(crate) fn smooth(points: &[Vec2]) -> Vec<Vec2> {
     const PIECES: usize = 8;
     let last = points.len() - 1;
@@ -136,7 +140,7 @@ pub(crate) fn smooth(points: &[Vec2]) -> Vec<Vec2> {
     out
 }
 
-/// The inside of the bowl: its outside moved in by the thickness, closed at the axis.
+/// The inside of the bowl: its outside offset inward by the thickness, closed at the axis.
 fn moved_in(outside: &[Vec2]) -> Vec<Vec2> {
     let n = outside.len();
     let mut inside = vec![];
@@ -152,7 +156,7 @@ fn moved_in(outside: &[Vec2]) -> Vec<Vec2> {
     inside
 }
 
-/// Part the inside at the level of the cognac: above and below, both from bottom to top.
+/// Split the inside at the level of the cognac, into the parts above and below, both from bottom to top.
 fn cut(inside: &[Vec2]) -> (Vec<Vec2>, Vec<Vec2>) {
     let k = inside.iter().position(|p| p.y > LEVEL).unwrap_or(inside.len() - 1);
     let (a, b) = (inside[k - 1], inside[k]);

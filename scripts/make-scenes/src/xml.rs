@@ -1,10 +1,10 @@
-//! Mitsuba 3 XML, as text.
+//! Writes Mitsuba 3 XML as text.
 
 use std::fmt::Display;
 
 use glam::Vec3;
 
-/// A scene: the camera, then the rest.
+/// A scene: the camera, then the shapes and materials.
 pub(crate) fn scene(about: &str, camera: &Camera, body: &[String]) -> String {
     let body: String = body.concat();
     format!(
@@ -18,7 +18,7 @@ pub(crate) fn scene(about: &str, camera: &Camera, body: &[String]) -> String {
 pub(crate) struct Camera {
     pub(crate) origin: Vec3,
     pub(crate) target: Vec3,
-    /// Across the picture, degrees.
+    /// Horizontal field of view, degrees.
     pub(crate) fov: f32,
     pub(crate) size: [u32; 2],
 }
@@ -66,7 +66,7 @@ pub(crate) fn bsdf(id: &str, inner: &str) -> String {
     indent(&inner)
 }
 
-/// A two-sided Lambertian.
+/// A two-sided Lambertian material.
 pub(crate) fn diffuse(rgb: [f32; 3]) -> String {
     two_sided(&format!("<bsdf type=\"diffuse\">\n    {}\n</bsdf>\n", color("reflectance", rgb)))
 }
@@ -106,7 +106,7 @@ pub(crate) fn color(name: &str, [r, g, b]: [f32; 3]) -> String {
     format!("<rgb name=\"{name}\" value=\"{r}, {g}, {b}\"/>")
 }
 
-/// A mesh with a material, and perhaps the radiance that it emits.
+/// A mesh with a material, and optionally the radiance that it emits.
 pub(crate) fn mesh(file: &str, material: &str, radiance: Option<[f32; 3]>) -> String {
     shape(
         "ply",
@@ -116,7 +116,7 @@ pub(crate) fn mesh(file: &str, material: &str, radiance: Option<[f32; 3]>) -> St
     )
 }
 
-/// A shape that parts media: what lies against its normal, and on the side of it.
+/// A shape that separates media: `interior` is on the side opposite to its normal, `exterior` on the side of it.
 pub(crate) fn parting(shape: &str, interior: Option<&str>, exterior: Option<&str>) -> String {
     let line = |side: &str, id: Option<&str>| {
         id.map_or(String::new(), |id| format!("        <ref name=\"{side}\" id=\"{id}\"/>\n"))
@@ -137,7 +137,7 @@ pub(crate) fn sphere(
     shape("sphere", &body, material, radiance)
 }
 
-/// A shape of some type.
+/// A shape of the given type.
 pub(crate) fn shape(kind: &str, body: &str, material: &str, radiance: Option<[f32; 3]>) -> String {
     let emitter = radiance.map_or(String::new(), |c| {
         format!("<emitter type=\"area\">\n    {}\n</emitter>\n", color("radiance", c))
@@ -146,7 +146,7 @@ pub(crate) fn shape(kind: &str, body: &str, material: &str, radiance: Option<[f3
     indent(&format!("<shape type=\"{kind}\">\n{}</shape>\n", indent(&inner)))
 }
 
-/// Sun and sky with their scales as parameters, the zenith turned to y. `sun` is the direction to it, in the world.
+/// Sun and sky, with their scales as parameters and the zenith along y. `sun` is the world direction to the sun.
 pub(crate) fn sun_and_sky(sun: Vec3) -> String {
     format!(
         "    <emitter type=\"sunsky\">\n\
@@ -167,12 +167,12 @@ pub(crate) fn point(name: &str, p: Vec3) -> String {
     format!("<point name=\"{name}\" x=\"{}\" y=\"{}\" z=\"{}\"/>", p.x, p.y, p.z)
 }
 
-/// Three numbers.
+/// Three numbers as text.
 pub(crate) fn list(p: Vec3) -> String {
     format!("{}, {}, {}", p.x, p.y, p.z)
 }
 
-/// Move every line four blanks to the right.
+/// Indent every line by four spaces.
 pub(crate) fn indent(text: &str) -> String {
     text.lines().map(|line| format!("    {line}\n")).collect()
 }

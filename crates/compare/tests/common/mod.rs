@@ -1,4 +1,4 @@
-//! What the tests of the program share.
+//! Functions that the tests of the program share.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -10,7 +10,7 @@ pub(crate) fn run(arguments: &[&str]) -> Output {
     gi_tests::program::run(env!("CARGO_BIN_EXE_compare"), arguments)
 }
 
-/// See to it that two techniques' programs stand beside this one: they do when the whole workspace is tested.
+/// Make sure that two techniques' programs exist beside this one. They do if the whole workspace is tested.
 pub(crate) fn build_programs() {
     let beside = Path::new(env!("CARGO_BIN_EXE_compare")).parent().expect("a folder");
     for program in ["pathtrace", "photonmap"] {
@@ -27,7 +27,7 @@ pub(crate) fn build_programs() {
     }
 }
 
-/// Save a picture of some size, its channels by name and formula of the pixel's number.
+/// Save a picture; each channel has a name and a formula of the pixel's index.
 pub(crate) fn save(
     path: &str,
     [width, height]: [usize; 2],

@@ -1,4 +1,4 @@
-//! Embree 3 or 4 through its C interface, opened at run time.
+//! Embree 3 or 4 through its C interface, loaded at run time.
 
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::time::Instant;
@@ -39,7 +39,7 @@ struct RtcRayHit {
     hit: RtcHit,
 }
 
-/// The context that version 3 wants with every call.
+/// The context that version 3 needs with every call.
 #[repr(C)]
 struct Context3 {
     flags: u32,
@@ -77,7 +77,7 @@ pub(crate) struct Library {
 }
 
 impl Library {
-    /// Open the library at `path`.
+    /// Load the library at `path`.
     #[expect(
         clippy::missing_transmute_annotations,
         clippy::useless_transmute,
@@ -98,7 +98,7 @@ impl Library {
                 if address.is_null() {
                     return Err(concat!($name, " is missing").to_string());
                 }
-                // SAFETY: the field that takes it has the signature of Embree's header.
+                // SAFETY: the field that receives it has the signature from Embree's header.
                 unsafe { std::mem::transmute::<*mut c_void, _>(address) }
             }};
         }
@@ -136,10 +136,10 @@ impl<'a> Embree<'a> {
     /// Build at medium quality, Embree's default.
     pub(crate) fn new(library: &'a Library, mesh: &Mesh, robust: bool, threads: usize) -> Self {
         let config = CString::new(format!("threads={threads}")).expect("no zero byte");
-        // SAFETY: calls in the order that Embree documents, with buffers of the sizes that are then written.
+        // SAFETY: the calls follow the order that Embree documents, and the buffers have the sizes that are written.
         unsafe {
             let device = (library.new_device)(config.as_ptr());
-            assert!(!device.is_null(), "Embree makes no device");
+            assert!(!device.is_null(), "Embree creates no device");
             let version = (library.property)(device, VERSION);
             let geometry = (library.new_geometry)(device, TRIANGLES);
             let (nv, nf) = (mesh.vertices.len(), mesh.faces.len());
@@ -163,7 +163,7 @@ impl<'a> Embree<'a> {
         }
     }
 
-    /// For instance 40400.
+    /// Embree's version number, such as 40400.
     pub(crate) fn version(&self) -> isize {
         self.version
     }
@@ -180,7 +180,7 @@ impl<'a> Embree<'a> {
         type Intersect4 = unsafe extern "C" fn(Handle, *mut RtcRayHit, Handle);
         let hit = RtcHit { ng: [0.0; 3], u: 0.0, v: 0.0, prim: NONE, geom: NONE, inst: [NONE; 5] };
         let mut query = RtcRayHit { ray: Self::ray(ray), hit };
-        // SAFETY: the function has the signature of its version, and the structures are at least as large as its own.
+        // SAFETY: the function has the signature of its version, and our structures are at least as large as Embree's.
         unsafe {
             if self.version < 40000 {
                 let mut context = Context3 { flags: 0, filter: std::ptr::null(), inst: [NONE; 8] };
@@ -217,7 +217,7 @@ impl<'a> Embree<'a> {
 
 impl Drop for Embree<'_> {
     fn drop(&mut self) {
-        // SAFETY: both handles are live and used no more.
+        // SAFETY: both handles are valid and not used afterwards.
         unsafe {
             (self.library.release_scene)(self.scene);
             (self.library.release_device)(self.device);

@@ -1,11 +1,11 @@
-//! Single rays through generated meshes: this tree against others, as ratios from one run.
+//! Traces single rays through generated meshes: compares this tree with others, as ratios from one run.
 //!
-//! `cargo bench -p gi-bvh --bench rays -- [MESH [RAYS]]`; with `--features embree` and `EMBREE_LIB=path[:path]` also
-//! against Embree 3 or 4, which then is what the ratios refer to.
+//! `cargo bench -p gi-bvh --bench rays -- [MESH [RAYS]]`. With `--features embree` and `EMBREE_LIB=path[:path]`, it
+//! also runs Embree 3 or 4, and the ratios are then relative to Embree.
 //!
-//! For every chunk of rays all tracers run in turn, each after an untimed run over the neighbouring chunk, so that it
-//! finds its own data in the caches; of several rounds the least thread time counts. The ratio is the median over
-//! chunks of the ratio within the chunk.
+//! For each chunk of rays, all tracers run in turn. Before its timed run, each tracer traces the neighbouring chunk, so
+//! that its own data is in the caches. Of several rounds, the smallest thread time counts. The reported ratio is the
+//! median of the ratios of all chunks.
 
 #[cfg(feature = "embree")]
 mod embree;
@@ -75,7 +75,7 @@ struct Libraries;
 #[cfg(feature = "embree")]
 fn libraries() -> Libraries {
     let paths = std::env::var("EMBREE_LIB")
-        .expect("EMBREE_LIB names the library, or several joined by colons");
+        .expect("EMBREE_LIB is the path of the library, or several paths separated by colons");
     paths
         .split(':')
         .map(|p| embree::Library::open(p).unwrap_or_else(|e| panic!("{p}: {e}")))
@@ -87,7 +87,7 @@ fn libraries() -> Libraries {
     Libraries
 }
 
-/// Seconds that this thread has computed.
+/// CPU time of this thread, seconds.
 #[cfg(unix)]
 fn thread_seconds() -> f64 {
     let mut t = libc::timespec { tv_sec: 0, tv_nsec: 0 };
@@ -103,7 +103,7 @@ fn thread_seconds() -> f64 {
     START.elapsed().as_secs_f64()
 }
 
-/// Build times at one and two threads, the least of a few.
+/// Build times with one and two threads, each the smallest of a few.
 fn build_times(scene: &Scene, libraries: &Libraries) {
     let triangles = scene.mesh.triangles();
     let least = |f: &mut dyn FnMut() -> f64| (0..4).map(|_| f()).fold(f64::INFINITY, f64::min);
@@ -184,7 +184,7 @@ fn run(scene: &Scene, count: usize, libraries: &Libraries) -> Vec<Row> {
     report(&tracers, &best, &differences)
 }
 
-/// How many answers of each tracer differ from the first's.
+/// For each tracer, the number of answers that differ from the first tracer's.
 fn compare(tracers: &mut [Tracer], rays: &Rays) -> Vec<usize> {
     let mut reference: Option<(Vec<Answer>, Vec<bool>)> = None;
     let differ = |a: &Answer, b: &Answer| match (a, b) {
@@ -204,7 +204,7 @@ fn compare(tracers: &mut [Tracer], rays: &Rays) -> Vec<usize> {
     count
 }
 
-/// The least seconds of every chunk, tracer and set.
+/// Smallest time in seconds for each chunk, tracer and set of rays.
 fn time(tracers: &mut [Tracer], rays: &Rays) -> Vec<Vec<[f64; 3]>> {
     let chunk = CHUNK.min(rays.primary.len());
     let chunks = rays.primary.len() / chunk;

@@ -1,4 +1,4 @@
-//! Meshes made on the spot, and the rays that a path tracer would send through them.
+//! Generated meshes, and the rays that a path tracer would trace through them.
 
 use std::collections::HashMap;
 use std::f32::consts::TAU;
@@ -27,7 +27,7 @@ impl Mesh {
         Mesh { vertices, faces }
     }
 
-    /// The unit sphere: an octahedron, each triangle cut in four `levels` times.
+    /// The unit sphere: an octahedron, each triangle subdivided in four `levels` times.
     fn sphere(levels: u32) -> Mesh {
         let vertices = vec![Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
         let faces = vec![
@@ -139,7 +139,7 @@ impl Mesh {
     }
 }
 
-/// A mesh, a camera in it, and a square light.
+/// A mesh, a camera inside it, and a square light.
 pub(crate) struct Scene {
     pub(crate) name: &'static str,
     pub(crate) mesh: Mesh,
@@ -204,7 +204,7 @@ fn rock(p: Vec3) -> f32 {
     0.25 * noise(p, 3.0) + 0.12 * noise(p, 9.0) + 0.05 * noise(p, 31.0) + 0.02 * noise(p, 101.0)
 }
 
-/// 2400 thin boxes, cylinders and spheres, half of them turned at random: long thin triangles.
+/// 2400 thin boxes, cylinders and spheres, half of them rotated at random: long thin triangles.
 fn add_clutter(mesh: &mut Mesh) {
     let mut rng = Pcg::new(7, 0);
     for i in 0..2400 {
@@ -234,13 +234,13 @@ fn on_sphere(rng: &mut Pcg) -> Vec3 {
     Vec3::new((1.0 - z * z).sqrt() * c, (1.0 - z * z).sqrt() * s, z)
 }
 
-/// Three sets of rays, of the same number each.
+/// Three sets of rays of equal size.
 pub(crate) struct Rays {
     /// From the eye, in scanline order.
     pub(crate) primary: Vec<Ray>,
-    /// Three cosine bounces a path, in path order.
+    /// Three cosine-distributed bounces per path, in path order.
     pub(crate) bounce: Vec<Ray>,
-    /// From the hits to the light.
+    /// From the hit points to the light.
     pub(crate) shadow: Vec<Ray>,
 }
 

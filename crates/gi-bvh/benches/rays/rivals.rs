@@ -1,4 +1,4 @@
-//! obvhs's own traversals, at their best settings: triangles copied into the tree's order, large ones split first.
+//! obvhs's own traversals with their best settings: triangles copied in tree order, large ones split first.
 
 use std::time::Duration;
 
@@ -12,7 +12,7 @@ use obvhs::triangle::Triangle;
 
 use crate::meshes::Mesh;
 
-/// A tree of obvhs and its triangles in leaf order.
+/// An obvhs tree and its triangles in leaf order.
 pub(crate) struct Obvhs<T> {
     tree: T,
     triangles: Vec<RtTriangle>,

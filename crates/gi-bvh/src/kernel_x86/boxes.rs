@@ -1,4 +1,4 @@
-//! Eight boxes at once, and pushing those that are hit in the ray's octant order \[Fuetterling17\].
+//! Tests eight boxes at once, and pushes those that are hit in the ray's octant order \[Fuetterling17\].
 
 use std::arch::x86_64::*;
 
@@ -6,23 +6,23 @@ use super::super::layout::{Node, WIDTH};
 use super::super::walk::SMALLEST_STEP;
 use crate::ray::Ray;
 
-/// Bytes of a row of [`Node::bounds`].
+/// Bytes per row of [`Node::bounds`].
 const ROW: usize = 4 * WIDTH;
 
-/// The ray in all lanes.
+/// The ray, broadcast to all lanes.
 pub(super) struct Wide {
     /// 1 / d.
     inv: [__m256; 3],
     /// o / d.
     scaled: [__m256; 3],
     tmin: __m256,
-    /// Where the rows of the near planes begin, in bytes; the far planes are the other of each pair.
+    /// Byte offsets of the rows of near planes; the far planes are the other rows of each pair.
     near: [usize; 3],
     /// How far to shift [`Node::order`].
     order_shift: __m128i,
 }
 
-/// What [`Walk`](super::super::walk::Walk) computes, in registers throughout.
+/// Compute [`Walk`](super::super::walk::Walk)'s values in SIMD registers.
 #[inline]
 #[target_feature(enable = "avx2,fma")]
 pub(super) fn widen(ray: &Ray) -> Wide {
@@ -58,7 +58,7 @@ fn load_words(row: &[u32; WIDTH]) -> __m256i {
     unsafe { _mm256_loadu_si256(row.as_ptr().cast()) }
 }
 
-/// Where the ray enters each child, and a mask of the children that it meets within (tmin, tmax].
+/// Where the ray enters each child, and a mask of the children that it intersects within (tmin, tmax].
 #[inline]
 #[target_feature(enable = "avx2,fma")]
 pub(super) fn slabs(node: &Node, wide: &Wide, tmax: f32) -> (__m256, __m256) {
@@ -79,14 +79,14 @@ pub(super) fn slabs(node: &Node, wide: &Wide, tmax: f32) -> (__m256, __m256) {
     (near, _mm256_cmp_ps::<_CMP_LE_OQ>(near, far))
 }
 
-/// How many children are hit.
+/// The number of children that are hit.
 #[inline]
 #[target_feature(enable = "avx2,fma,popcnt")]
 pub(super) fn count(hits: __m256) -> usize {
     _mm256_movemask_ps(hits).count_ones() as usize
 }
 
-/// For every mask, the lanes that are set, in order.
+/// For each mask, the indices of its set lanes, in order.
 #[repr(align(64))]
 struct Compress([[u32; WIDTH]; 256]);
 static COMPRESS: Compress = {
@@ -106,7 +106,7 @@ static COMPRESS: Compress = {
     Compress(table)
 };
 
-/// The lanes of `hits`, brought to the front.
+/// The lanes of `hits`, moved to the front.
 #[inline]
 #[target_feature(enable = "avx2,fma")]
 fn front(hits: __m256) -> __m256i {
@@ -114,7 +114,7 @@ fn front(hits: __m256) -> __m256i {
     load_words(unsafe { COMPRESS.0.get_unchecked(_mm256_movemask_ps(hits) as usize) })
 }
 
-/// Store the children that are hit at `words`, the nearest last, and where they begin at `dists`.
+/// Store the hit children at `words`, the nearest last, and their entry distances at `dists`.
 ///
 /// # Safety
 /// Both pointers must have room for eight more entries.
@@ -129,7 +129,7 @@ pub(super) unsafe fn push_avx2<const ANY: bool>(
     dists: *mut f32,
 ) {
     let children = load_words(&node.child);
-    // SAFETY: the caller gives the room.
+    // SAFETY: the caller guarantees the room.
     unsafe {
         if ANY {
             _mm256_storeu_si256(words.cast(), _mm256_permutevar8x32_epi32(children, front(hits)));
@@ -143,7 +143,7 @@ pub(super) unsafe fn push_avx2<const ANY: bool>(
     }
 }
 
-/// [`push_avx2`] with the compressing moves of AVX-512.
+/// [`push_avx2`] with the compress instructions of AVX-512.
 ///
 /// # Safety
 /// Both pointers must have room for eight more entries.
@@ -158,7 +158,7 @@ pub(super) unsafe fn push_avx512<const ANY: bool>(
     dists: *mut f32,
 ) {
     let children = load_words(&node.child);
-    // SAFETY: the caller gives the room.
+    // SAFETY: the caller guarantees the room.
     unsafe {
         if ANY {
             let mask = _mm256_movepi32_mask(_mm256_castps_si256(hits));

@@ -1,4 +1,4 @@
-//! Eight boxes as two halves of four, for processors without wider vectors.
+//! Tests eight boxes as two halves of four, for processors without wider vectors.
 
 use std::arch::x86_64::*;
 
@@ -8,7 +8,7 @@ use crate::ray::Ray;
 
 const HALF: usize = WIDTH / 2;
 
-/// The ray in all lanes.
+/// The ray, broadcast to all lanes.
 pub(super) struct Wide {
     origin: [__m128; 3],
     inv: [__m128; 3],
@@ -30,7 +30,7 @@ pub(super) fn widen(ray: &Ray) -> Wide {
     }
 }
 
-/// Where the ray enters each child, and a mask of the children that it meets within (tmin, tmax].
+/// Where the ray enters each child, and a mask of the children that it intersects within (tmin, tmax].
 #[inline]
 #[target_feature(enable = "sse2")]
 pub(super) fn slabs(node: &Node, wide: &Wide, tmax: f32) -> ([f32; WIDTH], u32) {
@@ -60,14 +60,14 @@ pub(super) fn slabs(node: &Node, wide: &Wide, tmax: f32) -> ([f32; WIDTH], u32) 
     (entry, mask)
 }
 
-/// How many children are hit.
+/// The number of children that are hit.
 #[inline]
 #[target_feature(enable = "sse2")]
 pub(super) fn count(mask: u32) -> usize {
     mask.count_ones() as usize
 }
 
-/// Store the children that are hit at `words`, the nearest last, and where they begin at `dists`.
+/// Store the hit children at `words`, the nearest last, and their entry distances at `dists`.
 ///
 /// # Safety
 /// Both pointers must have room for eight more entries.
@@ -83,7 +83,7 @@ pub(super) unsafe fn push<const ANY: bool>(
 ) {
     if mask & (mask - 1) == 0 {
         let slot = mask.trailing_zeros() as usize % WIDTH;
-        // SAFETY: the caller gives the room.
+        // SAFETY: the caller guarantees the room.
         unsafe {
             *words = node.child[slot];
             *dists = near[slot];
@@ -93,7 +93,8 @@ pub(super) unsafe fn push<const ANY: bool>(
     let mut top = 0;
     for order in node.order {
         let slot = (order >> wide.order_shift) as usize % WIDTH;
-        // SAFETY: at most eight entries are written. A child that is not hit is overwritten by the next.
+        // SAFETY: at most eight entries are written. The entry of a child that is not hit is overwritten by the next
+        // one.
         unsafe {
             *words.add(top) = node.child[slot];
             *dists.add(top) = near[slot];

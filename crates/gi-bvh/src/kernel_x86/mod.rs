@@ -1,4 +1,4 @@
-//! The walk in SSE2, AVX2 and AVX-512: all children of a node at once, and triangles four at a time.
+//! The traversal in SSE2, AVX2 and AVX-512: all children of a node at once, and triangles four at a time.
 
 mod boxes;
 mod halves;
@@ -12,7 +12,7 @@ use super::portable::FOUND;
 use crate::ray::{Hit, Ray};
 use triangles::{shear, triangles_fma, triangles_sse2};
 
-/// Bring what a word points at into the cache.
+/// Prefetch the node or leaf that a word points at.
 #[inline]
 #[target_feature(enable = "sse2")]
 fn prefetch(tree: &Tree, word: u32) {
@@ -27,7 +27,7 @@ fn prefetch(tree: &Tree, word: u32) {
     }
 }
 
-/// Test a leaf of solids; kept out of the walk, which is for triangles.
+/// Test a leaf of solids. It is a separate function, so that the traversal is optimised for triangles.
 #[cold]
 #[inline(never)]
 fn solids<const ANY: bool>(tree: &Tree, word: u32, ray: &Ray, hit: &mut Hit) -> bool {
@@ -68,14 +68,14 @@ macro_rules! trace {
             let mut word = 0;
             loop {
                 while !is_leaf(word) {
-                    // SAFETY: `Tree::checked_depth` has seen every inner word inside the nodes.
+                    // SAFETY: `Tree::checked_depth` has checked that every inner word is a valid index of `nodes`.
                     let node = unsafe { tree.nodes.get_unchecked(word as usize) };
                     let (near, hits) = $boxes::slabs(node, &wide, hit.t);
                     let count = $boxes::count(hits);
                     if count == 0 {
                         break;
                     }
-                    // SAFETY: the builder bounds the depth so that eight more entries always fit.
+                    // SAFETY: the builder limits the depth so that eight more entries always fit.
                     unsafe {
                         $boxes::$push::<ANY>(
                             node,
@@ -99,7 +99,8 @@ macro_rules! trace {
                     } else {
                         let (first, count) = leaf_range(word);
                         for k in first..first + count {
-                            // SAFETY: `Tree::checked_depth` has seen every leaf word inside the blocks.
+                            // SAFETY: `Tree::checked_depth` has checked that every leaf word is a valid range of
+                            // `blocks`.
                             let block = unsafe { tree.blocks.get_unchecked(k) };
                             any |= $triangles::<ANY>(block, &shear, &mut hit);
                             if ANY && any {
@@ -111,7 +112,8 @@ macro_rules! trace {
                         break;
                     }
                 }
-                // SAFETY: the sentinel at the bottom is never behind a hit and ends the walk before it is passed.
+                // SAFETY: the sentinel at the bottom has an entry distance that is never beyond a hit, so the loop
+                // stops there.
                 word = unsafe {
                     loop {
                         top -= 1;

@@ -1,4 +1,4 @@
-//! Four triangles at once, watertight \[Woop13\].
+//! Tests four triangles at once, watertight \[Woop13\].
 
 use std::arch::x86_64::*;
 
@@ -6,9 +6,9 @@ use super::super::layout::{Block, LANES};
 use super::super::walk::main_axes;
 use crate::ray::{Hit, Ray};
 
-/// What takes the ray to the z axis, in all lanes.
+/// The shear that maps the ray to the z axis, broadcast to all lanes.
 pub(super) struct Shear {
-    /// Axes permuted so that the ray runs mostly along the last.
+    /// Axes permuted so that the last one is the main direction of the ray.
     axes: [usize; 3],
     origin: [__m128; 3],
     factor: [__m128; 3],
@@ -49,7 +49,7 @@ macro_rules! triangles {
             let [kx, ky, kz] = shear.axes;
             let [ox, oy, oz] = shear.origin;
             let [sx, sy, sz] = shear.factor;
-            // Move the vertices to where the ray is the z axis.
+            // Transform the vertices so that the ray is the z axis.
             let vertex = |v: usize| {
                 let z = _mm_sub_ps(row(3 * v + kz), oz);
                 let x = $sub_product(_mm_sub_ps(row(3 * v + kx), ox), sx, z);
@@ -57,7 +57,7 @@ macro_rules! triangles {
                 (x, y, z)
             };
             let ((ax, ay, az), (bx, by, bz), (cx, cy, cz)) = (vertex(0), vertex(1), vertex(2));
-            // Edge functions without fused operations: exactly opposite for the two triangles of an edge.
+            // Edge functions without fused operations: exactly opposite for the two triangles that share an edge.
             let u = _mm_sub_ps(_mm_mul_ps(cx, by), _mm_mul_ps(cy, bx));
             let v = _mm_sub_ps(_mm_mul_ps(ax, cy), _mm_mul_ps(ay, cx));
             let w = _mm_sub_ps(_mm_mul_ps(bx, ay), _mm_mul_ps(by, ax));
@@ -80,7 +80,7 @@ macro_rules! triangles {
             if _mm_movemask_ps(met) == 0 {
                 return false;
             }
-            // Now exactly: the reported t itself must lie in the interval.
+            // Compare exactly: the reported t itself must be in the interval.
             let inv = _mm_div_ps(_mm_set1_ps(1.0), size);
             let t = _mm_mul_ps(scaled, inv);
             let met = _mm_and_ps(met, _mm_and_ps(_mm_cmpgt_ps(t, tmin), _mm_cmple_ps(t, tmax)));
@@ -130,7 +130,7 @@ fn sub_product_fma(a: __m128, b: __m128, c: __m128) -> __m128 {
     _mm_fnmadd_ps(b, c, a)
 }
 
-/// Take over the nearest of the lanes that are met.
+/// Store the nearest of the lanes that are hit.
 #[inline]
 #[target_feature(enable = "sse2")]
 fn record(block: &Block, met: __m128, [t, u, v]: [__m128; 3], hit: &mut Hit) {

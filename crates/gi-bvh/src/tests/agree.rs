@@ -1,4 +1,4 @@
-//! Hits against a search through everything in double precision.
+//! Compares hits with a brute-force search in double precision.
 
 use std::sync::Arc;
 
@@ -22,14 +22,14 @@ fn along(a: V, d: V, t: f64) -> V {
     [a[0] + d[0] * t, a[1] + d[1] * t, a[2] + d[2] * t]
 }
 
-/// A crossing of a ray and a primitive's surface, continued beyond its border.
+/// The intersection of a ray with the extended surface of a primitive.
 #[derive(Clone, Copy)]
 struct Crossing {
     t: f64,
     uv: [f64; 2],
-    /// How far inside the border, in parameters of the primitive; negative outside.
+    /// Distance inside the border, in the primitive's parameters; negative outside.
     inside: f64,
-    /// The cosine between ray and surface.
+    /// The cosine of the angle between the ray and the normal.
     cosine: f64,
 }
 
@@ -89,11 +89,11 @@ fn cross_solid(ray: &Ray, solid: &Solid) -> Vec<Crossing> {
     }
 }
 
-/// Everything in a scene: identifier, instance, and how to cross it.
+/// Everything in a scene: identifier, instance, and intersection function.
 struct Scene {
     triangles: Vec<Triangle>,
     solids: Vec<(Solid, u32)>,
-    /// Triangles of instances, moved to the world.
+    /// Triangles of instances, transformed to the world.
     moved: Vec<(u32, Triangle)>,
 }
 
@@ -114,16 +114,16 @@ impl Scene {
         own.chain(solids).chain(moved).collect()
     }
 
-    /// Whether a primitive lies within the ray's interval, but for rounding.
+    /// Whether a primitive is within the ray's interval, except for rounding.
     fn may_meet(&self, ray: &Ray, id: u32) -> bool {
         let within = |t: f64| t > f64::from(ray.tmin) - 1e-2 && t < f64::from(ray.tmax) + 1e-2;
         let near = |c: &Crossing| c.inside > -1e-2 && (within(c.t) || c.cosine < 1e-2);
         self.crossings(ray).iter().any(|(own, _, c)| *own == id && near(c))
     }
 
-    /// Whether a hit is right: what it reports is a crossing, and no clear crossing comes before it.
+    /// Check a hit: it must be a real crossing, and no clear crossing may come before it.
     fn check(&self, ray: &Ray, hit: Option<Hit>) -> Result<(), String> {
-        // Single precision loses about this much in t, and in u and v, divided by the cosine.
+        // Rounding error of t, and of u and v, in single precision, before division by the cosine.
         const ROUNDING: f64 = 2e-5;
         let (tmin, tmax) = (f64::from(ray.tmin), f64::from(ray.tmax));
         let slack = |c: &Crossing| {
@@ -151,7 +151,7 @@ impl Scene {
         };
         let explained =
             crossings.iter().any(|(id, i, c)| (*id, *i) == (h.prim, h.instance) && explains(c));
-        if explained { Ok(()) } else { Err(format!("{h:?} is no crossing")) }
+        if explained { Ok(()) } else { Err(format!("{h:?} is not a crossing")) }
     }
 }
 

@@ -1,4 +1,4 @@
-//! Awkward rays, scales and places.
+//! Unusual rays, scales and positions.
 
 use std::sync::Arc;
 
@@ -89,7 +89,7 @@ fn the_interval_is_open_below_and_closed_above() {
         let mut at = 0.0;
         let mut seen = Vec::new();
         while let Some(hit) = bvh.closest(&ray(at, f32::INFINITY)) {
-            // Ends at a hit include it; intervals beyond it, or before it, do not.
+            // An interval that ends at a hit includes it; intervals after it, or before it, do not.
             assert_eq!(bvh.closest(&ray(at, hit.t)), Some(hit), "{isa:?}");
             assert!(
                 bvh.occluded(&ray(at, hit.t)) && !bvh.occluded(&ray(at, hit.t.next_down())),
@@ -112,7 +112,7 @@ fn negative_parameters_count_when_asked_for() {
     });
 }
 
-/// Rays from far outside into a sphere: each enters the silhouette well inside, so that all must hit.
+/// Rays from far outside toward a sphere. Each is aimed well inside the silhouette, so that all must hit.
 #[test]
 fn far_origins_hit() {
     let sphere = icosphere(4);
@@ -133,7 +133,7 @@ fn far_origins_hit() {
                 let d = (at - o) * [1.0, 1e-9, 1e9][k % 3];
                 let ray = Ray::new(o, d);
                 let hit = bvh.closest(&ray).unwrap_or_else(|| panic!("{isa:?}: {ray:?} misses"));
-                // Single precision knows t to this many world units.
+                // Absolute error of t in single precision, world units.
                 let slack = 0.1 * scale + 1e-6 * distance;
                 let (near, far) =
                     ((distance - scale - slack) / d.length(), (distance + slack) / d.length());
@@ -182,7 +182,7 @@ fn build_hit(bvh: &Bvh, ray: &Ray) -> Option<u32> {
     bvh.closest(ray).map(|h| h.prim)
 }
 
-/// A corridor with walls at exactly x = -1 and 1, and an end: axis-parallel rays at any distance from the walls.
+/// A corridor with walls at exactly x = -1 and 1, and an end wall: axis-parallel rays at any distance from the walls.
 #[test]
 fn rays_along_walls_reach_the_end() {
     let mut corridor = mapped(&quad_at(0.0), |p| p + Vec3::Z * 2000.0);

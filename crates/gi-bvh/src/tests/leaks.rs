@@ -1,10 +1,10 @@
-//! Closed surfaces are closed, and rays leave the surface they start on.
+//! No ray leaks through a closed surface, and no ray hits the surface that it starts on.
 
 use rayon::prelude::*;
 
 use super::*;
 
-/// A ray from inside the sphere of radius `room` round `center`, aimed at a point of an edge or at a corner.
+/// A ray from inside the sphere of radius `room` around `center`, aimed at a point of an edge or at a corner.
 fn aimed(rng: &mut Pcg, triangles: &[Triangle], center: Vec3, room: f32) -> Ray {
     let o = center + on_sphere(rng) * (room * rng.next_f32().cbrt());
     let t = &triangles[rng.next_below(triangles.len() as u32) as usize];
@@ -77,7 +77,7 @@ fn no_ray_of_a_hundred_million_leaks() {
     }
 }
 
-/// Rays from outside, at distances about where rays start to be moved closer, aimed at edges that face them.
+/// Rays from outside, from about the distance at which origins are moved closer, aimed at edges that face them.
 #[test]
 fn no_ray_from_outside_slips_through_an_edge() {
     let sphere = icosphere(4);
@@ -87,7 +87,7 @@ fn no_ray_from_outside_slips_through_an_edge() {
             let o = on_sphere(&mut rng) * [1.5, 1.99, 2.5, 3.5, 100.0, 1e4][k % 6];
             let target = aimed(&mut rng, &sphere, Vec3::ZERO, 0.0).d * 0.9;
             let ray = Ray::new(o, (target - o).normalize());
-            // The line passes through the sphere of radius 0.9: it must enter and leave.
+            // The line passes through the sphere of radius 0.9, so it must enter and leave.
             let hit = bvh.closest(&ray).unwrap_or_else(|| panic!("{isa:?}: {ray:?} misses"));
             let leave = Ray { tmin: hit.t + 0.1, ..ray };
             assert!(bvh.closest(&leave).is_some(), "{isa:?}: {leave:?} stays inside");
@@ -95,7 +95,7 @@ fn no_ray_from_outside_slips_through_an_edge() {
     });
 }
 
-/// Bounce with a cosine distribution; whether the next hit is the triangle that the ray left.
+/// Bounce rays with a cosine distribution, and count the hits on the triangle that the ray left.
 fn bounces_that_stay(bvh: &Bvh, triangles: &[Triangle], center: Vec3, rays: u32) -> u32 {
     let mut rng = Pcg::new(13, 0);
     let mut stay = 0;
@@ -137,7 +137,8 @@ fn bounces_leave_the_triangle_they_start_on() {
     }
 }
 
-/// A tilted floor through the world's origin: there the coordinates vanish, but not the rounding of the point.
+/// A tilted floor through the world's origin: the coordinates vanish there, but the rounding error of the point does
+/// not.
 #[test]
 fn bounces_leave_a_tilted_floor_at_the_origin() {
     let turn = glam::Quat::from_rotation_z(0.3) * glam::Quat::from_rotation_x(0.7);
@@ -158,9 +159,9 @@ fn bounces_leave_a_tilted_floor_at_the_origin() {
     assert_eq!(stay, 0, "{stay} of 100,000 bounces stay");
 }
 
-/// Shadow rays between points of one convex room, never blocked by the surfaces at their ends.
+/// Shadow rays between two points of one convex room are never blocked by the surfaces at their ends.
 #[test]
-fn shadow_rays_see_the_point_they_aim_at() {
+fn shadow_rays_reach_their_end_point() {
     for (scale, shift) in [
         (1.0, Vec3::ZERO),
         (1e-4, Vec3::ZERO),
@@ -182,7 +183,7 @@ fn shadow_rays_see_the_point_they_aim_at() {
         for _ in 0..50_000 {
             let ((p, np), (q, nq)) = (point(&mut rng), point(&mut rng));
             let w = (q - p).normalize();
-            // At grazing angles a light contributes nothing.
+            // At grazing angles, a light contributes almost nothing.
             if np.dot(w) < 0.03 || nq.dot(w) > -0.03 {
                 continue;
             }
@@ -192,7 +193,7 @@ fn shadow_rays_see_the_point_they_aim_at() {
                 "scale {scale}, shift {shift}: {p} to {q}: {:?}",
                 bvh.closest(&ray)
             );
-            // A wall half-way would block, and so does the one behind q.
+            // A wall half-way blocks the ray, and so does the wall at q if the ray is extended.
             assert!(
                 bvh.occluded(&Ray { tmax: 1.01, ..ray }),
                 "scale {scale}, shift {shift}: {p} to {q}"

@@ -1,4 +1,4 @@
-//! The tree against brute force, on awkward rays and awkward input.
+//! Tests of the tree: against brute force, with unusual rays, and with unusual input.
 
 mod agree;
 mod awkward;
@@ -12,7 +12,7 @@ use super::*;
 use crate::random::Pcg;
 
 impl Pcg {
-    /// Uniform in 0..n (n > 0), with a bias too small to matter below 2^24.
+    /// Uniform in 0..n (n > 0); for n below 2^24, the bias is negligible.
     fn next_below(&mut self, n: u32) -> u32 {
         ((u64::from(self.next_u32()) * u64::from(n)) >> 32) as u32
     }
@@ -47,7 +47,7 @@ fn mesh(vertices: &[Vec3], faces: &[[usize; 3]]) -> Vec<Triangle> {
     (0..).zip(faces).map(|(id, f)| Triangle { v: f.map(|i| vertices[i]), id }).collect()
 }
 
-/// The closed box from `min` to `max`, two triangles a side.
+/// The closed box from `min` to `max`, two triangles per side.
 fn closed_box(min: Vec3, max: Vec3) -> Vec<Triangle> {
     let pick = |k: usize, axis: usize| if k >> axis & 1 == 1 { max[axis] } else { min[axis] };
     let vertices: Vec<Vec3> =
@@ -59,7 +59,7 @@ fn closed_box(min: Vec3, max: Vec3) -> Vec<Triangle> {
     mesh(&vertices, &faces)
 }
 
-/// The unit sphere from an octahedron, each side cut in four `levels` times; corners shared exactly.
+/// The unit sphere from an octahedron, each side subdivided in four `levels` times; corners are shared exactly.
 fn icosphere(levels: u32) -> Vec<Triangle> {
     let mut triangles: Vec<[Vec3; 3]> = Vec::new();
     for k in 0..8 {
@@ -67,7 +67,8 @@ fn icosphere(levels: u32) -> Vec<Triangle> {
         triangles.push([Vec3::X * sign(0), Vec3::Y * sign(1), Vec3::Z * sign(2)]);
     }
     for _ in 0..levels {
-        // The sum of two corners does not depend on their order, so that both sides of an edge agree.
+        // The sum of two corners does not depend on their order, so the triangles on both sides of an edge get the same
+        // point.
         let middle = |a: Vec3, b: Vec3| (a + b).normalize();
         let cut = |t: &[Vec3; 3]| {
             let [a, b, c] = [middle(t[0], t[1]), middle(t[1], t[2]), middle(t[2], t[0])];
@@ -86,7 +87,7 @@ fn build(triangles: &[Triangle]) -> Bvh {
     Bvh::build(triangles, &[]).expect("sound input")
 }
 
-/// The same tree for every kernel that this machine can run.
+/// Run a check with the same tree for every kernel that this machine supports.
 fn for_each_kernel(mut bvh: Bvh, mut check: impl FnMut(&Bvh, Isa)) {
     for isa in Isa::available() {
         bvh.kernel = Kernel::new(isa, !bvh.tree.solids.is_empty());
@@ -94,7 +95,7 @@ fn for_each_kernel(mut bvh: Bvh, mut check: impl FnMut(&Bvh, Isa)) {
     }
 }
 
-/// A random affine map without tiny scales, mirrored half the time.
+/// A random affine transform without tiny scales, mirrored half the time.
 fn placement(rng: &mut Pcg) -> Affine3A {
     loop {
         let m = Mat3::from_cols(in_cube(rng), in_cube(rng), in_cube(rng));

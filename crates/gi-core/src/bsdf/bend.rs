@@ -1,8 +1,8 @@
-//! Normals that a bump map or a normal map bends.
+//! Shading normals that a bump map or a normal map changes ("bent" normals).
 //!
-//! Two repairs follow. A bent normal may face away from the eye; it is then flipped about the unbent normal \[Schuessler17\].
-//! And light fades out toward the terminator of the unbent surface, where it would otherwise end at a hard edge \[Estevez19\].
-//! Both are defaults of Mitsuba 3.
+//! Two corrections follow. A bent normal may face away from the eye; it is then flipped about the unbent normal
+//! \[Schuessler17\]. And light fades out toward the terminator of the unbent surface, where it would otherwise end at a
+//! hard edge \[Estevez19\]. Both are defaults of Mitsuba 3.
 
 use glam::Vec3;
 
@@ -12,7 +12,7 @@ use crate::math::{Frame, sqr};
 /// How a lobe's normal was bent.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bend {
-    /// The normal before, on the side that the lobe's normal is on.
+    /// The normal before bending, on the same side as the lobe's normal.
     normal: Vec3,
     /// Squared alpha of the facets that represent the bent surface, in [0, 1]; 0 disables shadowing.
     alpha_sq: f32,
@@ -27,12 +27,12 @@ impl Bend {
         Bend { normal, alpha_sq, flips: how.flipped }
     }
 
-    /// The same for the other side of the surface.
+    /// The bending as seen from the other side of the surface.
     pub(super) fn turned(self) -> Self {
         Bend { normal: -self.normal, ..self }
     }
 
-    /// The normal before it was bent.
+    /// The normal before bending.
     #[inline]
     pub(super) fn unbent(&self) -> Vec3 {
         self.normal
@@ -44,7 +44,7 @@ impl Bend {
         if self.is_seen(&frame, eye) || !self.flips { frame } else { self.flipped(frame) }
     }
 
-    /// The frame whose normal is turned by half a turn about the unbent one.
+    /// The frame rotated by half a turn about the unbent normal.
     pub(super) fn flipped(&self, frame: Frame) -> Frame {
         let n = self.normal * (2.0 * self.normal.dot(frame.n)) - frame.n;
         Frame::from_normal_tangent(n.normalize(), frame.s)
@@ -64,8 +64,8 @@ impl Bend {
         d.dot(self.normal) * d.dot(frame.n) > 0.0
     }
 
-    /// Factor on light from direction `light` toward `eye` for a lobe with this frame. Zero if only one of the two normals faces
-    /// either direction [Estevez19, eq. 4].
+    /// Factor on light from direction `light` toward `eye` for a lobe with this frame. It is zero if only one of the
+    /// two normals faces one of the directions [Estevez19, eq. 4].
     #[inline]
     pub(super) fn unshadowed(&self, frame: &Frame, eye: Vec3, light: Vec3) -> f32 {
         if !self.is_seen(frame, eye) || !self.is_seen(frame, light) {
@@ -79,7 +79,7 @@ impl Bend {
         if self.alpha_sq == 0.0 {
             return 1.0;
         }
-        // Midpoint rule: good to 0.2 % for the widest facets.
+        // Midpoint rule: accurate to 0.2 % for the widest facets.
         const N: u32 = 8;
         let cos = |k| (k as f32 + 0.5) / N as f32;
         (0..N).map(|k| 2.0 * cos(k) * shadowing(self.alpha_sq, cos(k))).sum::<f32>() / N as f32
@@ -118,7 +118,7 @@ mod tests {
             let mean = f64::from(bend.mean_unshadowed());
             assert!((mean - exact).abs() < 4e-3, "{tan}: {mean}, {exact}");
         }
-        // Of the widest facets it is 4 (ln 2 - 1/2).
+        // For the widest facets, it is 4 (ln 2 - 1/2).
         let widest =
             Bend::new(normal, Vec3::new(10.0, 0.0, 1.0).normalize(), BentNormals::default());
         assert!((widest.mean_unshadowed() - 4.0 * (2f32.ln() - 0.5)).abs() < 4e-3);

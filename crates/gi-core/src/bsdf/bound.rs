@@ -1,8 +1,9 @@
-//! Upper bounds of the BSDF for light from a box: the largest contribution of a cluster of lights at a point [Walter05, 3.3].
+//! Upper bounds of the BSDF for light from a box: the largest contribution of a cluster of lights at a point [Walter05,
+//! 3.3].
 //!
-//! All light from a box arrives within a cone of directions. Each lobe bounds its factors over that cone separately: the cosines
-//! over the box, the density of facets over the cone of half vectors, and shadowing by its value at the largest cosine. The
-//! bounds hold for the values that [`Bsdf::f`] and [`Bsdf::f_cos`] return, rounding included.
+//! All light from a box arrives within a cone of directions. Each lobe bounds its factors over that cone separately:
+//! the cosines over the box, the density of facets over the cone of half vectors, and shadowing by its value at the
+//! largest cosine. The bounds hold for the values that [`Bsdf::f`] and [`Bsdf::f_cos`] return, rounding included.
 
 use glam::Vec3;
 
@@ -23,8 +24,8 @@ const UNBOUNDED: f32 = 1e30;
 /// Upper bounds over a cone, per channel.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ScatterBound {
-    /// Bound of [`Bsdf::f_cos`] over the cosine of `wi` with the geometric normal. On paths from the eye with a different shading
-    /// normal: of [`Bsdf::f`].
+    /// Bound of [`Bsdf::f_cos`] divided by the cosine of `wi` with the geometric normal. On paths from the eye with a
+    /// different shading normal: bound of [`Bsdf::f`].
     pub f: Rgb,
     /// Bound of [`Bsdf::f_cos`].
     pub f_cos: Rgb,
@@ -47,7 +48,7 @@ impl std::ops::AddAssign for ScatterBound {
 }
 
 impl Bsdf<'_> {
-    /// Bound the BSDF between `wo` and any of these directions, without delta lobes.
+    /// Bound the BSDF between `wo` and any of the directions in `toward`, without delta lobes.
     #[inline]
     pub fn bound(&self, wo: Vec3, toward: &Toward) -> ScatterBound {
         let mut sum = ScatterBound::default();
@@ -59,7 +60,7 @@ impl Bsdf<'_> {
         sum
     }
 
-    /// Whether any lobe but a delta lobe transmits light.
+    /// Whether any lobe except delta lobes transmits light.
     pub fn transmits(&self) -> bool {
         self.components().iter().any(|c| match &c.lobe {
             Lobe::RoughDielectric { .. } => true,
@@ -82,7 +83,7 @@ pub(super) struct Cap {
     pub(super) wo: Vec3,
     /// Largest cosine of `wi` above.
     pub(super) cos: f32,
-    /// All `wi` lie in a ball: the cap of their cone.
+    /// All `wi` are in the ball with this centre and radius: it contains the cap of their cone.
     pub(super) center: Vec3,
     pub(super) radius: f32,
     /// Smallest cosine between `wo` and `wi`.
@@ -95,7 +96,7 @@ impl Component<'_> {
         let bound = self.bound_in(&self.frame, wo, toward, way);
         match &self.bend {
             None => bound,
-            // What shadows it leaves at most all. Over another cosine than its own it is not bounded.
+            // Shadowing leaves at most all of the light. Divided by another cosine than its own, the lobe has no bound.
             Some(_) if way.transport == Transport::Radiance => {
                 let f =
                     bound.f_cos.zip(bound.f, |f_cos, _| if f_cos > 0.0 { UNBOUNDED } else { 0.0 });
@@ -111,7 +112,7 @@ impl Component<'_> {
         }
     }
 
-    /// The bound of the lobe in `frame`, the cosines being those of [`Component::f_cos`].
+    /// The bound of the lobe in `frame`, with the same cosines as in [`Component::f_cos`].
     #[inline]
     fn bound_in(&self, frame: &Frame, wo: Vec3, toward: &Toward, way: Way) -> ScatterBound {
         let mut bound = self.bound_of_lobe(frame, wo, toward, way.transport);
@@ -138,7 +139,7 @@ impl Component<'_> {
         transport: Transport,
     ) -> ScatterBound {
         let (wo, cos) = (frame.to_local(world_wo), toward.max_cos(frame));
-        // A lobe that does not count needs no bound.
+        // A part with factor zero needs no bound.
         let rest = self.part.is_none_or(|p| !p.rest.is_black());
         if !self.is_two_sided(wo) && (wo.z <= 0.0 || cos <= 0.0) {
             return ScatterBound::default();
@@ -191,7 +192,7 @@ impl Component<'_> {
         }
     }
 
-    /// Whether the lobe may scatter light for directions on any side.
+    /// Whether the lobe may scatter light for directions on both sides.
     fn is_two_sided(&self, wo: Vec3) -> bool {
         match &self.lobe {
             Lobe::RoughDielectric { .. } => true,
@@ -229,13 +230,13 @@ impl Cap {
         }
     }
 
-    /// The smallest cosine of `wo` with a half vector: of half the angle between `wo` and `wi`.
+    /// The smallest cosine between `wo` and a half vector: that of half the angle between `wo` and `wi`.
     #[inline]
     pub(super) fn min_cos_half(&self) -> f32 {
         (safe_sqrt(0.5 * (1.0 + self.min_cos_wo)) - UNIT_ROUNDING).clamp(0.0, 1.0)
     }
 
-    /// F D G / (4 cos cos'), and times cos', for directions on one side.
+    /// F D G / (4 cos cos'), and the same times cos', for directions on one side.
     #[inline]
     pub(super) fn reflected(&self, facets: &Microfacets, fresnel: Rgb) -> ScatterBound {
         let d = facets.d_bound(self.wo + self.center, self.radius);
@@ -251,13 +252,13 @@ impl Cap {
         (eta, reflect, transmit): (f32, Rgb, Rgb),
         transport: Transport,
     ) -> ScatterBound {
-        // From either side: no cosine is left out.
+        // Use the cap without its limit on the cosine, because the light may come from either side.
         let both = Cap { cos: 1.0, ..*self };
         let fresnel = fresnel::dielectric(self.min_cos_half().copysign(self.wo.z), eta).reflectance;
         both.reflected(facets, reflect * fresnel) + self.refracted(facets, eta, transmit, transport)
     }
 
-    /// What is refracted by facets, to either side.
+    /// The part that facets refract, to either side.
     pub(super) fn refracted(
         &self,
         facets: &Microfacets,
@@ -288,7 +289,7 @@ fn phong_peak(toward: &Toward, mirrored: Vec3, exponent: f32) -> f32 {
     (exponent + 2.0) * 0.5 * INV_PI * cos.powf(exponent)
 }
 
-/// Bound of Oren-Nayar's model. sin sin' / max(cos, cos') is at most sin / cos, and times cos' at most sin.
+/// Bound of Oren-Nayar's model. sin sin' / max(cos, cos') is at most sin / cos; multiplied by cos', it is at most sin.
 fn oren_nayar_bound(cos_wo: f32, cos: f32, albedo: Rgb, sigma_sq: f32) -> ScatterBound {
     let ([a, b], sin) = (oren_nayar_factors(sigma_sq), safe_sqrt(1.0 - sqr(cos_wo)));
     let albedo = albedo * INV_PI;

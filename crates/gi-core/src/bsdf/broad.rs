@@ -1,4 +1,5 @@
-//! Separate narrow lobes from broad ones: virtual lights illuminate broad lobes, BSDF samples find the light in narrow ones.
+//! Separates narrow lobes from broad ones: virtual lights illuminate broad lobes, BSDF samples find the light in narrow
+//! ones.
 
 use glam::Vec3;
 
@@ -13,8 +14,8 @@ impl<'a> Bsdf<'a> {
         self.components().iter().any(|c| c.is_sharp(min_roughness))
     }
 
-    /// The same BSDF with a factor on all lobes at least as wide as `min_roughness`. The diffuse part of a narrower lobe also gets
-    /// the factor; delta lobes do not. Sampling is unchanged.
+    /// The same BSDF with a factor on all lobes at least as wide as `min_roughness`. The diffuse part of a narrower
+    /// lobe also gets the factor; delta lobes do not. Sampling is unchanged.
     pub fn with_broad(&self, min_roughness: f32, factor: Rgb) -> Self {
         self.clone().weighed(min_roughness, factor, Rgb::WHITE)
     }

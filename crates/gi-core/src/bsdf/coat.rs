@@ -1,4 +1,4 @@
-//! A dielectric coat over a diffuse base (plastic): what depends on the material alone, tabulated once.
+//! A dielectric coat over a diffuse base (plastic): tables of values that depend only on the material.
 
 use glam::{Vec2, Vec3};
 
@@ -18,9 +18,9 @@ const TABLE: usize = 64;
 pub(crate) struct Coat {
     eta: f32,
     nonlinear: bool,
-    /// Share of diffuse light from inside that the coat throws back.
+    /// Fraction of diffuse light from inside that the coat reflects back inside.
     internal_reflectance: f32,
-    /// Share of diffuse light from outside that enters.
+    /// Fraction of diffuse light from outside that enters.
     mean_entering: f32,
     rough: Option<RoughCoat>,
 }
@@ -28,14 +28,14 @@ pub(crate) struct Coat {
 #[derive(Clone, Debug)]
 struct RoughCoat {
     facets: Microfacets,
-    /// Power that enters from a direction with cosine i / (TABLE - 1).
+    /// Fraction of power that enters from a direction with cosine i / (TABLE - 1).
     transmittance: [f32; TABLE],
-    /// The largest of them up to each.
+    /// For each entry, the largest transmittance up to it.
     most: [f32; TABLE],
 }
 
 impl Coat {
-    /// Tabulate a coat of relative index `eta`; `roughness` is its distribution and width, if rough.
+    /// Tabulate a coat with relative index `eta`; `roughness` is its distribution and width if it is rough.
     pub(crate) fn new(eta: f32, nonlinear: bool, roughness: Option<(Distribution, f32)>) -> Self {
         let Some((distribution, alpha)) = roughness else {
             let internal_reflectance = fresnel::dielectric_hemispherical(1.0 / eta);
@@ -47,8 +47,8 @@ impl Coat {
         let transmittance = std::array::from_fn(|i| transmitted_power(&facets, cosine(i), eta));
         let mut most = transmittance;
         (1..TABLE).for_each(|i| most[i] = most[i].max(most[i - 1]));
-        // 2 int R(c) c dc from inside, as Mitsuba sums it: both ends of the table count fully, which reads 1.5 % less
-        // than the integral. Plastics then have Mitsuba's albedo.
+        // 2 int R(c) c dc from inside, summed as in Mitsuba: both ends of the table have full weight, which gives 1.5 %
+        // less than the integral. Plastics then have Mitsuba's albedo.
         let inside = |i: usize| reflected_power(&facets, cosine(i), 1.0 / eta) * cosine(i);
         let internal_reflectance = 2.0 * (0..TABLE).map(inside).sum::<f32>() / TABLE as f32;
         // 2 int T(c) c dc by the trapezoidal rule.
@@ -71,12 +71,12 @@ impl Coat {
         self.rough.is_none()
     }
 
-    /// Width of its reflection's facets; 1 if there is none but a mirror's.
+    /// Width of the facets of its reflection; 1 if the reflection is a mirror's.
     pub(crate) fn roughness(&self) -> f32 {
         self.rough.as_ref().map_or(1.0, |rough| rough.facets.width())
     }
 
-    /// f without the cosine, both directions above.
+    /// f without the cosine; both directions are above.
     pub(crate) fn f(&self, wo: Vec3, wi: Vec3, diffuse: Rgb, specular: Rgb) -> Rgb {
         let f = self.base_f(wo, wi, diffuse);
         let Some(rough) = &self.rough else { return f };
@@ -86,17 +86,18 @@ impl Coat {
             * (fresnel * rough.facets.d(m) * rough.facets.g(wo, wi, m) / (4.0 * wo.z * wi.z))
     }
 
-    /// f of the base alone, both directions above.
+    /// f of the base alone; both directions are above.
     pub(crate) fn base_f(&self, wo: Vec3, wi: Vec3, diffuse: Rgb) -> Rgb {
         self.base(diffuse) * (INV_PI * self.entering(wo.z) * self.entering(wi.z))
     }
 
-    /// pi times the base's f for `wo` above, with the mean over the cosine-weighted hemisphere of what enters.
+    /// pi times the base's f for `wo` above, with the transmittance averaged over the cosine-weighted hemisphere of
+    /// incoming directions.
     pub(crate) fn diffuse_albedo(&self, wo: Vec3, diffuse: Rgb) -> Rgb {
         self.base(diffuse) * (self.entering(wo.z) * self.mean_entering)
     }
 
-    /// pi times the base's f without the factors of the two directions.
+    /// pi times the base's f, without the transmittances of the two directions.
     fn base(&self, diffuse: Rgb) -> Rgb {
         let thrown_back =
             |albedo: f32| if self.nonlinear { albedo } else { 1.0 } * self.internal_reflectance;
@@ -122,13 +123,13 @@ impl Coat {
         self.rough.as_ref().map(|r| &r.facets)
     }
 
-    /// What the coat reflects at this cosine.
+    /// Reflectance of the coat at this cosine.
     #[inline]
     pub(crate) fn fresnel(&self, cos: f32) -> f32 {
         fresnel::dielectric(cos, self.eta).reflectance
     }
 
-    /// Density of [`Coat::sample`], both directions above.
+    /// Density of [`Coat::sample`]; both directions are above.
     pub(crate) fn pdf_w(&self, wo: Vec3, wi: Vec3, diffuse: Rgb, specular: Rgb) -> f32 {
         let share = self.specular_share(wo, diffuse, specular);
         let base = (1.0 - share) * warp::cosine_hemisphere_pdf(wi.z);
@@ -137,7 +138,8 @@ impl Coat {
         base + share * rough.facets.d(m) * rough.facets.g1(wo, m) / (4.0 * wo.z)
     }
 
-    /// Draw a direction for `wo` above: a finished mirror reflection, or one still to be weighed.
+    /// Sample a direction for `wo` above. A mirror reflection is returned with its weight; other directions still need
+    /// theirs.
     pub(crate) fn sample(
         &self,
         wo: Vec3,
@@ -159,7 +161,7 @@ impl Coat {
         }
     }
 
-    /// Power that enters the base from a direction above with this cosine.
+    /// Fraction of power that enters the base from a direction above with this cosine.
     fn entering(&self, cos: f32) -> f32 {
         let Some(rough) = &self.rough else {
             return 1.0 - fresnel::dielectric(cos, self.eta).reflectance;
@@ -170,7 +172,7 @@ impl Coat {
         rough.transmittance[i] * (1.0 - f) + rough.transmittance[i + 1] * f
     }
 
-    /// Share of samples that go to the coat's reflection.
+    /// Fraction of samples for the coat's reflection.
     fn specular_share(&self, wo: Vec3, diffuse: Rgb, specular: Rgb) -> f32 {
         let entering = self.entering(wo.z);
         let (s, d) = ((1.0 - entering) * specular.mean(), entering * diffuse.mean());
@@ -178,8 +180,8 @@ impl Coat {
     }
 }
 
-/// Power that a rough interface reflects from a direction with this cosine, on the side where the index
-/// behind over the index in front is `eta`: the mean of F(wo.m) G1(wi) over visible facets.
+/// Fraction of power that a rough interface reflects from a direction with this cosine: the mean of F(wo.m) G1(wi) over
+/// visible facets. `eta` is the index behind the interface over the index in front.
 fn reflected_power(facets: &Microfacets, cos: f32, eta: f32) -> f32 {
     mean_over_facets(facets, cos, |wo, m| {
         let wi = reflect(wo, m);
@@ -191,7 +193,7 @@ fn reflected_power(facets: &Microfacets, cos: f32, eta: f32) -> f32 {
     })
 }
 
-/// Power that it lets through: the mean of (1 - F(wo.m)) G1(wi). Less than what it does not reflect, since facets
+/// Fraction of power that it transmits: the mean of (1 - F(wo.m)) G1(wi). The sum of both is below 1, because facets
 /// shadow each other.
 fn transmitted_power(facets: &Microfacets, cos: f32, eta: f32) -> f32 {
     mean_over_facets(facets, cos, |wo, m| {
@@ -203,7 +205,7 @@ fn transmitted_power(facets: &Microfacets, cos: f32, eta: f32) -> f32 {
 
 /// Mean of `value(wo, m)` over the facets that a direction with this cosine sees.
 fn mean_over_facets(facets: &Microfacets, cos: f32, value: impl Fn(Vec3, Vec3) -> f32) -> f32 {
-    const POINTS: u32 = 2048; // of a (0,2)-sequence: good to a part in a thousand
+    const POINTS: u32 = 2048; // of a (0,2)-sequence: accurate to 0.1 %
     let wo = Vec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
     let term = |i: u32| value(wo, facets.sample_visible(wo, Sampler::new(0, 0, i).next_2d()));
     (0..POINTS).map(term).sum::<f32>() / POINTS as f32
@@ -214,8 +216,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn reflected_power_is_what_an_independent_quadrature_finds() {
-        // Alpha 0.15 (GGX) and 0.3 (Beckmann), index 1.5, at cosines 0, 20/63 and 40/63 from outside, 40/63 from inside.
+    fn reflected_power_agrees_with_an_independent_quadrature() {
+        // Alpha 0.15 (GGX) and 0.3 (Beckmann), index 1.5, at cosines 0, 20/63 and 40/63 from outside, 40/63 from
+        // inside.
         let expected = [
             (Distribution::Ggx, 0.15, [0.2749, 0.1361, 0.0576, 0.8127]),
             (Distribution::Beckmann, 0.3, [0.2986, 0.1203, 0.0589, 0.7224]),

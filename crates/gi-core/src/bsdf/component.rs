@@ -24,9 +24,9 @@ pub(super) struct Component<'a> {
 /// Factors on a lobe. Delta lobes ignore them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Part {
-    /// On its diffuse part, see [`Lobe::diffuse_f`].
+    /// Factor on its diffuse part, see [`Lobe::diffuse_f`].
     pub(super) diffuse: Rgb,
-    /// On the rest.
+    /// Factor on the rest of the lobe.
     pub(super) rest: Rgb,
 }
 
@@ -49,7 +49,7 @@ impl Component<'_> {
         match self.part {
             None => f,
             Some(Part { diffuse, rest }) => {
-                // Where a lobe is below the mean that is its diffuse part, it has no rest.
+                // Where the lobe is below its mean, which is the diffuse part, the rest is zero.
                 let base = self.lobe.diffuse_f(wo, wi).zip(f, f32::min);
                 base * diffuse + (f - base) * rest
             }
@@ -62,8 +62,8 @@ impl Component<'_> {
         self.lobe.roughness() < min_roughness && self.part.is_none_or(|p| !p.rest.is_black())
     }
 
-    /// The same lobe with a factor `broad` on its diffuse part, and on the rest `sharp` if it is narrower than `min_roughness`, else
-    /// `broad`.
+    /// The same lobe with factors: `broad` on its diffuse part, and on the rest `sharp` if the lobe is narrower than
+    /// `min_roughness`, else `broad`.
     pub(super) fn weighed(mut self, min_roughness: f32, broad: Rgb, sharp: Rgb) -> Self {
         let Part { diffuse, rest } = self.part.unwrap_or(Part::ALL);
         let factor = if self.is_sharp(min_roughness) { sharp } else { broad };
@@ -71,7 +71,7 @@ impl Component<'_> {
         self
     }
 
-    /// Whether it scatters any light toward `wo`, delta lobes ignored.
+    /// Whether it scatters any light toward `wo`, except by delta lobes.
     pub(super) fn scatters(&self, wo: Vec3) -> bool {
         match self.part {
             _ if self.lobe.is_delta() => false,
@@ -83,9 +83,9 @@ impl Component<'_> {
         }
     }
 
-    /// f times the cosine of the arriving light with the lobe's normal. On light paths the light arrives along `wo`, and its power is
-    /// measured with the geometric normal: |cos(wo, n) cos(wi, ng) / cos(wo, ng)| replaces the cosine of `wi`
-    /// [Veach97, 5.3.2].
+    /// f times the cosine of the arriving light with the lobe's normal. On light paths the light arrives along `wo`,
+    /// and its power is measured with the geometric normal: |cos(wo, n) cos(wi, ng) / cos(wo, ng)| replaces the cosine
+    /// of `wi` [Veach97, 5.3.2].
     #[inline]
     pub(super) fn f_cos(&self, wo: Vec3, wi: Vec3, way: Way) -> Rgb {
         let (frame, unshadowed) = match (&self.bend, way.transport) {
@@ -101,7 +101,7 @@ impl Component<'_> {
         self.lobe_f(local_wo, local_wi, way.transport) * (cos * unshadowed * self.weight)
     }
 
-    /// [`Component::f_cos`] and [`Component::pdf_w`] at once, of a lobe that is not bent.
+    /// [`Component::f_cos`] and [`Component::pdf_w`] together, for a lobe that is not bent.
     #[inline]
     pub(super) fn f_cos_pdf(&self, wo: Vec3, wi: Vec3, way: Way) -> (Rgb, f32) {
         let (local_wo, local_wi) = (self.frame.to_local(wo), self.frame.to_local(wi));
@@ -110,8 +110,8 @@ impl Component<'_> {
         (f_cos, self.lobe.pdf_w(local_wo, local_wi) * self.weight)
     }
 
-    /// [`Component::f_cos`] over the cosine of `wi` with the normal that irradiance is measured with: the unbent shading normal, or
-    /// the geometric normal on light paths.
+    /// [`Component::f_cos`] divided by the cosine of `wi` with the normal that defines irradiance: the unbent shading
+    /// normal, or the geometric normal on light paths.
     #[inline]
     pub(super) fn f(&self, wo: Vec3, wi: Vec3, way: Way) -> Rgb {
         let normal = match (&self.bend, way.transport) {
@@ -169,8 +169,8 @@ impl Component<'_> {
         Some(s)
     }
 
-    /// On light paths the path goes toward the eye, so whether the normal is flipped depends on the sampled direction. The frame is
-    /// sampled first.
+    /// On light paths, the path continues toward the eye, so the sampled direction decides whether the normal is
+    /// flipped. Therefore the frame is sampled first.
     fn sample_flippable(
         &self,
         wo: Vec3,
@@ -202,7 +202,8 @@ impl Component<'_> {
         (pdf_w > 0.0).then_some(Scatter { pdf_w, ..s })
     }
 
-    /// If the frame depends on the direction of a light path: how it is bent, and the probability of the flipped frame.
+    /// If the frame depends on the direction in which a light path continues: its bending, and the probability of the
+    /// flipped frame.
     #[inline]
     fn flippable(&self, way: Way) -> Option<(&Bend, f32)> {
         let bend = self.bend.as_ref().filter(|_| way.transport == Transport::Power)?;
@@ -215,7 +216,7 @@ impl Component<'_> {
     }
 }
 
-/// What the cosine of `wi` with the frame's normal is multiplied by on light paths, see [`Component::f_cos`].
+/// Factor on the cosine of `wi` with the frame's normal on light paths, see [`Component::f_cos`].
 #[inline]
 fn adjoint(frame: &Frame, wo: Vec3, wi: Vec3, Way { transport, ng }: Way) -> f32 {
     if transport == Transport::Radiance || frame.n == ng || frame.n == -ng {

@@ -4,19 +4,19 @@ use glam::Vec3;
 
 use crate::math::{Rgb, safe_sqrt, sqr};
 
-/// What a dielectric interface does to light that meets it at some angle.
+/// Reflection and refraction of light that hits a dielectric interface at some angle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Interface {
-    /// Reflected share of the power.
+    /// Fraction of the power that is reflected.
     pub(crate) reflectance: f32,
-    /// Cosine of the refracted direction, of the sign opposite to the incident one; 0 at total reflection.
+    /// Cosine of the refracted direction, with the sign opposite to that of the incident one; 0 for total reflection.
     pub(crate) cos_t: f32,
-    /// Index behind the interface over the index in front, as the incident direction sees them.
+    /// Index behind the interface over index in front, for the incident direction.
     pub(crate) eta: f32,
 }
 
-/// Fresnel's equations for unpolarised light. `cos_i` is signed: negative arrives from the inside.
-/// `eta` is the index inside over the index outside.
+/// Fresnel's equations for unpolarised light. `cos_i` is signed: it is negative for light from the inside. `eta` is the
+/// index inside over the index outside.
 #[inline]
 pub(crate) fn dielectric(cos_i: f32, eta: f32) -> Interface {
     let eta = if cos_i >= 0.0 { eta } else { 1.0 / eta };
@@ -46,8 +46,8 @@ pub(crate) fn conductor(cos_i: f32, eta: Rgb, k: Rgb) -> Rgb {
     })
 }
 
-/// Upper bound of [`conductor`] for cosines from `cos_i` to 1: toward grazing angles the s polarised share only rises, and
-/// the p polarised one falls to one minimum and rises to 1, so that it is largest at an end.
+/// Upper bound of [`conductor`] for cosines from `cos_i` to 1. Toward grazing angles, the s-polarised reflectance only
+/// rises; the p-polarised one falls to a single minimum and then rises to 1, so it is largest at one end.
 pub(crate) fn conductor_bound(cos_i: f32, eta: Rgb, k: Rgb) -> Rgb {
     let [s, p] = conductor_polarised(cos_i, eta, k);
     let normal = conductor(1.0, eta, k);
@@ -68,7 +68,7 @@ fn conductor_polarised(cos_i: f32, eta: Rgb, k: Rgb) -> [Rgb; 2] {
 }
 
 /// Reflectance of a smooth dielectric under uniform light, 2 int F(c) c dc; `eta` is the index behind the surface over
-/// that in front, where the light is.
+/// that in front, where the light comes from.
 pub fn dielectric_hemispherical(eta: f32) -> f32 {
     const N: usize = 4096; // midpoint rule; the kink at the critical angle costs less than 1e-6
     let f = |i: usize| {
@@ -78,19 +78,19 @@ pub fn dielectric_hemispherical(eta: f32) -> f32 {
     2.0 * (0..N).map(f).sum::<f32>() / N as f32
 }
 
-/// Mirror `w` at the plane across z.
+/// Mirror `w` about the z axis.
 #[inline]
 pub(crate) fn reflect_z(w: Vec3) -> Vec3 {
     Vec3::new(-w.x, -w.y, w.z)
 }
 
-/// Mirror `w` at the plane across `m`.
+/// Mirror `w` about `m`.
 #[inline]
 pub(crate) fn reflect(w: Vec3, m: Vec3) -> Vec3 {
     m * (2.0 * w.dot(m)) - w
 }
 
-/// Refract `w` at a facet with normal `m`, given what [`dielectric`] said of `w . m`.
+/// Refract `w` at a facet with normal `m`; `interface` is the result of [`dielectric`] for `w . m`.
 #[inline]
 pub(crate) fn refract(w: Vec3, m: Vec3, interface: Interface) -> Vec3 {
     let scale = 1.0 / interface.eta;

@@ -1,4 +1,4 @@
-//! The single lobes of a BSDF, and their shapes without their colours, for techniques that tabulate shapes.
+//! The single lobes of a BSDF, and their shapes without colours, for techniques that tabulate shapes.
 
 use glam::Vec3;
 
@@ -9,31 +9,31 @@ use crate::math::{Frame, Rgb};
 use crate::scene::Scene;
 use crate::texture::Texture;
 
-/// How a lobe scatters light besides its diffuse part.
+/// How a lobe scatters light, apart from its diffuse part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Only a diffuse part, or delta lobes besides it.
+    /// Only by a diffuse part, or by delta lobes.
     Diffuse,
-    /// Scattering over a range of directions, besides a diffuse part if there is one.
+    /// Over a range of directions, in addition to a diffuse part if there is one.
     Glossy,
 }
 
 /// A lobe of a BSDF.
 #[derive(Clone, Copy, Debug)]
 pub struct LobeView {
-    /// Which of the scene's materials it is of.
+    /// Index of its material in the scene.
     pub material: usize,
-    /// What it does.
+    /// Its kind.
     pub kind: Kind,
-    /// Factor on [`GlossyLobe::f_cos`] here: colours from textures, the weight in a blend, and the mean shadowing of a bent
-    /// normal.
+    /// Factor on [`GlossyLobe::f_cos`] here: colours from textures, the weight in a blend, and the mean shadowing of a
+    /// bent normal.
     pub tint: Rgb,
-    /// Its frame, normal on the side of the path.
+    /// Its frame; the normal is on the side of the path.
     pub frame: Frame,
 }
 
 impl Bsdf<'_> {
-    /// The lobes that are not delta lobes.
+    /// The lobes, except delta lobes.
     pub fn lobes(&self) -> impl Iterator<Item = LobeView> {
         self.components().iter().filter(|c| !c.lobe.is_delta()).map(Component::view)
     }
@@ -58,21 +58,21 @@ impl Component<'_> {
     }
 }
 
-/// The shape of a material's glossy lobe: without texture colours and without its diffuse part. It is the same at all points, and
-/// isotropic. Directions are local, z along the normal.
+/// The shape of a material's glossy lobe: without texture colours and without its diffuse part. It is the same at all
+/// points, and isotropic. Directions are local, z along the normal.
 #[derive(Clone, Copy, Debug)]
 pub struct GlossyLobe<'a> {
     lobe: Lobe<'a>,
 }
 
 impl Scene {
-    /// How many materials there are.
+    /// Number of materials.
     pub fn material_count(&self) -> usize {
         self.prepared_materials().len()
     }
 
-    /// Shape of the glossy lobe of a material without children. `None` where there is none, where textures change it
-    /// (roughness), where it is not the same all round, or where it passes light through.
+    /// Shape of the glossy lobe of a material without children. `None` if there is no such lobe, if a texture changes
+    /// its roughness, if it is anisotropic, or if it transmits light.
     pub fn glossy_lobe(&self, material: usize) -> Option<GlossyLobe<'_>> {
         let prepared = &self.prepared_materials()[material];
         shape(prepared).map(|lobe| GlossyLobe { lobe })
@@ -108,15 +108,16 @@ fn shape(prepared: &PreparedMaterial) -> Option<Lobe<'_>> {
 }
 
 impl GlossyLobe<'_> {
-    /// f(wo, wi) times the cosine of `wi`, the diffuse part taken away: that of Oren and Nayar's model is what all
-    /// directions have in common, and the rest may be negative.
+    /// f(wo, wi) times the cosine of `wi`, minus the diffuse part. In Oren and Nayar's model, the diffuse part is the
+    /// constant term, so the rest may be negative.
     #[inline]
     pub fn f_cos(&self, wo: Vec3, wi: Vec3) -> Rgb {
         let f = self.lobe.f(wo, wi, Transport::Radiance) - self.lobe.diffuse_f(wo, wi);
         f * wi.z.max(0.0)
     }
 
-    /// Draw `wi` for `wo` above: the direction, and [`GlossyLobe::f_cos`] over its density per solid angle.
+    /// Sample `wi` for `wo` above. Returns the direction, and [`GlossyLobe::f_cos`] divided by its density per solid
+    /// angle.
     #[inline]
     pub fn sample(&self, wo: Vec3, u: [f32; 2]) -> Option<(Vec3, Rgb)> {
         let wi = self.lobe.sample(wo, 0.0, u, Transport::Radiance)?.wi;
@@ -124,12 +125,12 @@ impl GlossyLobe<'_> {
         (pdf_w > 0.0 && wi.z > 0.0).then(|| (wi, self.f_cos(wo, wi) / pdf_w))
     }
 
-    /// Width of the lobe as that of microfacets; 1 for what is spread over the hemisphere.
+    /// Width of the lobe as a microfacet alpha; 1 for lobes that cover the hemisphere.
     pub fn roughness(&self) -> f32 {
         self.lobe.roughness()
     }
 
-    /// What it is of, in a word.
+    /// The kind of surface, in a word or two.
     pub fn name(&self) -> &'static str {
         match self.lobe {
             Lobe::OrenNayar { .. } => "rough diffuse",
@@ -210,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_tabulated_has_no_shape() {
+    fn lobes_that_cannot_be_tabulated_have_no_shape() {
         let grey = Texture::grey(0.5);
         let uneven = Roughness {
             distribution: Distribution::Ggx,

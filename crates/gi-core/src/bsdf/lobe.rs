@@ -1,5 +1,5 @@
-//! A scattering lobe in its own frame. All materials become one or more lobes. The file is long because each method is one match
-//! over all lobes.
+//! A scattering lobe in its own frame. All materials become one or more lobes. The file is long because each method is
+//! one match over all lobes.
 
 use glam::Vec3;
 
@@ -63,7 +63,7 @@ pub(crate) enum Lobe<'a> {
         exponent: f32,
     },
     Principled(Solid),
-    /// Its frame is turned to the side of `wo`.
+    /// A thin sheet. Its frame is flipped to the side of `wo`.
     PrincipledThin(Thin),
     Null,
 }
@@ -126,7 +126,7 @@ impl Lobe<'_> {
         }
     }
 
-    /// Draw a direction. `u_choice` chooses between the parts of a lobe, `u` within one.
+    /// Sample a direction. `u_choice` chooses between the parts of a lobe, `u` the direction within a part.
     #[inline]
     pub(crate) fn sample(
         &self,
@@ -188,7 +188,7 @@ impl Lobe<'_> {
         }
     }
 
-    /// What passes straight through, as a factor on shadow rays.
+    /// Transmittance for light that passes straight through, as a factor on shadow rays.
     #[inline]
     pub(crate) fn straight_through(&self, wo: Vec3) -> Rgb {
         match *self {
@@ -200,14 +200,14 @@ impl Lobe<'_> {
         }
     }
 
-    /// Width of the lobe as that of microfacets; 1 for what is spread over the hemisphere, and for delta lobes.
+    /// Width of the lobe as a microfacet alpha; 1 for lobes that cover the hemisphere, and for delta lobes.
     pub(crate) fn roughness(&self) -> f32 {
         match *self {
             Lobe::RoughConductor { facets, .. } | Lobe::RoughDielectric { facets, .. } => {
                 facets.width()
             }
             Lobe::Plastic { coat, .. } => coat.roughness(),
-            // The width of the Beckmann lobe that falls off alike [Walter07].
+            // The width of the Beckmann lobe with a similar falloff [Walter07].
             Lobe::Phong { specular, exponent, .. } if !specular.is_black() => {
                 (2.0 / (exponent + 2.0)).sqrt()
             }
@@ -217,7 +217,8 @@ impl Lobe<'_> {
         }
     }
 
-    /// pi times the part of f that is the same for all directions above, or nearly so: black from below.
+    /// pi times the diffuse part of f: the part that is the same, or nearly so, for all directions above. Black from
+    /// below.
     pub(crate) fn diffuse_albedo(&self, wo: Vec3) -> Rgb {
         match *self {
             _ if wo.z <= 0.0 => Rgb::BLACK,
@@ -231,7 +232,7 @@ impl Lobe<'_> {
         }
     }
 
-    /// The part of f that [`Lobe::diffuse_albedo`] stands for, as it is.
+    /// The diffuse part of f, exactly; [`Lobe::diffuse_albedo`] is its approximation.
     pub(crate) fn diffuse_f(&self, wo: Vec3, wi: Vec3) -> Rgb {
         match *self {
             _ if wo.z <= 0.0 || wi.z <= 0.0 => Rgb::BLACK,
@@ -286,7 +287,7 @@ impl Lobe<'_> {
         }
     }
 
-    /// Whether nothing passes to the other side.
+    /// Whether no light passes to the other side.
     #[inline]
     pub(crate) fn is_opaque(&self) -> bool {
         match self {
@@ -305,7 +306,7 @@ impl Lobe<'_> {
         }
     }
 
-    /// Weigh a direction that was drawn with density [`Lobe::pdf_w`].
+    /// Compute the weight of a direction that was sampled with density [`Lobe::pdf_w`].
     #[inline]
     fn weighted(&self, wo: Vec3, wi: Vec3, transport: Transport) -> Option<Scatter> {
         let pdf_w = self.pdf_w(wo, wi);
@@ -313,7 +314,7 @@ impl Lobe<'_> {
             .then(|| Scatter::rough(wi, self.f(wo, wi, transport) * (wi.z.abs() / pdf_w), pdf_w))
     }
 
-    /// The same for one that may be refracted.
+    /// The same for a direction that may be refracted.
     fn weighted_drawn(&self, wo: Vec3, drawn: Drawn, transport: Transport) -> Option<Scatter> {
         let scatter = self.weighted(wo, drawn.wi, transport)?;
         Some(Scatter { eta: drawn.eta, ..scatter })

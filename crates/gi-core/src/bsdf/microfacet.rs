@@ -1,4 +1,4 @@
-//! Microfacet distributions: density, shadowing, and sampling of the facets that a direction sees.
+//! Microfacet distributions: density, shadowing, and sampling of the visible facets.
 
 use std::f32::consts::PI;
 
@@ -8,14 +8,14 @@ use crate::material::Distribution;
 use crate::math::{INV_PI, safe_sqrt, sqr};
 use crate::warp;
 
-/// Facet normals round +z with widths `alpha` along x and y. All directions are local.
+/// Facet normals around +z with widths `alpha` along x and y. All directions are local.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Microfacets {
     distribution: Distribution,
     alpha: Vec2,
 }
 
-/// Narrower lobes are numerically mirrors.
+/// Narrower lobes are treated as mirrors.
 const MIN_ALPHA: f32 = 1e-4;
 
 impl Microfacets {
@@ -46,7 +46,7 @@ impl Microfacets {
         if value * m.z > 1e-20 { value } else { 0.0 }
     }
 
-    /// Smith's shadowing of direction `w` by facets, zero where facet `m` turns its back on `w`.
+    /// Smith's shadowing of direction `w` by facets; zero if facet `m` faces away from `w`.
     #[inline]
     pub(crate) fn g1(&self, w: Vec3, m: Vec3) -> f32 {
         if w.dot(m) * w.z <= 0.0 {
@@ -58,7 +58,8 @@ impl Microfacets {
         }
         match self.distribution {
             Distribution::Ggx => 2.0 / (1.0 + (1.0 + tan_alpha_sq).sqrt()),
-            // The rational fit to Smith's integral [Walter07, eq. 27] is what other systems use; it is good to 0.35 %.
+            // Like other renderers, use the rational fit to Smith's integral [Walter07, eq. 27]; it is accurate to 0.35
+            // %.
             Distribution::Beckmann => {
                 let a = 1.0 / tan_alpha_sq.sqrt();
                 if a >= 1.6 {
@@ -70,17 +71,17 @@ impl Microfacets {
         }
     }
 
-    /// Upper bound of [`Microfacets::d`] over unnormalised facet normals, of either sign, in a ball.
+    /// Upper bound of [`Microfacets::d`] over unnormalised facet normals in a ball; normals of either sign count.
     #[inline]
     pub(crate) fn d_bound(&self, center: Vec3, radius: f32) -> f32 {
         let (low, high) = (self.alpha.min_element(), self.alpha.max_element());
         let mut stretched = sqr(least_tangent(center, radius) / high);
         if low < high {
-            // The same axis by axis, which knows that the axes differ.
+            // The same for each axis separately, with the width of that axis.
             let across = ((center.truncate().abs() - radius).max(Vec2::ZERO)) / self.alpha;
             stretched = stretched.max(across.length_squared() / sqr(center.z.abs() + radius));
         }
-        // With q the stretched tangent squared, 1 / cos^2 is at most 1 + q alpha^2.
+        // With q as the squared stretched tangent, 1 / cos^2 is at most 1 + q alpha^2.
         let (area, a) = (PI * self.alpha.x * self.alpha.y, sqr(high));
         match self.distribution {
             Distribution::Ggx if a < 1.0 => sqr((1.0 + a * stretched) / (1.0 + stretched)) / area,
@@ -92,7 +93,7 @@ impl Microfacets {
         }
     }
 
-    /// [`Microfacets::g1`] of a facet that `w` sees.
+    /// [`Microfacets::g1`] for a facet that is visible from `w`.
     #[inline]
     pub(crate) fn g1_seen(&self, w: Vec3) -> f32 {
         self.g1(w, Vec3::Z)
@@ -109,7 +110,8 @@ impl Microfacets {
                 self.g1_seen(grazing)
             }
         };
-        // Toward grazing directions G1 falls as the cosine: both models' slopes there, and no more elsewhere.
+        // Toward grazing directions, G1 falls in proportion to the cosine. The slope there, which differs between the
+        // models, is the largest.
         let slope = match self.distribution {
             Distribution::Ggx => 2.0 / low.min(1.0),
             Distribution::Beckmann => 3.535 / low * (1.0 + 2.56 * sqr(high)).sqrt(),
@@ -123,13 +125,13 @@ impl Microfacets {
         self.g1(wo, m) * self.g1(wi, m)
     }
 
-    /// Density per solid angle of the facets that `wo` (above) sees.
+    /// Density per solid angle of the facets that are visible from `wo` (above).
     #[inline]
     pub(crate) fn visible_pdf(&self, wo: Vec3, m: Vec3) -> f32 {
         self.d(m) * self.g1(wo, m) * wo.dot(m).abs() / wo.z
     }
 
-    /// Draw a facet that `wo` (above) sees.
+    /// Sample a facet that is visible from `wo` (above).
     #[inline]
     pub(crate) fn sample_visible(&self, wo: Vec3, u: [f32; 2]) -> Vec3 {
         let stretched = Vec3::new(wo.x * self.alpha.x, wo.y * self.alpha.y, wo.z).normalize();
@@ -139,7 +141,8 @@ impl Microfacets {
                 Vec3::new(m.x * self.alpha.x, m.y * self.alpha.y, m.z.max(1e-6)).normalize()
             }
             Distribution::Beckmann => {
-                // Slopes of the unit distribution in the plane of incidence and across it, turned and stretched back.
+                // Slopes of the unit distribution in the plane of incidence and perpendicular to it, rotated and
+                // stretched back.
                 let sin = safe_sqrt(1.0 - sqr(stretched.z));
                 let slope = beckmann_slopes(stretched.z, sin, u);
                 let (cos_phi, sin_phi) =
@@ -152,8 +155,8 @@ impl Microfacets {
     }
 }
 
-/// Least tangent of the angle between the z axis, of either sign, and a vector in a ball: of the angle of its middle less
-/// that of the cone round it.
+/// Smallest tangent of the angle between the z axis, of either sign, and a vector in a ball: that of the angle to the
+/// centre minus the half angle of the cone around the ball.
 #[inline]
 pub(super) fn least_tangent(center: Vec3, radius: f32) -> f32 {
     let length = center.length();
@@ -167,7 +170,8 @@ pub(super) fn least_tangent(center: Vec3, radius: f32) -> f32 {
     if sin_least > 0.0 { sin_least / (cos * cos_cone + sin * sin_cone) } else { 0.0 }
 }
 
-/// The visible part of the unit hemisphere of normals: the half disk that `v` sees, by warping a disk \[Heitz18\].
+/// Sample the visible part of the unit hemisphere of normals: the half disk that is visible from `v`, by warping a disk
+/// \[Heitz18\].
 #[inline]
 fn visible_hemisphere(v: Vec3, u: [f32; 2]) -> Vec3 {
     let across = v.x * v.x + v.y * v.y;
@@ -185,7 +189,7 @@ fn visible_hemisphere(v: Vec3, u: [f32; 2]) -> Vec3 {
 fn beckmann_slopes(cos: f32, sin: f32, u: [f32; 2]) -> Vec2 {
     let across = erf_inv(2.0 * u[1].clamp(1e-6, 1.0 - 1e-6) - 1.0);
     if sin < 1e-4 {
-        // Head on all facets are seen alike.
+        // At normal incidence, all facets are equally visible.
         let r = (-(1.0 - u[0]).max(1e-20).ln()).sqrt();
         let (s, c) = (2.0 * PI * u[1]).sin_cos();
         return Vec2::new(r * c, r * s);
@@ -195,7 +199,7 @@ fn beckmann_slopes(cos: f32, sin: f32, u: [f32; 2]) -> Vec2 {
     let unnormalised = |b: f32, x: f32| 1.0 + b + tan * inv_sqrt_pi * (-x * x).exp();
     let erf_cot = erf(cot);
     let target = u[0].clamp(1e-6, 1.0 - 1e-6) * unnormalised(erf_cot, cot);
-    // Newton's method in b = erf(x), kept inside of a shrinking bracket; the derivative by b is 1 - x tan.
+    // Newton's method in b = erf(x), limited to a shrinking interval; the derivative by b is 1 - x tan.
     let (mut low, mut high) = (-1.0f32, erf_cot);
     let mut b = low + (high - low) * u[0];
     let mut x = erf_inv(b);
@@ -260,45 +264,4 @@ fn erf_inv(x: f32) -> f32 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn erf_and_its_inverse_agree() {
-        assert!((erf(0.5) - 0.520_499_9).abs() < 1e-6);
-        for i in -99..=99 {
-            let y = i as f32 / 100.0;
-            assert!((erf(erf_inv(y)) - y).abs() < 2e-6, "{y}");
-        }
-    }
-
-    #[test]
-    fn projected_facet_area_is_one_and_visible_area_is_the_cosine() {
-        let n = 1000;
-        for distribution in [Distribution::Ggx, Distribution::Beckmann] {
-            for alpha in [Vec2::new(0.2, 0.2), Vec2::new(0.5, 0.15)] {
-                let facets = Microfacets::new(distribution, alpha);
-                let wo = Vec3::new(0.6, 0.3, 0.5).normalize();
-                let (mut projected, mut visible) = (0.0f64, 0.0f64);
-                for i in 0..n * n {
-                    let u = [((i % n) as f32 + 0.5) / n as f32, ((i / n) as f32 + 0.5) / n as f32];
-                    let m = warp::hemisphere(u);
-                    projected += f64::from(facets.d(m) * m.z);
-                    visible += f64::from(facets.visible_pdf(wo, m));
-                }
-                let scale = 2.0 * std::f64::consts::PI / (n * n) as f64;
-                assert!(
-                    (projected * scale - 1.0).abs() < 2e-3,
-                    "{distribution:?} {alpha}: {}",
-                    projected * scale
-                );
-                // Exact for GGX; the fit of Beckmann's shadowing is good to 0.35 %.
-                assert!(
-                    (visible * scale - 1.0).abs() < 5e-3,
-                    "{distribution:?} {alpha}: {}",
-                    visible * scale
-                );
-            }
-        }
-    }
-}
+mod tests;

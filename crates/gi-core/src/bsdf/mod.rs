@@ -1,7 +1,7 @@
 //! The BSDF at a surface point: a material with its textures evaluated and its normals bent.
 //!
-//! Directions are unit, in world space, and point away from the surface: `wo` toward where the path came from,
-//! `wi` toward where it continues. `f` is the BSDF without the cosine; `f_cos` includes the cosine of `wi` with the shading
+//! Directions are unit, in world space, and point away from the surface: `wo` toward where the path came from, `wi`
+//! toward where it continues. `f` is the BSDF without the cosine; `f_cos` includes the cosine of `wi` with the shading
 //! normal. Walks use `f_cos`, because a blend may join lobes with different normals and then has no single cosine.
 
 mod bend;
@@ -9,6 +9,7 @@ mod bound;
 mod broad;
 mod coat;
 mod component;
+mod diffuse;
 mod fresnel;
 mod glossy;
 mod lobe;
@@ -25,6 +26,7 @@ use crate::math::{Rgb, sqr};
 pub use bound::ScatterBound;
 pub(crate) use coat::Coat;
 use component::{Component, Way};
+pub use diffuse::DiffusePart;
 pub use fresnel::dielectric_hemispherical;
 pub use glossy::{GlossyLobe, Kind, LobeView};
 use lobe::Lobe;
@@ -41,7 +43,7 @@ pub enum Transport {
 }
 
 impl Transport {
-    /// Factor on refraction into a medium whose index is `eta` times the one that `wo` is in.
+    /// Factor on refraction into a medium whose index is `eta` times that of the medium of `wo`.
     #[inline]
     fn refraction(self, eta: f32) -> f32 {
         match self {
@@ -51,20 +53,20 @@ impl Transport {
     }
 }
 
-/// A drawn direction.
+/// A sampled direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Scatter {
     /// Direction in which the path continues.
     pub wi: Vec3,
-    /// f times cosine over density.
+    /// f times the cosine, divided by the density.
     pub weight: Rgb,
-    /// Density per solid angle; for delta lobes the probability of having chosen this one.
+    /// Density per solid angle; for delta lobes, the probability of choosing this lobe.
     pub pdf_w: f32,
-    /// Whether the direction is one of finitely many: no other way of sampling can find it.
+    /// Whether it comes from a delta lobe, so that other sampling strategies cannot find it.
     pub delta: bool,
     /// Whether the path passed straight through the surface.
     pub null: bool,
-    /// Index of the medium entered over that of the medium left; 1 unless refracted.
+    /// Index of the medium entered over that of the medium left; 1 without refraction.
     pub eta: f32,
 }
 
@@ -80,24 +82,8 @@ impl Scatter {
     }
 }
 
-/// The diffuse part of a BSDF for one `wo`. Its radiance depends on irradiance only.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DiffusePart {
-    /// Its albedo: pi times its f, or the mean of that over the cosine-weighted hemisphere.
-    pub albedo: Rgb,
-    /// Unit normal that its cosine is taken with, on the side of `wo`.
-    pub normal: Vec3,
-}
-
 /// Maximum number of lobes of a material. Building the scene fails if there are more.
 pub const MAX_COMPONENTS: usize = 6;
-
-/// (whole - part) / whole, or zero if they differ by rounding only.
-#[inline]
-fn share_left(whole: f32, part: f32) -> f32 {
-    let left = if whole > 0.0 { 1.0 - part / whole } else { 0.0 };
-    if left < 1e-5 { 0.0 } else { left }
-}
 
 /// The BSDF at a point. Made by [`crate::scene::Scene::bsdf`].
 #[derive(Clone, Debug)]
@@ -106,7 +92,7 @@ pub struct Bsdf<'a> {
     way: Way,
 }
 
-/// Nearly all materials are one lobe. Blends are on the heap, so that a vertex is small and cheap to move.
+/// Nearly all materials have one lobe. Blends are stored on the heap, so that a vertex is small and cheap to move.
 #[derive(Clone, Debug)]
 enum Parts<'a> {
     One(Component<'a>),
@@ -122,16 +108,16 @@ impl<'a> Bsdf<'a> {
         }
     }
 
-    /// f(wo, wi) times |cos| of `wi` with the shading normal, without delta lobes. For [`Transport::Power`], where light arrives
-    /// along `wo`: f times |cos(wo, ns) cos(wi, ng) / cos(wo, ng)|, because power is measured with the geometric normal
-    /// [Veach97, 5.3.2].
+    /// f(wo, wi) times |cos| of `wi` with the shading normal, without delta lobes. For [`Transport::Power`], where
+    /// light arrives along `wo`: f times |cos(wo, ns) cos(wi, ng) / cos(wo, ng)|, because power is measured with the
+    /// geometric normal [Veach97, 5.3.2].
     #[inline]
     pub fn f_cos(&self, wo: Vec3, wi: Vec3) -> Rgb {
         self.components().iter().map(|c| c.f_cos(wo, wi, self.way)).sum()
     }
 
-    /// f(wo, wi) without the cosine and without delta lobes, for density estimates. With a bent normal: [`Bsdf::f_cos`] over the
-    /// cosine with the unbent normal.
+    /// f(wo, wi) without the cosine and without delta lobes, for density estimates. With a bent normal: [`Bsdf::f_cos`]
+    /// divided by the cosine with the unbent normal.
     #[inline]
     pub fn f(&self, wo: Vec3, wi: Vec3) -> Rgb {
         self.components().iter().map(|c| c.f(wo, wi, self.way)).sum()
@@ -148,7 +134,7 @@ impl<'a> Bsdf<'a> {
         }
     }
 
-    /// [`Bsdf::f_cos`] and [`Bsdf::pdf_w`] at once.
+    /// [`Bsdf::f_cos`] and [`Bsdf::pdf_w`] together.
     #[inline]
     pub fn f_cos_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
         match &self.parts {
@@ -209,7 +195,7 @@ impl<'a> Bsdf<'a> {
             .sum()
     }
 
-    /// Whether every lobe is a delta lobe. Sampling lights is then useless.
+    /// Whether every lobe is a delta lobe, so that sampling lights is useless.
     pub fn is_delta(&self) -> bool {
         self.components().iter().all(|c| c.lobe.is_delta())
     }
@@ -222,11 +208,12 @@ impl<'a> Bsdf<'a> {
         )
     }
 
-    /// The normal such that f is zero unless both directions lie on its side; `None` if there is none.
+    /// The normal of an opaque surface: f is zero unless both directions are on its side. `None` if there is none.
     #[inline]
     pub fn opaque_normal(&self) -> Option<Vec3> {
         match &self.parts {
-            // On light paths a bent normal may be flipped, which is known only with the direction to the eye.
+            // On light paths, a bent normal may be flipped, but this is known only once the direction to the eye is
+            // known.
             Parts::One(c) if c.bend.is_some() && self.way.transport == Transport::Power => None,
             Parts::One(c) if c.lobe.is_opaque() => Some(c.frame.n),
             _ => None,
@@ -243,68 +230,8 @@ impl<'a> Bsdf<'a> {
         self.components().iter().map(|c| c.lobe.roughness()).fold(1.0, f32::min)
     }
 
-    /// The diffuse part, if there is one: the whole of a diffuse surface, the base of a plastic with the mean transmittance of its
-    /// coat, and the constant part of other lobes. In a blend, only components that share the first diffuse normal are
-    /// included.
-    pub fn diffuse_part(&self, wo: Vec3) -> Option<DiffusePart> {
-        let mut part: Option<DiffusePart> = None;
-        for c in self.components() {
-            let local = c.frame.to_local(wo);
-            let albedo = c.lobe.diffuse_albedo(local) * (c.weight * c.mean_unshadowed());
-            if albedo.is_black() || c.bend.is_some_and(|b| !b.is_seen(&c.frame, wo)) {
-                continue;
-            }
-            let normal = c.frame.n;
-            match &mut part {
-                None => part = Some(DiffusePart { albedo, normal }),
-                Some(part) if part.normal == normal => part.albedo += albedo,
-                Some(_) => {}
-            }
-        }
-        part
-    }
-
-    /// Fraction of [`Bsdf::f_cos`] that [`Bsdf::diffuse_part`] does not include. The whole base of a plastic counts as included,
-    /// although its coat transmits slightly more light from above, and less from the side, than the mean.
-    pub fn beside_diffuse(&self, part: &DiffusePart, wo: Vec3, wi: Vec3) -> Rgb {
-        let diffuse = |c: &Component| {
-            let unshadowed = c.bend.map_or(1.0, |b| b.unshadowed(&c.frame, wo, wi));
-            let (wo, wi) = (c.frame.to_local(wo), c.frame.to_local(wi));
-            c.lobe.diffuse_f(wo, wi) * (wi.z.max(0.0) * c.weight * unshadowed)
-        };
-        let alike = self.components().iter().filter(|c| c.frame.n == part.normal);
-        let diffuse: Rgb = alike.map(diffuse).sum();
-        self.f_cos(wo, wi).zip(diffuse, share_left)
-    }
-
-    /// [`Bsdf::diffuse_part`] if the BSDF is Lambertian only, and its normal is not bent.
-    #[inline]
-    pub fn diffuse_only(&self, wo: Vec3) -> Option<DiffusePart> {
-        match &self.parts {
-            Parts::One(Component {
-                lobe: Lobe::Diffuse { albedo },
-                weight,
-                frame,
-                bend: None,
-                part: None,
-                ..
-            }) => {
-                let lit = wo.dot(frame.n) > 0.0;
-                let albedo = if lit { *albedo * *weight } else { Rgb::BLACK };
-                Some(DiffusePart { albedo, normal: frame.n })
-            }
-            _ => None,
-        }
-    }
-
-    /// The albedo if the BSDF is Lambertian only; black from behind.
-    #[inline]
-    pub fn lambertian(&self, wo: Vec3) -> Option<Rgb> {
-        self.diffuse_only(wo).map(|part| part.albedo)
-    }
-
-    /// A fast estimate of the albedo, for the albedo layer: exact for Lambertian surfaces, the reflectance at normal incidence for
-    /// others. It lies in [0, 1] and does not depend on the direction of view, as denoisers expect.
+    /// A fast estimate of the albedo, for the albedo layer: exact for Lambertian surfaces, the reflectance at normal
+    /// incidence for others. It lies in [0, 1] and does not depend on the direction of view, as denoisers expect.
     pub fn albedo(&self) -> Rgb {
         let all: Rgb = self.components().iter().map(|c| c.lobe.albedo() * c.weight).sum();
         all.map(|v| v.clamp(0.0, 1.0))

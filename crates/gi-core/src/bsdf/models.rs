@@ -9,7 +9,7 @@ use super::{Scatter, Transport};
 use crate::math::{Frame, Rgb, sqr};
 use crate::warp;
 
-/// Reflectance of a pane: both interfaces, with all inner reflections.
+/// Reflectance of a pane: both interfaces, with all internal reflections.
 #[inline]
 pub(super) fn thin_reflectance(wo: Vec3, eta: f32) -> f32 {
     let r = fresnel::dielectric(wo.z.abs(), eta).reflectance;
@@ -45,7 +45,7 @@ pub(super) fn oren_nayar_factors(sigma_sq: f32) -> [f32; 2] {
     [oren_nayar_constant(sigma_sq), 0.45 * sigma_sq / (sigma_sq + 0.09)]
 }
 
-/// Oren-Nayar's qualitative model, the factor on Lambert's.
+/// Oren-Nayar's qualitative model, relative to Lambert's.
 pub(super) fn oren_nayar(wo: Vec3, wi: Vec3, sigma_sq: f32) -> f32 {
     let (sin_o, sin_i) = ((1.0 - sqr(wo.z)).max(0.0).sqrt(), (1.0 - sqr(wi.z)).max(0.0).sqrt());
     let cos_delta = if sin_o > 1e-6 && sin_i > 1e-6 {
@@ -59,22 +59,22 @@ pub(super) fn oren_nayar(wo: Vec3, wi: Vec3, sigma_sq: f32) -> f32 {
     a + b * cos_delta.max(0.0) * sin_tan / cos
 }
 
-/// A direction round the mirror direction of `wo` by the Phong lobe.
+/// Sample a direction of the Phong lobe, around the mirror direction of `wo`.
 pub(super) fn sample_phong(wo: Vec3, u: [f32; 2], exponent: f32) -> Vec3 {
     let cos = u[0].max(1e-20).powf(1.0 / (exponent + 1.0));
     let local = warp::cone([1.0, u[1]], 1.0 - cos);
     Frame::from_normal(reflect_z(wo)).to_world(local)
 }
 
-/// Fraction of the samples that go to the lobe.
+/// Fraction of samples for the lobe.
 #[inline]
 pub(super) fn phong_share(diffuse: Rgb, specular: Rgb) -> f32 {
     let (d, s) = (diffuse.mean(), specular.mean());
     if d + s > 0.0 { s / (d + s) } else { 0.0 }
 }
 
-/// Normal of the facet that scatters `wo` to `wi`, on the upper side, and the index of refraction as `wo` sees it. `None` if there
-/// is no such facet.
+/// Normal of the facet that scatters `wo` to `wi`, on the upper side, and the index of refraction as `wo` sees it.
+/// `None` if there is no such facet.
 #[inline]
 pub(super) fn generalized_half(wo: Vec3, wi: Vec3, eta: f32) -> Option<(Vec3, f32)> {
     if wo.z == 0.0 || wi.z == 0.0 {
@@ -86,8 +86,8 @@ pub(super) fn generalized_half(wo: Vec3, wi: Vec3, eta: f32) -> Option<(Vec3, f3
     (wo.dot(m) * wo.z > 0.0 && wi.dot(m) * wi.z > 0.0).then_some((m, eta))
 }
 
-/// Reflect or refract `wo` at a visible facet. `None` if the facet sends the light to the wrong side of the surface: Smith's model
-/// counts it as lost.
+/// Reflect or refract `wo` at a visible facet. `None` if the facet sends the light to the wrong side of the surface:
+/// Smith's model counts it as lost.
 pub(super) fn sample_rough_dielectric(
     wo: Vec3,
     u_choice: f32,

@@ -25,7 +25,7 @@ pub(crate) struct PreparedMaterial {
 }
 
 impl PreparedMaterial {
-    /// Prepare `material`, whose children stand in `before`.
+    /// Prepare `material`; its children are in `before`.
     pub(crate) fn new(material: Material, before: &[PreparedMaterial]) -> Self {
         let material = at_the_ends(material);
         let coat = match &material {
@@ -111,14 +111,14 @@ impl PreparedMaterial {
     }
 }
 
-/// A relative index of refraction this close to 1 has no visible effect, and half vectors of a rough interface lose all their
-/// digits.
+/// A relative index of refraction this close to 1 has no visible effect, and half vectors of a rough interface lose all
+/// precision.
 const SAME_INDEX: f32 = 1e-4;
 /// Facets with a smaller alpha reflect like a mirror. Only BSDF sampling could find light in such a lobe.
 const SMOOTH: f32 = 1e-3;
 
-/// Simplify a material at the end of a parameter range: an interface between equal indices lets light pass straight through, and
-/// facets without width are a smooth surface.
+/// Simplify a material at the end of a parameter range: an interface between equal indices lets light pass straight
+/// through, and facets without width are a smooth surface.
 fn at_the_ends(mut material: Material) -> Material {
     let smooth = |r: &mut Roughness| {
         let narrow = |t: &Texture| matches!(t, Texture::Constant(a) if a.mean() < SMOOTH);
@@ -153,7 +153,7 @@ fn has_delta(material: &Material) -> bool {
     }
 }
 
-/// Whether every child stands before its parent, as [`Material`] demands.
+/// Whether every child comes before its parent, as [`Material`] requires.
 pub(crate) fn check_children(materials: &[Material]) -> bool {
     materials.iter().enumerate().all(|(k, m)| m.children().into_iter().all(|c| c < k))
 }

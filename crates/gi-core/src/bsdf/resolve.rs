@@ -1,4 +1,4 @@
-//! From a material to the lobes at a point.
+//! Turns a material into its lobes at a point.
 
 use glam::Vec3;
 
@@ -10,19 +10,19 @@ use crate::material::{BentNormals, Material};
 use crate::math::{Frame, Rgb};
 use crate::texture::Texture;
 
-/// What resolving a material needs to know.
+/// The data that are needed to resolve a material.
 struct Context<'a, 's> {
     materials: &'a [PreparedMaterial],
     surface: &'s Surface,
     tangents: &'s dyn Fn() -> Tangents,
     wo: Vec3,
-    /// `wo` on paths from the eye.
+    /// `wo` on paths from the eye; `None` on light paths.
     eye: Option<Vec3>,
 }
 
 impl<'a> Bsdf<'a> {
-    /// The BSDF of material `id` at `surface`, seen from `wo`. `tangents` is asked for the derivatives of
-    /// the surface only where a material needs them.
+    /// The BSDF of material `id` at `surface`, seen from `wo`. `tangents` computes the derivatives of the surface; it
+    /// is called only if a material needs them.
     #[inline]
     pub(crate) fn resolve(
         materials: &'a [PreparedMaterial],
@@ -32,7 +32,7 @@ impl<'a> Bsdf<'a> {
         wo: Vec3,
         transport: Transport,
     ) -> Self {
-        // The common case first: one lobe, perhaps on both sides.
+        // The usual case first: one lobe, perhaps on both sides.
         let (mut id, mut frame) = (id, surface.frame);
         if let Material::TwoSided { front, back } = materials[id].material {
             (id, frame) = side(front, back, frame, wo);
@@ -78,11 +78,11 @@ const EMPTY: Component<'static> = Component {
     part: None,
 };
 
-/// Where in the tree of a material a lobe stands.
+/// The position of a lobe in the tree of a material.
 #[derive(Clone, Copy)]
 struct Place {
     frame: Frame,
-    /// Its share.
+    /// Its weight.
     weight: f32,
     bend: Option<Bend>,
 }
@@ -133,19 +133,19 @@ impl<'a> Context<'a, '_> {
         }
     }
 
-    /// The same place with a bent frame, flipped toward the eye where it faces away from it.
+    /// The same position with a bent frame, which is flipped toward the eye if it faces away from it.
     fn bent(&self, at: Place, frame: Frame, how: BentNormals) -> Place {
         let bend = Bend::new(at.frame.n, frame.n, how);
         let frame = self.eye.map_or(frame, |eye| bend.seen_from(frame, eye));
         Place { frame, bend: Some(bend), ..at }
     }
 
-    /// Turn the frame along the texture coordinates where the lobe is not the same all round, and that of a sheet to the
-    /// side of `wo`.
+    /// Align the frame with the texture coordinates for an anisotropic lobe, and flip that of a sheet to the side of
+    /// `wo`.
     #[inline]
     fn oriented(&self, prepared: &PreparedMaterial, frame: Frame) -> Frame {
         let frame = match prepared.material {
-            // A sheet has no back.
+            // Both sides of a sheet are the same.
             Material::PrincipledThin(_) if self.wo.dot(frame.n) < 0.0 => opposite(frame),
             _ => frame,
         };
@@ -156,7 +156,7 @@ impl<'a> Context<'a, '_> {
         }
     }
 
-    /// The normal that a picture gives.
+    /// The normal from a normal map.
     fn mapped(&self, frame: Frame, map: &Texture) -> Frame {
         let (c, along) = (map.eval(self.surface.uv), (self.tangents)().dpdu);
         let local = Vec3::new(c.r, c.g, c.b) * 2.0 - 1.0;
@@ -187,7 +187,7 @@ impl<'a> Collected<'a> {
     }
 }
 
-/// The side of a two-sided material that `wo` sees, and the frame with its normal on that side.
+/// The material on the side of `wo` of a two-sided material, and the frame with its normal on that side.
 #[inline]
 fn side(front: usize, back: usize, frame: Frame, wo: Vec3) -> (usize, Frame) {
     if wo.dot(frame.n) >= 0.0 { (front, frame) } else { (back, opposite(frame)) }

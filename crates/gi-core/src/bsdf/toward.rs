@@ -14,7 +14,7 @@ pub struct Toward {
     half: Vec3,
 }
 
-/// A cone round such directions.
+/// A cone around these directions.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cone {
     /// Unit axis, and sine and cosine of the half angle. The whole sphere has a sine of 1 and a cosine of 0.
@@ -23,9 +23,9 @@ pub(super) struct Cone {
     pub(super) cos: f32,
 }
 
-/// Rounding of a coordinate, relative.
+/// Relative rounding error of a coordinate.
 const ROUNDING: f32 = 5e-7;
-/// Rounding of a unit vector.
+/// Rounding error of a unit vector.
 pub(super) const UNIT_ROUNDING: f32 = 2e-6;
 
 impl Toward {
@@ -50,26 +50,27 @@ impl Toward {
         Cone { axis: self.middle * inverse.sqrt(), sin: sin_sq.sqrt(), cos: (1.0 - sin_sq).sqrt() }
     }
 
-    /// Least squared distance to the box.
+    /// Smallest squared distance to the box.
     #[inline]
     pub fn min_distance_sq(&self) -> f32 {
         (self.middle.abs() - self.half).max(Vec3::ZERO).length_squared()
     }
 
-    /// Squared distance to the middle of the box, and its squared radius.
+    /// Squared distance to the centre of the box, and its squared radius.
     #[inline]
     pub fn middle_and_radius_sq(&self) -> [f32; 2] {
         [self.middle.length_squared(), self.half.length_squared()]
     }
 
-    /// Solid angle of the cone round the directions.
+    /// Solid angle of the cone around the directions.
     #[inline]
     pub fn solid_angle(&self) -> f32 {
         let cone = self.cone();
         if cone.sin >= 1.0 { 4.0 * PI } else { 2.0 * PI * (1.0 - cone.cos) }
     }
 
-    /// The largest cosine of a direction with the frame's normal [Walter05, eq. 4], from the bounds of the box in that frame.
+    /// The largest cosine of a direction with the frame's normal [Walter05, eq. 4], from the bounds of the box in that
+    /// frame.
     #[inline]
     pub fn max_cos(&self, frame: &Frame) -> f32 {
         let extent = |axis: Vec3| axis.abs().dot(self.half);
@@ -86,7 +87,7 @@ impl Toward {
 }
 
 impl Cone {
-    /// The largest cosine of a direction with unit `d`.
+    /// The largest cosine between a direction and the unit vector `d`.
     #[inline]
     pub(super) fn max_cos(&self, d: Vec3) -> f32 {
         if self.sin >= 1.0 {

@@ -11,8 +11,9 @@ use crate::walk::{LightWalk, Photon, Roulette, walk_in_order};
 
 /// Number of radii to choose from. Each is half as large as the one before.
 pub(super) const LEVELS: usize = 7;
-/// Photons on surfaces whose normals have a smaller cosine than this belong to another surface. Caustics have sharp edges, so the
-/// limit is tight enough to keep them on one side of an edge, and wide enough for the facets of a curved mesh.
+/// Photons on surfaces whose normals have a smaller cosine than this belong to another surface. Caustics have sharp
+/// edges, so the limit is tight enough to keep them on one side of an edge, and wide enough for the facets of a curved
+/// mesh.
 pub(super) const SAME_SURFACE: f32 = 0.7;
 /// So do photons farther from the tangent plane than this fraction of the radius.
 const HEIGHT: f32 = 0.5;
@@ -112,9 +113,9 @@ impl Map {
         }
     }
 
-    /// Call `take` with the photons of a cell that are in the ball, until `take` returns `false`. A crowded cell is searched
-    /// in the finer grid, where only the cells that the ball reaches are visited. If it is entirely inside the ball, a
-    /// subset of its photons is taken instead. Returns whether all calls returned `true`.
+    /// Call `take` with the photons of a cell that are in the ball, until `take` returns `false`. A crowded cell is
+    /// searched in the finer grid, where only the cells that the ball reaches are visited. If it is entirely inside the
+    /// ball, a subset of its photons is taken instead. Returns whether all calls returned `true`.
     fn visit(
         &self,
         level: usize,

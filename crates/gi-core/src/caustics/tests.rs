@@ -11,7 +11,7 @@ use crate::texture::Texture;
 const ALBEDO: f32 = 0.5;
 const RADIUS: f32 = 2.0;
 
-/// A point light in the middle of a ball of glass (if `bulb`), in the middle of a sphere.
+/// A point light at the centre of a sphere, inside a glass ball if `bulb`.
 fn lit_sphere(bulb: bool) -> Scene {
     let sphere = |radius, material| {
         let axes = Frame::from_normal(Vec3::Z);
@@ -36,7 +36,7 @@ fn lit_sphere(bulb: bool) -> Scene {
     Scene::new(parts).expect("a scene")
 }
 
-/// What is read at a point of the sphere.
+/// The focused light at a point of the sphere.
 fn read(scene: &Scene, light: &FocusedLight, d: Vec3, deepest: u32) -> Option<f32> {
     let (surface, _) = scene.intersect(&Ray::new(d, d)).expect("the sphere");
     let bsdf = scene.bsdf(&surface, -d, Transport::Radiance);
@@ -59,14 +59,15 @@ fn a_point_light_in_a_glass_bulb_lights_the_room() {
         // The light passes the glass once: fewer scatterings are not enough.
         assert_eq!(read(&scene, &light, Vec3::X, 0), Some(0.0));
     }
-    // Nothing is lost, and light meets the glass head on. A disc holds some eight photons, in each of 200 readings.
+    // No light is lost, because it hits the glass at normal incidence. A disc contains some eight photons, in each of
+    // 200 readings.
     let expected = f64::from(ALBEDO / PI / (RADIUS * RADIUS));
     let ratio = sum / f64::from(count) / expected;
     assert!((ratio - 1.0).abs() < 4.0 / (8.0 * f64::from(count)).sqrt(), "{ratio}");
 }
 
 #[test]
-fn without_mirrors_and_glass_there_is_nothing_to_ask() {
+fn without_mirrors_and_glass_there_is_no_focused_light() {
     let scene = lit_sphere(false);
     let mut light = FocusedLight::new(&scene, 1, 1 << 16);
     light.shoot(&scene, 1, 0);

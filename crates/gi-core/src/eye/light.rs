@@ -9,7 +9,8 @@ use crate::math::Rgb;
 use crate::nee::{direct_light, direct_light_through_media, emitter_weight};
 
 impl<'a> EyeWalk<'a> {
-    /// Add the light that the surface at `v` emits. Next-event estimation may find it too: the power heuristic weights both.
+    /// Add the light that the surface at `v` emits. Next-event estimation may find it too: the power heuristic weights
+    /// both.
     #[inline(always)]
     pub fn add_emitted(&mut self, v: &EyeVertex) {
         let emitted = self.scene.emitted(&v.surface, v.wo);
@@ -41,11 +42,14 @@ impl<'a> EyeWalk<'a> {
         }
     }
 
-    /// Add a technique's estimate at `v`. Call it at most once per vertex, only if [`EyeVertex::wants_estimate`] holds, and before
-    /// [`EyeWalk::add_direct`] and [`EyeWalk::scatter`]: they leave out the light that it covers.
+    /// Add a technique's estimate at `v`. Call it at most once per vertex, only if [`EyeVertex::wants_estimate`] holds,
+    /// and before [`EyeWalk::add_direct`] and [`EyeWalk::scatter`]: they leave out the light that it covers.
     #[inline]
     pub fn add_estimate(&mut self, v: &EyeVertex, estimate: Estimate) {
-        debug_assert!(v.wants_estimate() && self.estimate.is_none(), "light would count twice");
+        debug_assert!(
+            v.wants_estimate() && self.estimate.is_none(),
+            "light would be counted twice"
+        );
         let radiance = &mut self.sample.radiance;
         *radiance.of_path(self.non_delta + 2, false) += v.throughput * estimate.indirect;
         if let Some(direct) = estimate.direct {
@@ -57,7 +61,7 @@ impl<'a> EyeWalk<'a> {
         self.estimate = Some(estimate);
     }
 
-    /// Next-event estimation: sample a light, and add what `v` scatters of it, unless an estimate has covered it.
+    /// Next-event estimation: sample a light, and add the light that `v` scatters, unless an estimate covers it.
     #[inline(always)]
     pub fn add_direct(&mut self, v: &EyeVertex<'a>) {
         if v.is_last {
@@ -84,7 +88,7 @@ impl<'a> EyeWalk<'a> {
         }
     }
 
-    /// Whether light that is sampled at the current vertex is wanted.
+    /// Whether the picture needs light that is sampled at the current vertex.
     #[inline]
     pub(super) fn wants_direct(&self) -> bool {
         match self.show {
@@ -95,7 +99,7 @@ impl<'a> EyeWalk<'a> {
         }
     }
 
-    /// The part of `bsdf` for which light straight from lights is not in the estimate.
+    /// The part of `bsdf` for which the estimate does not include light straight from light sources.
     #[inline]
     fn left_for_lights<'b>(&self, bsdf: &'b Bsdf<'a>) -> Option<Cow<'b, Bsdf<'a>>> {
         match self.estimate {

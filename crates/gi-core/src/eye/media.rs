@@ -12,11 +12,11 @@ use crate::medium::Flight;
 use crate::nee::direct_light_within;
 use crate::ray::{Hit, Ray};
 
-/// Largest survival probability of Russian roulette in media. They scatter light hundreds of times: with the 0.95 of
-/// surfaces, a path that survived a hundred times by chance would weigh as much as a hundred others.
+/// Largest survival probability of Russian roulette in media. Media scatter light hundreds of times. With the 0.95 of
+/// surfaces, a path that survives a hundred scatterings by chance would get the weight of a hundred paths.
 const MAX_SURVIVAL_WITHIN: f32 = 0.999;
 
-/// What a path in media reaches next.
+/// The next event of a path in media.
 #[expect(
     clippy::large_enum_variant,
     reason = "one at a time, on the stack; hot loops allocate nothing"
@@ -43,35 +43,35 @@ pub struct EyeMediumVertex {
     u_roulette: f32,
 }
 
-/// The part of a path's next segment that lies inside a medium.
+/// The part of a path's next segment that is inside a medium.
 #[derive(Clone, Copy, Debug)]
 pub struct Beam {
-    /// From its near end; unit direction.
+    /// The ray, starting at the near end; unit direction.
     pub ray: Ray,
     /// Distance to its far end, world units; may be infinite.
     pub reach: f32,
     /// The medium.
     pub medium: MediumId,
-    /// Where the path has just entered the medium. `None` if it begins there, or was reflected or scattered inside.
+    /// The entrance into the medium. `None` if the path begins in it, or was reflected or scattered inside.
     pub entered: Option<Entrance>,
     /// Number of segments from the camera, this one included.
     pub segments: u32,
     /// Number of scatterings before that were not by delta lobes.
     pub non_delta: u32,
-    /// What one unit of estimated radiance adds to the sample.
+    /// Contribution to the sample of one unit of estimated radiance.
     pub throughput: Rgb,
 }
 
-/// Where a path has entered a medium.
+/// The point where a path has entered a medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entrance {
     /// The boundary's primitive.
     pub prim: u32,
-    /// Index of refraction inside over outside of the boundary; 1 if nothing is refracted.
+    /// Index of refraction inside over outside of the boundary; 1 without refraction.
     pub eta: f32,
 }
 
-/// A distance that was drawn before the end of the segment is known.
+/// A distance that was sampled before the end of the segment is known.
 struct FreeFlight {
     /// World units.
     t: f32,
@@ -81,7 +81,7 @@ struct FreeFlight {
 }
 
 impl<'a> EyeWalk<'a> {
-    /// The same path, attenuated and scattered by media. `medium` is the one that it starts in
+    /// The same path, but media attenuate and scatter it. `medium` is the one in which it starts
     /// ([`crate::technique::Setting::camera_medium`]).
     #[inline]
     pub fn through_media(mut self, medium: Option<MediumId>) -> Self {
@@ -94,7 +94,7 @@ impl<'a> EyeWalk<'a> {
     #[inline(always)]
     pub fn next_event(&mut self) -> Option<EyeEvent<'a>> {
         let flight = self.draw_flight();
-        // Only search up to the point of scattering, unless a surface is still needed for its layers.
+        // Trace only up to the point of scattering, unless a surface is still needed for its layers.
         let tmax = flight.as_ref().filter(|_| self.is_described).map_or(self.ray.tmax, |f| f.t);
         let hit = self.scene.closest(&Ray { tmax, ..self.ray });
         let (Some(index), Some(flight)) = (self.medium, flight) else {
@@ -123,7 +123,7 @@ impl<'a> EyeWalk<'a> {
         }
     }
 
-    /// Next-event estimation in a medium: sample a light, and add what `v` scatters of it.
+    /// Next-event estimation in a medium: sample a light, and add the light that `v` scatters.
     #[inline]
     pub fn add_direct_within(&mut self, v: &EyeMediumVertex) {
         if !self.wants_direct() {
@@ -134,7 +134,7 @@ impl<'a> EyeWalk<'a> {
             self.throughput * v.remainder * direct;
     }
 
-    /// Draw the direction in which the path continues from a point of a medium. Returns whether it does.
+    /// Sample the direction in which the path continues from a point of a medium. Returns whether it continues.
     #[inline]
     pub fn scatter_within(&mut self, v: &EyeMediumVertex) -> bool {
         let phase = &self.scene.medium(v.medium).phase;
@@ -143,15 +143,16 @@ impl<'a> EyeWalk<'a> {
         self.segments += 1;
         self.non_delta += 1;
         (self.after_delta, self.entered) = (false, None);
-        // A phase function is its own density.
+        // A phase function equals its own density.
         self.last = Some(LastScattering { p: v.p, pdf_w: phase.eval(v.wo, wi) });
         self.remainder = Remainder::ALL;
         self.ray = Ray::new(v.p, wi);
         !self.is_done() && self.survives(MAX_SURVIVAL_WITHIN, v.u_roulette)
     }
 
-    /// For techniques that know the light in media: the part of the next segment that lies inside a medium, unless an estimate
-    /// has accounted for the light that is scattered there. The next [`EyeWalk::next_vertex`] then only attenuates the path.
+    /// For techniques that estimate the light in media: the part of the next segment that is inside a medium, unless an
+    /// estimate already accounts for the light that is scattered there. The next [`EyeWalk::next_vertex`] then only
+    /// attenuates the path.
     #[inline]
     pub fn beam_ahead(&mut self) -> Option<Beam> {
         let medium = self.medium?;
@@ -186,7 +187,7 @@ impl<'a> EyeWalk<'a> {
         }
     }
 
-    /// Note which medium the path enters where `surface` scatters it.
+    /// Store the medium that the path enters at `surface`.
     #[inline(always)]
     pub(super) fn enter(&mut self, surface: &Surface, scatter: &Scatter) {
         if self.knows_media {
@@ -203,14 +204,14 @@ impl<'a> EyeWalk<'a> {
         Ray { o: self.ray.at(self.ray.tmin), tmin: 0.0, ..self.ray }
     }
 
-    /// Length of that, if the segment ends at `hit`.
+    /// Length of that ray if the segment ends at `hit`.
     #[inline]
     fn reach(&self, hit: Option<Hit>) -> f32 {
         hit.map_or(f32::INFINITY, |hit| hit.t) - self.ray.tmin
     }
 
-    /// Fraction of the light scattered on the next segment that no estimate has accounted for. `None` if the medium only
-    /// attenuates the path.
+    /// Fraction of the light scattered on the next segment that no estimate has accounted for. `None` if the medium
+    /// only attenuates the path.
     #[inline]
     fn scattered_within(&mut self) -> Option<Rgb> {
         let medium = self.scene.medium(self.medium?);
@@ -221,7 +222,8 @@ impl<'a> EyeWalk<'a> {
         Some(self.remainder.within(&mut self.sampler)).filter(|left| !left.is_black())
     }
 
-    /// Draw how far the path flies in its medium if nothing is in its way. `None` if the medium only attenuates the path.
+    /// Sample the distance that the path travels in its medium without surfaces. `None` if the medium only attenuates
+    /// the path.
     #[inline]
     fn draw_flight(&mut self) -> Option<FreeFlight> {
         let remainder = self.scattered_within()?;

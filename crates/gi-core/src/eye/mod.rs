@@ -19,13 +19,14 @@
 //!
 //! Bind the vertex by reference, as here: moving it costs 4 % of the path tracer's time.
 //!
-//! A path tracer has no estimate. A technique that knows indirect light (from a cache, a photon map or virtual lights) adds
-//! it at a vertex. The path then continues only for the light that the estimate does not cover ([`Covers`]).
+//! A path tracer has no estimate. A technique that knows indirect light (from a cache, a photon map or virtual lights)
+//! adds it at a vertex. The path then continues only for the light that the estimate does not cover ([`Covers`]).
 
 mod layers;
 mod light;
 mod media;
 mod remainder;
+mod start;
 mod vertex;
 
 use crate::medium::MediumId;
@@ -39,21 +40,21 @@ use crate::options::SurfaceLayers;
 use crate::ray::{Hit, Ray};
 use crate::sampler::Sampler;
 use crate::scene::Scene;
-use crate::technique::Setting;
 pub use media::{Beam, Entrance, EyeEvent, EyeMediumVertex};
 use remainder::Remainder;
+pub use start::GatherRay;
 pub use vertex::{Covers, Estimate, EyeVertex};
 
-/// Largest survival probability of Russian roulette at a surface: no path is endless.
+/// Largest survival probability of Russian roulette at a surface, so that no path is endless.
 const MAX_SURVIVAL: f32 = 0.95;
 
-/// A path from the camera that is being walked, and the light that it has found so far.
+/// A path from the camera in progress, and the light that it has found so far.
 pub struct EyeWalk<'a> {
     /// The random numbers of this path. Estimates may draw from them too.
     pub sampler: Sampler,
     scene: &'a Scene,
     limits: PathLimits,
-    /// Which components of light are wanted: the walk may skip the others.
+    /// The components of light that the picture needs: the walk may skip the others.
     show: Show,
     /// Which surface the layers describe.
     surface_layers: SurfaceLayers,
@@ -63,13 +64,14 @@ pub struct EyeWalk<'a> {
     throughput: Rgb,
     /// Fractions of the throughput that no estimate has accounted for.
     remainder: Remainder,
-    /// Last scattering; `None` at the camera and after delta lobes.
+    /// The last scattering; `None` at the camera and after delta lobes.
     last: Option<LastScattering>,
     /// Number of scatterings so far that were not by delta lobes.
     non_delta: u32,
     /// Whether the last scattering was by a delta lobe.
     after_delta: bool,
-    /// Product of squared relative indices of refraction. The throughput is divided by it; roulette undoes that.
+    /// Product of squared relative indices of refraction. The throughput contains a division by it; Russian roulette
+    /// compensates for that.
     eta_sq: f32,
     /// Number of segments, the next one included.
     segments: u32,
@@ -79,9 +81,10 @@ pub struct EyeWalk<'a> {
     knows_media: bool,
     /// The medium that the next segment starts in.
     medium: Option<MediumId>,
-    /// Where the path has just entered that medium.
+    /// The entrance into that medium, if the path has just entered it.
     entered: Option<Entrance>,
-    /// Hit of the next segment if [`EyeWalk::beam_ahead`] has traced it; the inner `None` means that the ray leaves the scene.
+    /// Hit of the next segment if [`EyeWalk::beam_ahead`] has traced it; the inner `None` means that the ray leaves the
+    /// scene.
     ahead: Option<Option<Hit>>,
     /// The estimate at the current vertex.
     estimate: Option<Estimate>,
@@ -94,93 +97,12 @@ pub struct EyeWalk<'a> {
 #[derive(Clone, Copy)]
 struct LastScattering {
     p: Vec3,
-    /// Density of the direction that was drawn, per solid angle.
+    /// Density per solid angle of the sampled direction.
     pdf_w: f32,
 }
 
-/// Where a gather ray starts: a path that did not begin at the camera.
-#[derive(Clone, Copy)]
-pub struct GatherRay {
-    /// The ray, off the surface that it leaves.
-    pub ray: Ray,
-    /// Number of segments from the camera, this one included.
-    pub segments: u32,
-    /// Length of the path from the camera up to the ray's start, world units.
-    pub length: f32,
-}
-
 impl<'a> EyeWalk<'a> {
-    /// A path through a random point of a pixel: sample number `index` of that pixel.
-    #[inline(always)]
-    pub fn through_pixel(
-        setting: &Setting<'a>,
-        limits: PathLimits,
-        [x, y]: [usize; 2],
-        index: u32,
-    ) -> Self {
-        let camera = setting.camera;
-        let stream = (y * camera.size()[0] + x) as u32;
-        let mut sampler = Sampler::new(setting.seed, stream, index);
-        let [u, v] = sampler.next_2d();
-        let lens = if camera.has_lens() { sampler.next_2d() } else { [0.5; 2] };
-        let ray = camera.ray([x as f32 + u, y as f32 + v], lens);
-        let mut walk = Self::new(setting.scene, limits, ray, sampler);
-        walk.show = setting.show;
-        walk.surface_layers = setting.surface_layers;
-        walk.sample.offset = [u - 0.5, v - 0.5];
-        walk
-    }
-
-    /// Path number `path` through a random pixel, without Russian roulette. Prepasses use it to find the points that matter for the
-    /// picture. `stream` separates the random numbers of one use from those of another.
-    pub fn through_picture(setting: &Setting<'a>, stream: u32, path: u32) -> Self {
-        let mut sampler = Sampler::new(setting.seed ^ stream, 0, path);
-        let [w, h] = setting.camera.size().map(|n| n as f32);
-        let [x, y] = sampler.next_2d();
-        let ray = setting.camera.ray([x * w, y * h], sampler.next_2d());
-        let limits = PathLimits { max_depth: None, rr_depth: u32::MAX };
-        Self::new(setting.scene, limits, ray, sampler)
-    }
-
-    /// A path along a gather ray. Only light that was scattered at least once more, not by a delta lobe, counts: it stands
-    /// in [`crate::film::Components::indirect`] of the sample. The sample's depth is the distance to the first surface.
-    #[inline]
-    pub fn along(scene: &'a Scene, limits: PathLimits, start: GatherRay, sampler: Sampler) -> Self {
-        let mut walk = Self::new(scene, limits, start.ray, sampler);
-        walk.show = Show::Indirect;
-        walk.non_delta = 1;
-        (walk.segments, walk.length) = (start.segments, start.length);
-        walk
-    }
-
-    #[inline(always)]
-    fn new(scene: &'a Scene, limits: PathLimits, ray: Ray, sampler: Sampler) -> Self {
-        EyeWalk {
-            sampler,
-            scene,
-            limits,
-            show: Show::All,
-            surface_layers: SurfaceLayers::First,
-            ray,
-            throughput: Rgb::WHITE,
-            remainder: Remainder::ALL,
-            last: None,
-            non_delta: 0,
-            after_delta: false,
-            eta_sq: 1.0,
-            segments: 1,
-            length: 0.0,
-            knows_media: false,
-            medium: None,
-            entered: None,
-            ahead: None,
-            estimate: None,
-            sample: Sample::default(),
-            is_described: false,
-        }
-    }
-
-    /// Follow the path to the next surface. Where it leaves the scene, add light from infinity and return `None`. A medium
+    /// Follow the path to the next surface. If it leaves the scene, add light from infinity and return `None`. A medium
     /// on the way only attenuates the path.
     #[inline(always)]
     pub fn next_vertex(&mut self) -> Option<EyeVertex<'a>> {
@@ -223,10 +145,10 @@ impl<'a> EyeWalk<'a> {
         })
     }
 
-    /// Draw the direction in which the path continues. Returns whether it does.
+    /// Sample the direction in which the path continues. Returns whether it continues.
     #[inline(always)]
     pub fn scatter(&mut self, v: &EyeVertex<'a>) -> bool {
-        // After the last segment only light that passes straight through continues.
+        // After the last segment, only light that passes straight through counts.
         if v.is_last && v.bsdf.straight_through(v.wo).is_black() || self.covers_all(v) {
             return false;
         }
@@ -274,7 +196,8 @@ impl<'a> EyeWalk<'a> {
         }
     }
 
-    /// Russian roulette by the throughput, without the factor from refraction. The survival probability is at most `most`.
+    /// Russian roulette by the throughput, without the factor from refraction. The survival probability is at most
+    /// `most`.
     #[inline(always)]
     fn survives(&mut self, most: f32, u: f32) -> bool {
         let mut survival = 1.0;
@@ -285,7 +208,7 @@ impl<'a> EyeWalk<'a> {
         u < survival
     }
 
-    /// Whether no light that the path can still find is wanted.
+    /// Whether the picture needs none of the light that the path can still find.
     #[inline(always)]
     fn is_done(&self) -> bool {
         self.throughput.is_black()
@@ -297,7 +220,7 @@ impl<'a> EyeWalk<'a> {
             }
     }
 
-    /// Fraction of the radiance along the next segment that the picture sees.
+    /// Fraction of the radiance along the next segment that reaches the picture.
     pub fn throughput(&self) -> Rgb {
         self.throughput
     }

@@ -8,16 +8,16 @@ use crate::geometry::Surface;
 use crate::math::Rgb;
 use crate::sampler::Sampler;
 
-/// What fraction of each kind of light no estimate has accounted for.
+/// Fractions of each kind of light that no estimate has accounted for.
 pub(super) struct Remainder {
-    /// Light that the next vertex scatters by other than delta lobes.
+    /// Light that the next vertex scatters, except by delta lobes.
     pub(super) indirect: Rgb,
-    /// Emitted light that arrives over delta lobes only.
+    /// Emitted light that arrives only over delta lobes.
     caustic: Rgb,
     /// Light that the next vertex emits.
     direct: Rgb,
-    /// Set if the last estimate covered light from directly visible surfaces ([`Covers::Visible`]). It then replaces
-    /// `indirect` if the next vertex is reached without a delta lobe.
+    /// Set if the last estimate covered light from directly visible surfaces ([`Covers::Visible`]). If the next vertex
+    /// is reached without a delta lobe, it replaces `indirect`.
     visible: Option<Visible>,
 }
 
@@ -26,7 +26,7 @@ impl Remainder {
     pub(super) const ALL: Remainder =
         Remainder { indirect: Rgb::WHITE, caustic: Rgb::WHITE, direct: Rgb::WHITE, visible: None };
 
-    /// What is left after a scattering at `v` toward `wi` by other than a delta lobe.
+    /// The remainder after a scattering at `v` toward `wi`, not by a delta lobe.
     #[inline]
     pub(super) fn after(estimate: Option<&Estimate>, v: &EyeVertex, wi: Vec3) -> Self {
         let Some(estimate) = estimate else { return Self::ALL };
@@ -38,7 +38,7 @@ impl Remainder {
             Covers::NonDelta | Covers::Diffuse(_) => Rgb::BLACK,
         };
         let indirect = match estimate.covers {
-            // What was covered is known at the next vertex.
+            // The covered fraction is known only at the next vertex.
             Covers::Visible { .. } => Rgb::WHITE,
             Covers::NonDelta => Rgb::BLACK,
             Covers::Diffuse(part) => v.bsdf.beside_diffuse(&part, v.wo, wi),
@@ -51,7 +51,7 @@ impl Remainder {
         }
     }
 
-    /// After a delta lobe the next surface is not directly visible.
+    /// After a delta lobe, the next surface is not directly visible.
     #[inline]
     pub(super) fn after_delta(&mut self) {
         self.visible = None;
@@ -63,14 +63,14 @@ impl Remainder {
         self.indirect.is_black() && self.direct.is_black() && self.caustic.is_black()
     }
 
-    /// Fraction of emitted light that is left.
+    /// Fraction of emitted light that remains.
     #[inline]
     pub(super) fn emitted(&self, after_delta: bool) -> Rgb {
         if after_delta { self.caustic } else { self.direct }
     }
 
-    /// Fraction of the scattering at `surface` that is left. Russian roulette rounds small fractions to zero or one. Where
-    /// lobes differ in it, the fraction is multiplied into `bsdf` and the result is white.
+    /// Fraction of the scattering at `surface` that remains. Russian roulette rounds small fractions to zero or one. If
+    /// the fraction differs between lobes, it is multiplied into `bsdf`, and the result is white.
     #[inline]
     pub(super) fn at(
         &self,
@@ -91,7 +91,7 @@ impl Remainder {
         Rgb::WHITE
     }
 
-    /// Fraction of the scattering in a medium that is left, rounded as on surfaces.
+    /// Fraction of the scattering in a medium that remains, rounded as on surfaces.
     #[inline]
     pub(super) fn within(&self, sampler: &mut Sampler) -> Rgb {
         play(self.indirect, sampler)
@@ -129,7 +129,7 @@ impl Visible {
         Some(Visible { p, cos, max_geometry, min_roughness, covered })
     }
 
-    /// Fraction of the light from `surface` that the clamped geometry term and narrow lobes left out.
+    /// Fraction of the light from `surface` that remains because of the clamped geometry term and narrow lobes.
     fn left(&self, surface: &Surface, wo: Vec3) -> Rgb {
         let cos = surface.ng.dot(wo).abs();
         let geometry = self.cos * cos / (surface.p - self.p).length_squared();

@@ -1,4 +1,4 @@
-//! A vertex of the eye walk, and what a technique may add there.
+//! A vertex of the eye walk, and the estimate that a technique may add there.
 
 use crate::medium::MediumId;
 use glam::Vec3;
@@ -23,7 +23,7 @@ pub struct EyeVertex<'a> {
     pub length: f32,
     /// The medium that the path came through.
     pub medium: Option<MediumId>,
-    /// What one unit of estimated radiance adds to the sample.
+    /// Contribution to the sample of one unit of estimated radiance.
     pub throughput: Rgb,
     /// Fraction of the scattering here that no earlier estimate has accounted for.
     pub(super) remainder: Rgb,
@@ -32,8 +32,8 @@ pub struct EyeVertex<'a> {
 }
 
 impl EyeVertex<'_> {
-    /// Whether an estimate of scattered light is of use here: the surface has other than delta lobes, the path may have
-    /// another segment, and no earlier estimate has accounted for the light.
+    /// Whether an estimate of scattered light is useful here: the surface has lobes that are not delta lobes, the path
+    /// may have another segment, and no earlier estimate accounts for the light.
     #[inline]
     pub fn wants_estimate(&self) -> bool {
         !self.is_last && !self.remainder.is_black() && !self.bsdf.is_delta()
@@ -43,14 +43,14 @@ impl EyeVertex<'_> {
 /// A technique's estimate of the light that a vertex scatters back along the path.
 #[derive(Clone, Copy, Debug)]
 pub struct Estimate {
-    /// Which scattering at the vertex the estimate covers. The path continues for the rest.
+    /// The scattering at the vertex that the estimate covers. The path continues for the rest.
     pub covers: Covers,
-    /// Radiance of light that comes straight from a light source. With [`Covers::Diffuse`] it must cover all lobes but delta
-    /// lobes. `None` leaves this light to the path: it samples a light, and may hit one.
+    /// Radiance of light that comes straight from a light source. With [`Covers::Diffuse`] it must cover all lobes but
+    /// delta lobes. `None` leaves this light to the path: it samples a light, and may hit one.
     pub direct: Option<Rgb>,
-    /// Radiance of light that was scattered at another surface by other than delta lobes.
+    /// Radiance of light that was scattered at another surface, not by delta lobes only.
     pub indirect: Rgb,
-    /// Radiance of light that came over one or more delta lobes, and over nothing else. `None` leaves this light to the path.
+    /// Radiance of light that came only over delta lobes, at least one. `None` leaves this light to the path.
     pub caustic: Option<Rgb>,
 }
 
@@ -59,12 +59,12 @@ pub struct Estimate {
 pub enum Covers {
     /// All lobes but delta lobes.
     NonDelta,
-    /// All lobes but delta lobes, for light from surfaces that are directly visible from the vertex, with the geometry term
-    /// cos cos' / d^2 (geometric normals) clamped. Virtual point lights estimate this.
+    /// All lobes but delta lobes, for light from surfaces that are directly visible from the vertex, with the geometry
+    /// term cos cos' / d^2 (geometric normals) clamped. Virtual point lights estimate this.
     Visible {
         /// Largest geometry term, per squared world unit; may be infinite.
         max_geometry: f32,
-        /// Smallest roughness (microfacet alpha) of a lobe that is covered. Narrower lobes, at either end of the connection,
+        /// Smallest roughness (microfacet alpha) of a covered lobe. Narrower lobes, at either end of the connection,
         /// are left to the path.
         min_roughness: f32,
     },

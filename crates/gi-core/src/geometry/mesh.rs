@@ -11,7 +11,7 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates, v = 0 at the top row of an image; empty for barycentric coordinates.
     pub uvs: Vec<Vec2>,
-    /// Three indices a triangle; counter-clockwise seen from outside.
+    /// Three indices per triangle; counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -22,20 +22,20 @@ impl Mesh {
         self.triangles[k].map(|i| self.positions[i as usize])
     }
 
-    /// The box round all vertices.
+    /// The bounding box of all vertices.
     pub fn bounds(&self) -> Bounds {
         Bounds::of(self.positions.iter().copied())
     }
 
-    /// Area-weighted face normal of triangle `k`: the cross product of its edges, twice its area long.
+    /// Area-weighted face normal of triangle `k`: the cross product of its edges, whose length is twice the area.
     #[inline]
     pub fn area_vector(&self, k: usize) -> Vec3 {
         let [a, b, c] = self.corners(k);
         (b - a).cross(c - a)
     }
 
-    /// Unit face normal of triangle `k`, on the side of its shading normals where the mesh has them; zero for a
-    /// triangle without area.
+    /// Unit face normal of triangle `k`, on the side of its shading normals if the mesh has them; zero for a triangle
+    /// without area.
     pub fn oriented_normal(&self, k: usize) -> Vec3 {
         let n = self.area_vector(k).normalize_or_zero();
         if self.normals.is_empty() {
@@ -45,8 +45,8 @@ impl Mesh {
         if n.dot(shading) < 0.0 { -n } else { n }
     }
 
-    /// Move the mesh by an affine map. Normals follow the inverse transpose; the winding is kept,
-    /// so a mirroring map turns face normals round, as Mitsuba does.
+    /// Transform the mesh by an affine map. Normals use the inverse transpose. The winding is kept, so a mirroring map
+    /// flips face normals, as in Mitsuba.
     pub fn transform(&mut self, m: &Affine3A) {
         for p in &mut self.positions {
             *p = m.transform_point3(*p);
@@ -57,7 +57,7 @@ impl Mesh {
         }
     }
 
-    /// Replace the shading normals by the angle-weighted mean of the faces round each vertex \[Thurmer98\].
+    /// Replace the shading normals by the angle-weighted mean of the faces around each vertex \[Thurmer98\].
     pub fn smooth_normals(&mut self) {
         let mut sums = vec![Vec3::ZERO; self.positions.len()];
         for k in 0..self.triangles.len() {

@@ -1,4 +1,4 @@
-//! Shapes as a scene gives them: meshes and the analytic solids, in world space.
+//! Shapes as the scene describes them: meshes and analytic solids, in world space.
 
 mod mesh;
 mod shape;

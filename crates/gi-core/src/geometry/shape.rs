@@ -5,23 +5,24 @@ use super::Mesh;
 use crate::math::{Bounds, Frame};
 use crate::texture::Texture;
 
-/// What a shape is made of, in world space.
+/// The geometry of a shape, in world space.
 #[derive(Clone, Debug)]
 pub enum Geometry {
     /// Triangles. Rectangles and cubes are meshes too: shared edges then stay watertight.
     Mesh(Mesh),
     /// A full sphere, its normal pointing outward.
     Sphere {
-        /// Middle, world.
+        /// Centre, world.
         center: Vec3,
         /// Radius, world.
         radius: f32,
-        /// Orientation of the texture coordinates: u runs round `n`, v from +n (0) to -n (1).
+        /// Orientation of the texture coordinates: u goes around `n`, v from +n (0) to -n (1).
         axes: Frame,
     },
-    /// All `center + a du + b dv` with a^2 + b^2 <= 1 (an ellipse where `du`, `dv` differ); normal du x dv.
+    /// All points `center + a du + b dv` with a^2 + b^2 <= 1 (an ellipse if `du` and `dv` differ in length); the normal
+    /// is du x dv.
     Disk {
-        /// Middle, world.
+        /// Centre, world.
         center: Vec3,
         /// First half axis.
         du: Vec3,
@@ -30,9 +31,9 @@ pub enum Geometry {
     },
     /// The side of a cylinder without caps, its normal pointing away from the axis.
     Cylinder {
-        /// Middle of one end.
+        /// Centre of one end.
         p0: Vec3,
-        /// Middle of the other end.
+        /// Centre of the other end.
         p1: Vec3,
         /// Radius, world.
         radius: f32,
@@ -40,7 +41,7 @@ pub enum Geometry {
 }
 
 impl Geometry {
-    /// The box round the shape.
+    /// The bounding box of the shape.
     pub fn bounds(&self) -> Bounds {
         match self {
             Geometry::Mesh(mesh) => mesh.bounds(),
@@ -59,7 +60,7 @@ impl Geometry {
         }
     }
 
-    /// How many primitives the shape puts into the tree: one a triangle, one for every other kind.
+    /// Number of primitives of the shape in the tree: one per triangle, one for every other kind.
     pub fn primitive_count(&self) -> usize {
         match self {
             Geometry::Mesh(mesh) => mesh.triangles.len(),
@@ -68,27 +69,27 @@ impl Geometry {
     }
 }
 
-/// A piece of geometry with its material and what it emits.
+/// A piece of geometry with its material and its emission.
 #[derive(Clone, Debug)]
 pub struct Shape {
-    /// The scene file's name for it, or what kind it is; for messages.
+    /// Its name in the scene file, or its kind; for messages.
     pub name: String,
-    /// Points and normals.
+    /// Its geometry.
     pub geometry: Geometry,
     /// Index into [`crate::scene::SceneParts::materials`].
     pub material: usize,
     /// Emitted radiance on the side of the normal, if this is an area light.
     pub emission: Option<Texture>,
-    /// Index into [`crate::scene::SceneParts::media`] of what lies against the normal.
+    /// Index into [`crate::scene::SceneParts::media`] of the medium on the side opposite to the normal.
     pub interior: Option<MediumId>,
-    /// Index into [`crate::scene::SceneParts::media`] of what lies on the side of the normal.
+    /// Index into [`crate::scene::SceneParts::media`] of the medium on the side of the normal.
     pub exterior: Option<MediumId>,
-    /// Turn all normals round.
+    /// Whether all normals are flipped.
     pub flip_normals: bool,
 }
 
 impl Shape {
-    /// A shape that emits nothing and parts no media.
+    /// A shape that emits no light and separates no media.
     pub fn new(name: impl Into<String>, geometry: Geometry, material: usize) -> Self {
         let name = name.into();
         Shape {
@@ -102,14 +103,14 @@ impl Shape {
         }
     }
 
-    /// Whether media may differ on its two sides.
+    /// Whether the media on its two sides may differ.
     #[inline]
     pub fn is_boundary(&self) -> bool {
         self.interior.is_some() || self.exterior.is_some()
     }
 }
 
-/// A copy of a group of shapes somewhere else.
+/// A transformed copy of a group of shapes.
 #[derive(Clone, Debug)]
 pub struct Instance {
     /// Index into [`crate::scene::SceneParts::groups`].

@@ -2,10 +2,10 @@ use glam::{Vec2, Vec3};
 
 use crate::math::Frame;
 
-/// A point of a surface, as a ray met it.
+/// A point of a surface that was hit by a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
-    /// Position, world; on the primitive as exactly as floats allow, not on the ray.
+    /// Position, world; computed on the primitive, not on the ray, which is more accurate.
     pub p: Vec3,
     /// Unit geometric normal, on the side of the shading normal.
     pub ng: Vec3,
@@ -13,13 +13,13 @@ pub struct Surface {
     pub frame: Frame,
     /// Texture coordinates.
     pub uv: Vec2,
-    /// Which shape, see [`crate::scene::Scene::shapes`].
+    /// Index of the shape, see [`crate::scene::Scene::shapes`].
     pub shape: u32,
-    /// Which primitive, counted through all shapes.
+    /// Index of the primitive, counted through all shapes.
     pub prim: u32,
-    /// What [`crate::ray::Hit`] said; kept for derivatives.
+    /// The parameters u and v of [`crate::ray::Hit`]; needed for derivatives.
     pub(crate) barycentric: Vec2,
-    /// Which instance the shape was met in.
+    /// Index of the instance that contains the shape.
     pub(crate) instance: u32,
 }
 
@@ -31,11 +31,11 @@ impl Surface {
     }
 }
 
-/// Derivatives of a surface's position by its texture coordinates, world units.
+/// Derivatives of a surface's position with respect to its texture coordinates, world units.
 #[derive(Clone, Copy, Debug)]
 pub struct Tangents {
-    /// By u.
+    /// With respect to u.
     pub dpdu: Vec3,
-    /// By v.
+    /// With respect to v.
     pub dpdv: Vec3,
 }

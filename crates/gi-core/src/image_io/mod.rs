@@ -1,4 +1,4 @@
-//! Pictures in and out: the one place that names `image` and `exr`.
+//! Reads and writes pictures: the only module that uses `image` and `exr`.
 
 mod read;
 mod write;
@@ -6,21 +6,21 @@ mod write;
 pub use read::{Encoding, read_bitmap, read_exr};
 pub use write::{ImageFile, encode_png, tone_map, write_file};
 
-/// A picture of linear radiance with further layers, as it is saved.
+/// A picture of linear radiance with further layers, as stored in a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layers {
-    /// Pixels across.
+    /// Width in pixels.
     pub width: usize,
-    /// Pixels down.
+    /// Height in pixels.
     pub height: usize,
     /// Named channels in row order from the top: "R", "G", "B", "Variance.R", "Z" and so on.
     pub channels: Vec<(String, Vec<f32>)>,
-    /// Name and value of what else is worth knowing.
+    /// Metadata, as names and values.
     pub metadata: Vec<(String, String)>,
 }
 
 impl Layers {
-    /// A picture of these pixels, row by row from the top: channels R, G, B and nothing else.
+    /// A picture with these pixels, row by row from the top: only the channels R, G, B.
     pub fn of_rgb([width, height]: [usize; 2], pixels: impl IntoIterator<Item = [f32; 3]>) -> Self {
         let mut planes = [const { Vec::new() }; 3];
         for pixel in pixels {
@@ -36,7 +36,7 @@ impl Layers {
         self.channels.iter().find(|(n, _)| n == name).map(|(_, samples)| samples.as_slice())
     }
 
-    /// The samples of three channels, pixel after pixel.
+    /// The samples of three channels, interleaved by pixel.
     pub fn interleaved(&self, names: [&str; 3]) -> Option<Vec<f32>> {
         let [r, g, b] = names.map(|name| self.channel(name));
         let (r, g, b) = (r?, g?, b?);

@@ -8,12 +8,12 @@ use super::Layers;
 use crate::math::Rgb;
 use crate::texture::{Bitmap, Lookup, Texels, Wrap, srgb_to_linear};
 
-/// How the numbers of a picture are meant.
+/// Encoding of the numbers in a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Encoding {
-    /// sRGB for whole-number pictures, linear for float pictures.
+    /// sRGB for integer pictures, linear for float pictures.
     Auto,
-    /// Linear numbers whatever the file is ("raw").
+    /// Linear numbers for all pictures ("raw").
     Raw,
 }
 
@@ -23,7 +23,7 @@ const MAX_PIXELS: u64 = 1 << 26;
 /// Read a picture (png jpg hdr exr tga bmp pfm).
 ///
 /// # Errors
-/// One line saying what is wrong with the file, without its name.
+/// A message of one line that says what is wrong with the file, without its name.
 pub fn read_bitmap(
     path: &Path,
     encoding: Encoding,
@@ -78,7 +78,7 @@ pub fn read_exr(path: &Path) -> Result<Layers, String> {
     })
 }
 
-/// The radiance of an EXR: R G B, or grey from Y; channels of a named layer where there are no plain ones.
+/// The radiance of an EXR: R G B, or grey from Y; if there are no such channels, those of a named layer.
 fn radiance(layers: &Layers) -> Result<Vec<Rgb>, String> {
     let find = |name: &str| {
         let suffix = format!(".{name}");
@@ -128,10 +128,10 @@ fn read_pfm(path: &Path) -> Result<(usize, usize, Texels), String> {
     Ok((width, height, Texels::Float(texels)))
 }
 
-/// How a Radiance picture begins, and how those begin that other programs than Radiance have written.
+/// The first bytes of a Radiance picture: those of Radiance itself, and those written by some other programs.
 const RADIANCE: [&[u8]; 2] = [b"#?RADIANCE", b"#?"];
 
-/// A file, with the first line of a Radiance picture as the decoder wants it.
+/// Open a file. For a Radiance picture, the first line is replaced by the one that the decoder expects.
 fn open_picture(path: &Path) -> std::io::Result<Box<dyn ReadSeek>> {
     let mut file = std::fs::File::open(path)?;
     let mut head = Vec::new();
@@ -147,7 +147,7 @@ fn open_picture(path: &Path) -> std::io::Result<Box<dyn ReadSeek>> {
     Ok(Box::new(std::io::Cursor::new(bytes)))
 }
 
-/// No Radiance picture of the largest size is longer.
+/// No Radiance picture of the largest size has more bytes.
 const MAX_RADIANCE: u64 = 5 * MAX_PIXELS;
 
 trait ReadSeek: BufRead + Seek {}
@@ -192,7 +192,7 @@ fn read_with_image(path: &Path, encoding: Encoding) -> Result<(usize, usize, Tex
 fn check_size(width: u64, height: u64) -> Result<(), String> {
     if width.saturating_mul(height) > MAX_PIXELS {
         return Err(format!(
-            "{width} x {height} pixels are more than the {MAX_PIXELS} that are accepted"
+            "{width} x {height} pixels are more than the largest accepted number, {MAX_PIXELS}"
         ));
     }
     Ok(())

@@ -23,12 +23,12 @@ pub enum ImageFile {
     Pfm,
     /// Radiance RGBE.
     Hdr,
-    /// A view: exposure 0, sRGB.
+    /// A display image: exposure 0, sRGB.
     Png,
 }
 
 impl ImageFile {
-    /// The format that a file name asks for.
+    /// The format for a file name, by its extension.
     pub fn from_path(path: &Path) -> Option<Self> {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "exr" => Some(ImageFile::Exr),
@@ -40,10 +40,10 @@ impl ImageFile {
     }
 }
 
-/// Save a picture, whole or not at all, see [`files`].
+/// Save a picture completely or not at all, see [`files`].
 ///
 /// # Errors
-/// One line saying what could not be written, without the file's name.
+/// A message of one line that says what could not be written, without the file's name.
 pub fn write_file(path: &Path, format: ImageFile, layers: &Layers) -> Result<(), String> {
     let fill = |out: &mut files::Out| match format {
         ImageFile::Exr => write_exr(out, layers).map_err(Error::other),
@@ -139,21 +139,21 @@ fn write_hdr(out: &mut impl Write, layers: &Layers) -> Result<(), String> {
 fn write_png(out: &mut (impl Write + Seek), layers: &Layers) -> Result<(), String> {
     let bytes = tone_map(rgb(layers)?, 0.0);
     let picture = image::RgbImage::from_raw(layers.width as u32, layers.height as u32, bytes);
-    let picture = picture.ok_or("the picture's size is not that of its channels")?;
+    let picture = picture.ok_or("the picture's size does not match its channels")?;
     picture.write_to(out, image::ImageFormat::Png).map_err(|e| e.to_string())
 }
 
-/// The view of a picture as the bytes of a PNG.
+/// The display image of a picture, as the bytes of a PNG.
 ///
 /// # Errors
-/// One line: channels are missing, or not of the picture's size.
+/// A message of one line: channels are missing, or their size is not that of the picture.
 pub fn encode_png(layers: &Layers) -> Result<Vec<u8>, String> {
     let mut out = std::io::Cursor::new(Vec::new());
     write_png(&mut out, layers)?;
     Ok(out.into_inner())
 }
 
-/// Radiance to sRGB bytes: scale by 2^exposure, clip to [0, 1], apply the curve [IEC 61966-2-1].
+/// Convert radiance to sRGB bytes: scale by 2^exposure, clip to [0, 1], apply the curve [IEC 61966-2-1].
 pub fn tone_map(rgb: [&[f32]; 3], exposure: f32) -> Vec<u8> {
     let scale = exposure.exp2();
     let encode = |v: f32| {

@@ -1,7 +1,9 @@
-//! Aim paths from lights at infinity: through nested discs round the points that matter, the last of which covers the scene.
+//! Aims paths from lights at infinity at the points that matter: through nested discs around them. The last disc covers
+//! the scene.
 //!
-//! A sun lights the whole scene uniformly, but the picture may show only a small part of it. Without aiming, paths spread over
-//! the disc of the scene. Aimed paths are dense where they matter, and the power of each path compensates for that.
+//! A sun lights the whole scene uniformly, but the picture may show only a small part of it. Without aiming, paths
+//! spread over the disc of the scene. Aimed paths are dense where they matter, and the power of each path compensates
+//! for that.
 
 use std::f32::consts::PI;
 
@@ -24,23 +26,25 @@ pub(crate) struct Aim {
 /// A point that matters, and its weight.
 pub(super) type Weighted = (Vec3, f32);
 
-/// Number of balls round parts of the points, of equal weight each. A power of two.
+/// Number of balls around parts of the points, each with the same total weight. A power of two.
 const PARTS: usize = 32;
-/// Fraction of the paths that go through those balls. The others go through balls that double in size, from half of all points
-/// to the whole scene, the same number through each. So the power of a path grows with the square of its distance from the
-/// points, as the probability falls that it gets there when it is scattered.
+/// Fraction of the paths that go through those balls. The others go through balls that double in size, from the ball
+/// around half of all points to the whole scene, with the same number of paths through each. So the power of a path
+/// grows with the square of its distance from the points. The probability that it reaches them after a scattering falls
+/// at the same rate.
 const SHARE: f32 = 0.6;
 /// Smallest radius of a part, relative to the radius that contains half of the points.
 const LEAST: f32 = 0.1;
-/// Radius of the goal, relative to the radius that contains half of the ends; and from how many such radii scattering is aimed.
+/// Radius of the goal, relative to the radius that contains half of the ends. Scattering is aimed from beyond this many
+/// such radii.
 const GOAL: f32 = 2.0;
 const FAR: f32 = 2.0;
 /// Smallest such radius, relative to that of the scene.
 const LEAST_CORE: f32 = 1e-4;
 
 impl Aim {
-    /// Aim at the points where light should be scattered first, and from far away at those where it should end. `None` if no point
-    /// has weight, or no light is at infinity.
+    /// Aim at the points where light should be scattered first; light that is scattered far away is aimed at the points
+    /// where it should end. `None` if no point has weight, or if no light is at infinity.
     pub(crate) fn new([mut points, mut ends]: [Vec<Weighted>; 2], lights: &Lights) -> Option<Self> {
         for list in [&mut points, &mut ends] {
             list.retain(|(p, w)| p.is_finite() && w.is_finite() && *w > 0.0);
@@ -64,7 +68,7 @@ impl Aim {
         while let Some(last) = rings.last().filter(|b| 2.0 * b.radius < radius) {
             rings.push(Ball { radius: 2.0 * last.radius, ..core });
         }
-        // No rounding leaves a point of the scene outside.
+        // Enlarge it slightly, so that rounding leaves no point of the scene outside.
         rings.push(Ball { center: middle, radius: radius * 1.001 });
         let share = (1.0 - SHARE) / rings.len() as f32;
         parts.extend(rings.into_iter().map(|b| (b, share)));
@@ -96,7 +100,7 @@ impl Aim {
         Some(Emission { p, power: irradiance / density, ..start })
     }
 
-    /// The cone in which the goal is seen from far away: its axis, and 1 - cos of its half angle.
+    /// The cone that contains the goal as seen from far away: its axis, and 1 - cos of its half angle.
     pub(super) fn goal_from(&self, p: Vec3) -> Option<(Frame, f32)> {
         let to = self.goal.center - p;
         if to.length_squared() < sqr(FAR * self.goal.radius) {
@@ -105,7 +109,7 @@ impl Aim {
         Some((Frame::from_normal(to.normalize()), self.goal.one_minus_cos(p)?))
     }
 
-    /// A point of a line along unit `d`, and the line's density per area across `d`.
+    /// Sample a line along the unit vector `d`: a point of it, and its density per area perpendicular to `d`.
     fn sample(&self, d: Vec3, u: [f32; 2]) -> Option<(Vec3, f32)> {
         let (chosen, _, u0) = self.shares.sample(u[0])?;
         let q = self.balls[chosen].point_of_shadow(&Frame::from_normal(d), [u0, u[1]]);
@@ -174,7 +178,7 @@ mod tests {
     use crate::light::LightSource;
     use crate::rng::Pcg;
 
-    /// Points of a court of 4 m in a scene of 300 m, a few farther off; the sun as `lights` have it.
+    /// Points of a court of 4 m in a scene of 300 m, and a few points farther away; the sun is one of `lights`.
     fn aimed(sources: Vec<LightSource>) -> (Option<Aim>, Lights) {
         let mut rng = Pcg::new(5, 5);
         let mut point = |size: f32| {
@@ -192,11 +196,11 @@ mod tests {
     }
 
     #[test]
-    fn lines_stand_for_the_area_that_they_may_go_through_wherever_that_lies() {
+    fn sampled_lines_integrate_functions_near_to_and_far_from_the_goal() {
         let (aim, lights) = aimed(vec![sun()]);
         let aim = aim.expect("a light at infinity");
         let d = Vec3::new(0.3, -0.9, 0.2).normalize();
-        // The integral over the scene's disc of a bump of width s, 2 pi s^2, about the court and far from it.
+        // The integral over the scene's disc of a Gaussian with width s, 2 pi s^2, around the court and far from it.
         let bumps = [(Vec3::ZERO, 1.0f32), (Vec3::X * 30.0, 8.0), (Vec3::Z * -150.0, 30.0)];
         let (mut rng, n) = (Pcg::new(1, 2), 200_000);
         let mut sums = [[0.0f64; 2]; 3];
@@ -217,15 +221,16 @@ mod tests {
                 "{mean} +- {error}: {exact}"
             );
         }
-        // Half of all paths and more go through a thousandth of the disc.
+        // More than half of all paths go through a thousandth of the disc.
         assert!(lights.sphere().1 == 300.0);
         let mut near = || aim.sample(d, rng.next_2d()).expect("shares").0.cross(d).length() < 10.0;
         assert!((0..10_000).filter(|_| near()).count() > 5000);
     }
 
     #[test]
-    fn a_lamp_is_not_forgotten_for_a_sun_that_shines_on_all_the_ground() {
-        // 100 m^2 of sun at irradiance 1, and a lamp of 100: of the sun's power, 280 000, the lamp is a trifle.
+    fn a_lamp_gets_its_paths_beside_a_sun_that_illuminates_all_the_ground() {
+        // The sun has irradiance 1 over an aimed area of 100 m^2, and the lamp has the power 100. The power of the
+        // whole sun is 280 000, so the lamp would get hardly any paths without aiming.
         let lamp =
             LightSource::Point { position: Vec3::Y, intensity: Rgb::grey(100.0 / (4.0 * PI)) };
         let (aim, lights) = aimed(vec![sun(), lamp]);

@@ -19,7 +19,7 @@ pub enum Emitter {
     },
     /// A sphere, emitting outward (or inward).
     Sphere {
-        /// Middle.
+        /// Centre.
         center: Vec3,
         /// Radius.
         radius: f32,
@@ -28,7 +28,7 @@ pub enum Emitter {
     },
     /// An ellipse.
     Disk {
-        /// Middle.
+        /// Centre.
         center: Vec3,
         /// Half axes.
         axes: [Vec3; 2],
@@ -53,14 +53,14 @@ pub struct EmitterPoint {
     pub p: Vec3,
     /// Unit normal on the emitting side.
     pub normal: Vec3,
-    /// Parameters as [`crate::ray::Hit`]'s u and v.
+    /// Parameters, as u and v in [`crate::ray::Hit`].
     pub uv: Vec2,
 }
 
-/// Triangles whose area is below this share of the squared distance are sampled by area: over so small a piece of the
-/// sphere (a page at arm's length) cosine and distance vary little, and spherical trigonometry costs ten times as much.
+/// Triangles whose area is below this fraction of the squared distance are sampled by area. Over such a small solid
+/// angle (a page at arm's length), cosine and distance vary little, and spherical trigonometry costs ten times as much.
 const FAR: f32 = 0.1;
-/// A triangle round nearly the whole hemisphere loses too many digits in spherical trigonometry.
+/// A triangle that covers nearly the whole hemisphere is too inaccurate in spherical trigonometry.
 const LARGEST_SOLID_ANGLE: f32 = 6.2;
 
 impl Emitter {
@@ -103,7 +103,8 @@ impl Emitter {
         }
     }
 
-    /// A point seen from `p` and its density per solid angle at `p`; `None` where the emitter turns its back.
+    /// Sample a point that is visible from `p`; its density is per solid angle at `p`. `None` if the emitter faces
+    /// away.
     pub fn sample_from(&self, p: Vec3, u: [f32; 2]) -> Option<(EmitterPoint, f32)> {
         match *self {
             Emitter::Triangle { v, normal } => {
@@ -119,7 +120,7 @@ impl Emitter {
             Emitter::Sphere { center, radius, outward } => {
                 if let Some((frame, one_minus_cos)) = cone_of(p, center, radius) {
                     if !outward {
-                        return None; // every point that is seen turns its back
+                        return None; // every visible point faces away
                     }
                     let w = frame.to_world(warp::cone(u, one_minus_cos));
                     let normal = sphere_normal(p, w, center, radius);
@@ -157,7 +158,8 @@ impl Emitter {
     }
 }
 
-/// Unit directions to the corners and the solid angle of a triangle that is to be sampled by it.
+/// Unit directions to the corners, and the solid angle, of a triangle that is sampled by solid angle; `None` if it is
+/// sampled by area.
 #[inline]
 fn near_triangle(p: Vec3, v: [Vec3; 3]) -> Option<([Vec3; 3], f32)> {
     let distance_sq = ((v[0] + v[1] + v[2]) * (1.0 / 3.0) - p).length_squared();
@@ -166,20 +168,20 @@ fn near_triangle(p: Vec3, v: [Vec3; 3]) -> Option<([Vec3; 3], f32)> {
         return None;
     }
     let [a, b, c] = v.map(|v| (v - p).try_normalize());
-    let [a, b, c] = [a?, b?, c?]; // no direction to a corner at p
+    let [a, b, c] = [a?, b?, c?]; // a corner at p has no direction
     let omega = warp::solid_angle(a, b, c);
     (omega > 1e-4 && omega < LARGEST_SOLID_ANGLE).then_some(([a, b, c], omega))
 }
 
-/// Where the ray from `p` along `w` meets the triangle's plane, as a point of the triangle.
+/// The intersection of the ray from `p` along `w` with the triangle's plane, as a point of the triangle.
 fn on_triangle(p: Vec3, w: Vec3, v: [Vec3; 3], normal: Vec3) -> Option<EmitterPoint> {
     let t = normal.dot(v[0] - p) / normal.dot(w);
-    // From a point of the plane itself rounding may leave anything.
+    // If p is in the plane itself, rounding errors may give any value.
     if !(t > 0.0 && t.is_finite()) {
         return None;
     }
     let q = p + w * t - v[0];
-    // Barycentric coordinates in the plane, brought back inside after rounding.
+    // Barycentric coordinates in the plane, clamped to the triangle after rounding.
     let (e1, e2) = (v[1] - v[0], v[2] - v[0]);
     let (d11, d12, d22) = (e1.dot(e1), e1.dot(e2), e2.dot(e2));
     let (q1, q2) = (q.dot(e1), q.dot(e2));
@@ -193,23 +195,24 @@ fn on_triangle(p: Vec3, w: Vec3, v: [Vec3; 3], normal: Vec3) -> Option<EmitterPo
     Some(EmitterPoint { p: v[0] + e1 * s + e2 * r, normal, uv: Vec2::new(s, r) })
 }
 
-/// The cone that a sphere fills as seen from `p`: a frame along its axis and 1 - cos of its half angle.
-/// `None` from inside, or where the cone is as wide as the hemisphere.
+/// The cone that a sphere covers as seen from `p`: a frame along its axis, and 1 - cos of its half angle. `None` from
+/// inside, or if the cone is as wide as the hemisphere.
 fn cone_of(p: Vec3, center: Vec3, radius: f32) -> Option<(Frame, f32)> {
     let to = center - p;
     let distance_sq = to.length_squared();
     let sin_sq = sqr(radius) / distance_sq;
-    // 1 - cos = sin^2 / (1 + cos), which keeps its digits for small spheres.
+    // 1 - cos = sin^2 / (1 + cos), which is accurate for small spheres.
     (sin_sq < 0.9999).then(|| {
         (Frame::from_normal(to / distance_sq.sqrt()), sin_sq / (1.0 + (1.0 - sin_sq).sqrt()))
     })
 }
 
-/// Normal where the ray from `p` along `w` first meets the sphere, the nearest point if rounding makes it miss.
+/// Normal at the first intersection of the ray from `p` along `w` with the sphere, or at the nearest point if rounding
+/// makes it miss.
 fn sphere_normal(p: Vec3, w: Vec3, center: Vec3, radius: f32) -> Vec3 {
     let to = center - p;
     let along = to.dot(w);
-    let across = w * along - to; // from the middle to the point of the ray that is nearest
+    let across = w * along - to; // from the centre to the nearest point of the ray
     let half_chord = (sqr(radius) - across.length_squared()).max(0.0).sqrt();
     (across - w * half_chord).normalize()
 }

@@ -1,21 +1,21 @@
 //! Discrete and piecewise constant distributions.
 
-/// Indices drawn in proportion to weights, by inversion: neighbouring random numbers give neighbouring indices, so stratified
-/// numbers stay stratified. A guide table tells where the search begins \[Chen74\]: a draw needs two memory accesses,
-/// whatever the number of indices.
+/// Samples indices in proportion to weights, by inversion: neighbouring random numbers give neighbouring indices, so
+/// stratified numbers stay stratified. A guide table gives the start of the search \[Chen74\]: sampling needs two
+/// memory accesses for any number of indices.
 #[derive(Clone, Debug, Default)]
 pub struct Discrete {
-    /// Distribution function at the end of each index's step; the last is exactly one.
+    /// Cumulative distribution function at the end of each index's step; the last value is exactly one.
     cdf: Vec<f32>,
-    /// For each n-th of the unit interval the first index whose step ends beyond its beginning.
+    /// For each n-th of the unit interval, the first index whose step ends beyond the start of that part.
     guide: Vec<u32>,
     /// Sum of the weights.
     total: f64,
 }
 
 impl Discrete {
-    /// A distribution over the given weights, each finite and not negative.
-    /// Empty, or with nothing but zeros, it draws nothing.
+    /// A distribution with the given weights, which must be finite and not negative. If it is empty or all weights are
+    /// zero, sampling returns nothing.
     pub fn new(weights: impl IntoIterator<Item = f32>) -> Self {
         let mut total = 0.0f64;
         let sums: Vec<f64> = weights
@@ -29,7 +29,7 @@ impl Discrete {
             return Discrete { cdf: vec![0.0; sums.len()], guide: Vec::new(), total: 0.0 };
         }
         let mut cdf: Vec<f32> = sums.iter().map(|s| (s / total) as f32).collect();
-        // Rounding must not leave the last index with weight short of one.
+        // Rounding must not make the last index with a weight end below one.
         let last = sums.iter().position(|&s| s == total).unwrap_or(0);
         cdf[last..].fill(1.0);
         let (n, mut k) = (cdf.len(), 0);
@@ -54,16 +54,17 @@ impl Discrete {
         self.cdf.len()
     }
 
-    /// Whether there is nothing to draw from.
+    /// Whether there are no indices to sample.
     pub fn is_empty(&self) -> bool {
         self.guide.is_empty()
     }
 
-    /// An index and its probability, for `u` in [0, 1); and `u` stretched to its place within the index's step.
+    /// Sample an index for `u` in [0, 1). Returns the index, its probability, and the position of `u` within the
+    /// index's step, rescaled to [0, 1).
     #[inline]
     pub fn sample(&self, u: f32) -> Option<(usize, f32, f32)> {
         let n = self.guide.len();
-        // Rounding of the product may say one cell too many: step back first.
+        // The rounded product may be one cell too large, so step back first.
         let mut k = *self.guide.get(((u * n as f32) as usize).min(n.wrapping_sub(1)))? as usize;
         while k > 0 && self.cdf[k - 1] > u {
             k -= 1;
@@ -83,7 +84,7 @@ impl Discrete {
     }
 }
 
-/// A piecewise constant density over the unit square, cell by cell.
+/// A density over the unit square that is constant in each cell.
 #[derive(Clone, Debug)]
 pub struct Grid {
     width: usize,

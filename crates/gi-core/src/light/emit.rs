@@ -1,4 +1,4 @@
-//! Where light paths begin.
+//! The start of light paths.
 
 use std::f32::consts::PI;
 
@@ -12,37 +12,38 @@ use crate::warp;
 /// The start of a light path.
 #[derive(Clone, Copy, Debug)]
 pub struct Emission {
-    /// Which light.
+    /// Index of the light.
     pub light: u32,
-    /// Where the path starts: on the light, or outside of the scene for lights at infinity.
+    /// The start of the path: on the light, or outside the scene for lights at infinity.
     pub p: Vec3,
-    /// Unit geometric normal at `p`; the direction itself for lights that are no surfaces.
+    /// Unit geometric normal at `p`; the direction itself for lights without a surface.
     pub ng: Vec3,
     /// Unit direction in which the path leaves.
     pub d: Vec3,
-    /// Power that the path carries: emitted radiance times cosine. It is divided by all densities, that of the light's choice
-    /// included, but not by the number of paths.
+    /// Power of the path: emitted radiance times cosine. It is divided by all densities, including the probability of
+    /// the light, but not by the number of paths.
     pub power: Rgb,
     /// The start of the path as a point light.
     pub source: PointSource,
 }
 
-/// The start of a light path as a light without extent, as the lecture's accumulation buffer uses it [slide 47]. All values are
-/// divided by the densities of the light and of the point on it.
+/// The start of a light path as a light without extent, as the lecture's accumulation buffer uses it [slide 47]. All
+/// values are divided by the densities of the light and of the point on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointSource {
-    /// A point of a surface: intensity is this times the cosine at the surface.
+    /// A point of a surface: the intensity is this times the cosine at the surface.
     Oriented(Rgb),
     /// A point with the same intensity in all directions.
     Omni(Rgb),
     /// A spot: the intensity on its axis, without its picture; see [`Light::spot_fade`].
     Spot(Rgb),
-    /// Parallel light along [`Emission::d`]: irradiance across it.
+    /// Parallel light along [`Emission::d`]: irradiance on a plane perpendicular to it.
     Directional(Rgb),
 }
 
 impl Light {
-    /// Fraction of a spot's full intensity along unit `d`, coloured by its picture; 1 for other lights.
+    /// Intensity of a spot along the unit vector `d` relative to its full intensity, coloured by its picture; 1 for
+    /// other lights.
     pub fn spot_fade(&self, d: Vec3) -> Rgb {
         match self {
             Light::Spot { frame, cutoff, beam, slide, .. } => {
@@ -126,7 +127,8 @@ impl Lights {
         }
     }
 
-    /// A point of the disc through which light along `d` enters the scene's sphere, and the disc's area.
+    /// Sample a point of the disc through which light along `d` enters the scene's bounding sphere; also returns the
+    /// area of the disc.
     fn outside(&self, d: Vec3, u: [f32; 2]) -> (Vec3, f32) {
         let (center, radius) = self.sphere;
         let frame = Frame::from_normal(d);
@@ -134,7 +136,8 @@ impl Lights {
         (center - d * radius + frame.s * q.x + frame.t * q.y, PI * radius * radius)
     }
 
-    /// Back along the line through `q` to where light along `d` enters the scene's sphere, or passes it.
+    /// The point on the line through `q` where light along `d` enters the scene's bounding sphere, or the nearest point
+    /// if it misses the sphere.
     pub(super) fn entrance(&self, q: Vec3, d: Vec3) -> Vec3 {
         let (center, radius) = self.sphere;
         q + d * ((center - q).dot(d) - radius)

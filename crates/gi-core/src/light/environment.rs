@@ -8,7 +8,7 @@ use super::distribution::Grid;
 use crate::math::{INV_PI, Rgb, safe_sqrt};
 use crate::texture::Bitmap;
 
-/// An environment map ready to be sampled.
+/// An environment map, prepared for sampling.
 #[derive(Clone, Debug)]
 pub struct Environment {
     image: Bitmap,
@@ -21,7 +21,7 @@ pub struct Environment {
 }
 
 impl Environment {
-    /// Make `image` (u = atan2(x, -z) / 2 pi, v = acos(y) / pi of local directions) ready; `to_world` is a rotation.
+    /// Prepare `image` (u = atan2(x, -z) / 2 pi, v = acos(y) / pi of local directions); `to_world` is a rotation.
     pub(crate) fn new(image: Bitmap, scale: f32, to_world: Mat3) -> Self {
         let (w, h) = (image.width(), image.height());
         let luminance: Vec<f32> =
@@ -34,10 +34,10 @@ impl Environment {
         Environment { image, scale, to_world, to_local: to_world.transpose(), density, flux }
     }
 
-    /// Radiance from direction `d` (unit, pointing to where the light comes from).
+    /// Radiance from the unit direction `d`, which points toward where the light comes from.
     #[inline]
     pub fn radiance(&self, d: Vec3) -> Rgb {
-        // As Mitsuba has it: the first and the last row lie on the poles, columns in the middles of their cells.
+        // As in Mitsuba: the first and the last row are at the poles, and columns are at the centres of their cells.
         let [u, v] = self.to_uv(d);
         let h = self.image.height() as f32;
         self.image.eval(Vec2::new(u, (v * (h - 1.0) + 0.5) / h)) * self.scale
@@ -75,14 +75,14 @@ impl Environment {
     }
 }
 
-/// A density over the unit square in proportion to the luminance round each cell, cells as large as the picture allows:
-/// a table that fits into a cache is worth more than the last per cent of variance.
+/// A density over the unit square in proportion to the luminance around each cell. Cells are as large as the picture
+/// allows: a table that fits into a cache is more useful than the last per cent of variance.
 fn density(luminance: &[f32], w: usize, h: usize) -> Grid {
-    /// By how much the brightest texel of a cell may exceed its mean, in the mean over the picture.
+    /// Largest allowed ratio of a cell's brightest texel to the cell's mean, averaged over the picture.
     const CONTRAST: f32 = 1.15;
     let at = |x: usize, y: usize| luminance[y * w + x];
-    // Interpolation, and rows that lie up to half a row off, reach into the eight neighbours: where one of them
-    // emits light, the cell may too.
+    // Interpolation, and rows that are offset by up to half a row, use the eight neighbours: if one of them emits
+    // light, the cell may too.
     let around = |x: usize, y: usize| {
         let columns = [(x + w - 1) % w, x, (x + 1) % w];
         let rows = [y.saturating_sub(1), y, (y + 1).min(h - 1)];
@@ -110,7 +110,7 @@ fn density(luminance: &[f32], w: usize, h: usize) -> Grid {
     Grid::new(w, &texels)
 }
 
-/// Difference of the cosines at a row's borders: its share of the sphere is half of that.
+/// Difference of the cosines at a row's borders: half of it is the row's fraction of the sphere.
 fn row_measure(y: usize, h: usize) -> f32 {
     let cos = |y: usize| (PI * y as f32 / h as f32).cos();
     cos(y) - cos(y + 1)

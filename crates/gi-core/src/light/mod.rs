@@ -1,7 +1,7 @@
 //! Lights, chosen in proportion to their power.
 //!
-//! Every emitting primitive is a light of its own, so a mesh of a thousand triangles is a thousand lights; the number
-//! of a light is what many-light methods build their trees over.
+//! Every emitting primitive is a light of its own: a mesh of a thousand triangles is a thousand lights. Many-light
+//! methods use the index of a light in their trees.
 
 mod aim;
 mod area;

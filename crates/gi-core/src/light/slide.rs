@@ -9,7 +9,7 @@ use crate::texture::Texture;
 #[derive(Clone, Debug)]
 pub struct Slide {
     texture: Texture,
-    /// From world directions to those in which the picture stands at z = 1 over [-tan, tan]^2 of the cutoff.
+    /// From world directions to the directions in which the picture is at z = 1 over [-tan, tan]^2 of the cutoff.
     to_local: Mat3,
     tan_cutoff: f32,
 }
@@ -43,7 +43,7 @@ mod tests {
     use super::*;
     use crate::texture::{Bitmap, Lookup, Texels, Wrap};
 
-    /// Dark on the left, bright on the right; the lower row half as much.
+    /// Dark on the left, bright on the right; the lower row is half as bright.
     fn picture() -> Texture {
         let texels = [0.0, 1.0, 0.0, 0.5].map(Rgb::grey).to_vec();
         let bitmap = Bitmap::new(2, 2, Texels::Float(texels), Wrap::Clamp, Lookup::Nearest);
@@ -51,7 +51,7 @@ mod tests {
     }
 
     #[test]
-    fn the_picture_spans_the_cone_and_not_more() {
+    fn the_picture_covers_exactly_the_cone() {
         let cutoff = 0.5f32;
         let slide = Slide::new(picture(), [Vec3::X, Vec3::Y, Vec3::Z], cutoff);
         let along = |x: f32, y: f32| slide.along(Vec3::new(x, y, 1.0).normalize()).r;

@@ -19,33 +19,33 @@ pub enum LightSource {
         position: Vec3,
         /// Unit axis.
         direction: Vec3,
-        /// Power per steradian inside of the beam.
+        /// Power per steradian inside the beam.
         intensity: Rgb,
         /// Half angle of the cone, radians.
         cutoff: f32,
         /// Half angle within which the intensity is full, radians.
         beam: f32,
     },
-    /// A spot behind a picture, as of a projector.
+    /// A spot with a picture in front of it, like a projector.
     Projector {
         /// World position.
         position: Vec3,
         /// Axes of the picture's u and v, and the axis of the cone. Only their directions count.
         axes: [Vec3; 3],
-        /// Power per steradian inside of the beam where the picture is one.
+        /// Power per steradian inside the beam where the picture is one.
         intensity: Rgb,
         /// Half angle of the cone, radians.
         cutoff: f32,
         /// Half angle within which the intensity is full, radians.
         beam: f32,
-        /// The picture, at most one. Its unit square spans the cone.
+        /// The picture, with values up to one. Its unit square covers the cone.
         picture: Texture,
     },
     /// Parallel light from far away.
     Directional {
-        /// Unit, the way the light travels.
+        /// Unit direction in which the light travels.
         direction: Vec3,
-        /// Irradiance on a surface across it.
+        /// Irradiance on a plane perpendicular to it.
         irradiance: Rgb,
     },
     /// The same radiance from all directions.
@@ -57,14 +57,14 @@ pub enum LightSource {
     Environment {
         /// Radiance; `u = atan2(x, -z) / 2 pi`, `v = acos(y) / pi` of the local direction.
         image: Bitmap,
-        /// Multiplies the picture.
+        /// Factor on the picture.
         scale: f32,
         /// Rotation from local to world.
         to_world: Affine3A,
     },
-    /// A disc of constant radiance at infinity, as the sun.
+    /// A disc of constant radiance at infinity, such as the sun.
     DistantDisc {
-        /// Unit, towards the middle of the disc.
+        /// Unit direction toward the centre of the disc.
         direction: Vec3,
         /// Angular radius, radians.
         angular_radius: f32,

@@ -16,9 +16,9 @@ pub enum Light {
     Area {
         /// Its geometry.
         emitter: Emitter,
-        /// The shape whose emission it has.
+        /// Index of the shape whose emission it has.
         shape: u32,
-        /// Which primitive of the shape.
+        /// Index of the primitive in the shape.
         primitive: u32,
     },
     /// A point.
@@ -34,7 +34,7 @@ pub enum Light {
         position: Vec3,
         /// Frame whose normal is the axis.
         frame: Frame,
-        /// Power per steradian inside of the beam.
+        /// Power per steradian inside the beam.
         intensity: Rgb,
         /// Half angle of the cone, radians.
         cutoff: f32,
@@ -45,12 +45,12 @@ pub enum Light {
     },
     /// Parallel light.
     Directional {
-        /// Frame whose normal is the way the light travels.
+        /// Frame whose normal is the direction in which the light travels.
         frame: Frame,
-        /// Irradiance across it.
+        /// Irradiance on a plane perpendicular to it.
         irradiance: Rgb,
     },
-    /// The same radiance from everywhere.
+    /// The same radiance from all directions.
     Constant {
         /// Radiance.
         radiance: Rgb,
@@ -59,7 +59,7 @@ pub enum Light {
     Environment(Box<Environment>),
     /// A disc at infinity.
     DistantDisc {
-        /// Frame whose normal points to its middle.
+        /// Frame whose normal points to its centre.
         frame: Frame,
         /// 1 - cos of its angular radius.
         one_minus_cos: f32,
@@ -68,19 +68,20 @@ pub enum Light {
     },
 }
 
-/// Light that arrives at a point from a light that was drawn.
+/// Light that arrives at a point from a sampled light.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSample {
     /// Unit direction toward the light.
     pub wi: Vec3,
-    /// Where the light is; `None` at infinity.
+    /// Position of the light; `None` at infinity.
     pub p: Option<Vec3>,
-    /// Radiance that arrives if nothing is in between. For point and directional lights, irradiance across `wi`.
+    /// Radiance that arrives if nothing is in between. For point and directional lights: irradiance on a plane
+    /// perpendicular to `wi`.
     pub radiance: Rgb,
-    /// Density per solid angle, the choice of the light included; for point and directional lights
-    /// the probability of the choice.
+    /// Density per solid angle, including the probability of the light; for point and directional lights, the
+    /// probability alone.
     pub pdf_w: f32,
-    /// Whether no other way of sampling can find this light.
+    /// Whether other sampling strategies cannot find this light.
     pub delta: bool,
     /// The emitting primitive and its shape, if the light is a surface.
     pub primitive: Option<[u32; 2]>,
@@ -108,11 +109,11 @@ impl LightSample {
 pub struct Lights {
     lights: Vec<Light>,
     by_power: Discrete,
-    /// For each shape its first light, if it emits light.
+    /// For each shape, its first light, if it emits light.
     first_of_shape: Vec<Option<u32>>,
-    /// Those at infinity.
+    /// Indices of the lights at infinity.
     distant: Vec<u32>,
-    /// Middle and radius of the scene, for light that comes from outside.
+    /// Centre and radius of the scene, for light from outside.
     pub(super) sphere: (Vec3, f32),
 }
 
@@ -139,7 +140,7 @@ impl Lights {
         Lights { lights, by_power, first_of_shape, distant, sphere }
     }
 
-    /// Middle and radius of the scene.
+    /// Centre and radius of the scene.
     pub(crate) fn sphere(&self) -> (Vec3, f32) {
         self.sphere
     }
@@ -149,7 +150,7 @@ impl Lights {
         &self.lights
     }
 
-    /// Probability with which a light is drawn.
+    /// Probability of sampling a light.
     pub fn probability(&self, light: usize) -> f32 {
         self.by_power.probability(light)
     }
@@ -159,7 +160,7 @@ impl Lights {
         self.by_power.is_empty()
     }
 
-    /// Draw a light in proportion to its power: its number, the probability, and `u` stretched for further use.
+    /// Sample a light in proportion to its power. Returns its index, its probability, and `u` rescaled for further use.
     #[inline]
     pub(crate) fn choose(&self, u: f32) -> Option<(usize, f32, f32)> {
         self.by_power.sample(u)
@@ -170,14 +171,14 @@ impl Lights {
         self.distant.iter().map(|&k| (k as usize, &self.lights[k as usize]))
     }
 
-    /// The light that primitive `primitive` of shape `shape` is, if it emits light.
+    /// The index of the light of primitive `primitive` of shape `shape`, if it emits light.
     #[inline]
     pub fn of_primitive(&self, shape: u32, primitive: u32) -> Option<usize> {
         self.first_of_shape[shape as usize].map(|first| (first + primitive) as usize)
     }
 
-    /// Light that arrives at `p` from light number `light`, with density per solid angle given the light.
-    /// `emission` reads a shape's radiance at a point of one of its primitives.
+    /// Light that arrives at `p` from light `light`; its density per solid angle does not include the probability of
+    /// the light. `emission` evaluates a shape's radiance at a point of one of its primitives.
     #[inline]
     pub(crate) fn sample_light(
         &self,
@@ -252,7 +253,7 @@ impl Light {
             }
             LightSource::Constant { radiance } => Light::Constant { radiance },
             LightSource::Environment { image, scale, to_world } => {
-                // Only the rotation of the map counts: light at infinity knows no scale.
+                // Only the rotation of the map matters: light at infinity has no scale.
                 let m = Mat3::from(to_world.matrix3);
                 let rotation = Mat3::from_cols(
                     m.x_axis.normalize(),
@@ -268,23 +269,23 @@ impl Light {
         }
     }
 
-    /// Whether the light is at infinity and seen by rays that escape.
+    /// Whether the light is at infinity and visible to rays that leave the scene.
     fn is_distant(&self) -> bool {
         matches!(self, Light::Constant { .. } | Light::Environment(_) | Light::DistantDisc { .. })
     }
 
-    /// Whether its light comes in parallel from outside of the scene.
+    /// Whether its light comes from outside the scene.
     pub fn is_infinite(&self) -> bool {
         self.is_distant() || matches!(self, Light::Directional { .. })
     }
 
-    /// Radiance from direction `d` and the density per solid angle of drawing it, of a light at infinity.
+    /// Radiance of a light at infinity from direction `d`, and the density per solid angle of sampling that direction.
     #[inline]
     pub(crate) fn escaped(&self, d: Vec3) -> (Rgb, f32) {
         match self {
             Light::Constant { radiance } => (*radiance, warp::sphere_pdf()),
             Light::Environment(map) => (map.radiance(d), map.pdf_w(d)),
-            // 1 - cos as half the squared distance of unit vectors, which keeps the digits of a narrow disc.
+            // Compute 1 - cos as half the squared distance of unit vectors, which is accurate for a narrow disc.
             Light::DistantDisc { frame, one_minus_cos, radiance }
                 if 0.5 * d.distance_squared(frame.n) <= *one_minus_cos =>
             {
@@ -294,7 +295,7 @@ impl Light {
         }
     }
 
-    /// Emitted power as luminance; for distant lights what falls on the scene's bounding sphere.
+    /// Emitted power as luminance; for lights at infinity, the power that falls on the scene's bounding sphere.
     fn power(&self, shapes: &[Shape], scene_radius: f32) -> f32 {
         let disc = PI * sqr(scene_radius);
         match self {
@@ -319,7 +320,7 @@ impl Light {
     }
 }
 
-/// Full within the beam, then falling linearly in the angle to zero at the cutoff.
+/// Full inside the beam, then linear in the angle to zero at the cutoff.
 #[inline]
 pub(super) fn spot_fade(cos: f32, cutoff: f32, beam: f32) -> f32 {
     let angle = cos.clamp(-1.0, 1.0).acos();
@@ -332,7 +333,7 @@ pub(super) fn spot_fade(cos: f32, cutoff: f32, beam: f32) -> f32 {
     }
 }
 
-/// Add one light for each primitive of a emitting shape.
+/// Add one light for each primitive of an emitting shape.
 fn push_area(lights: &mut Vec<Light>, k: u32, shape: &Shape) {
     let outward = !shape.flip_normals;
     let oriented = |n: Vec3| if outward { n } else { -n };

@@ -1,5 +1,5 @@
-//! Light paths that start toward chosen shapes, as projection maps do \[Jensen01, 5.2\] but without their cells. Or, for light
-//! from infinity, paths of which most go where the eye looks: see [`super::aim`].
+//! Starts light paths toward chosen shapes, like projection maps \[Jensen01, 5.2\] but without cells. For light from
+//! infinity, most paths can also be started toward where the eye looks: see [`super::aim`].
 
 use std::f32::consts::PI;
 
@@ -24,7 +24,7 @@ pub struct Targets {
 const MOST: usize = 32;
 
 impl Targets {
-    /// Balls round shapes or copies of shapes, given as centre and radius.
+    /// Balls around shapes or copies of shapes, given as centre and radius.
     pub fn new(spheres: impl IntoIterator<Item = (Vec3, f32)>) -> Self {
         // Slightly enlarged, so that rounding leaves no point of the shape outside.
         let ball = |(center, radius): (Vec3, f32)| Ball { center, radius: radius * 1.001 };
@@ -35,13 +35,14 @@ impl Targets {
         Targets { spheres, aim: None }
     }
 
-    /// Aim paths from infinity mostly at weighted points: where they are scattered first, and where they end. Every path of
-    /// `lights` can be sampled. `None` if no point has weight, or no light is at infinity.
+    /// Aim paths from infinity mostly at weighted points: where they are scattered first, and where they end. Every
+    /// path of `lights` can be sampled. `None` if no point has weight, or no light is at infinity.
     pub(crate) fn around(points: [Vec<Weighted>; 2], lights: &Lights) -> Option<Self> {
         Aim::new(points, lights).map(|aim| Targets { aim: Some(aim), ..Targets::default() })
     }
 
-    /// The cone at which light is aimed that is scattered at `p`, far from all ends: its axis, and 1 - cos of its half angle.
+    /// The cone toward the goal for light that is scattered at `p`: its axis, and 1 - cos of its half angle. `None`
+    /// unless `p` is far from all ends.
     pub(crate) fn goal_from(&self, p: Vec3) -> Option<(Frame, f32)> {
         self.aim.as_ref()?.goal_from(p)
     }
@@ -51,8 +52,8 @@ impl Targets {
         self.spheres.is_empty() && self.aim.is_none()
     }
 
-    /// Draw a direction from `p` into the cones of the targets, uniformly by solid angle: the direction, and one over its
-    /// density. `None` from inside of a target, or where the cones together are not narrower than `most` steradians.
+    /// Sample a direction from `p` into the cones of the targets, uniformly by solid angle. Returns the direction, and
+    /// one over its density. `None` inside a target, or if the cones together are not smaller than `most` steradians.
     fn sample_cones(
         &self,
         p: Vec3,
@@ -82,7 +83,7 @@ impl Targets {
         let (ball, one_minus_cos, u0) = chosen?;
         let axis = Frame::from_normal((ball.center - p).normalize());
         let d = axis.to_world(warp::cone([u0, u[1]], one_minus_cos));
-        // Where cones overlap, as many may have drawn it.
+        // A direction in the overlap of several cones may come from each of them.
         let hit = |b: &&Ball| {
             let to = b.center - p;
             to.dot(d) > 0.0 && to.cross(d).length_squared() <= sqr(b.radius)
@@ -91,8 +92,9 @@ impl Targets {
         Some((d, total / count as f32))
     }
 
-    /// Draw a line along `d` through the targets' shadows on a plane across `d`, uniformly by area: a point of the line,
-    /// and one over its density per area. `None` where the shadows together are not smaller than `most`.
+    /// Sample a line along `d` through the projections of the targets onto a plane perpendicular to `d`, uniformly by
+    /// area. Returns a point of the line, and one over its density per area. `None` if the projections together are not
+    /// smaller than `most`.
     fn sample_shadows(&self, d: Vec3, u: [f32; 2], most: f32) -> Option<(Vec3, f32)> {
         let total: f32 = self.spheres.iter().map(Ball::shadow).sum();
         if total >= most || total <= 0.0 {
@@ -115,7 +117,7 @@ impl Targets {
     }
 }
 
-/// Middle and radius of a sphere round a shape.
+/// Centre and radius of a sphere around a shape.
 pub(crate) fn sphere_round(shape: &Shape) -> (Vec3, f32) {
     let center = shape.geometry.bounds().center();
     match &shape.geometry {
@@ -129,8 +131,9 @@ pub(crate) fn sphere_round(shape: &Shape) -> (Vec3, f32) {
 }
 
 impl Lights {
-    /// As [`Lights::emit`], but only paths that may meet a target at once: power of all other paths is left out, power of
-    /// these is right. A light that the targets surround, or nearly, emits as ever. Targets round points leave nothing out.
+    /// Like [`Lights::emit`], but samples only paths that may hit a target first; the powers of these paths are
+    /// unbiased, and all other paths are missing. For a light that is surrounded by targets, or nearly so, it falls
+    /// back to the usual emission. With targets around points, no paths are missing.
     pub(crate) fn emit_toward(
         &self,
         targets: &Targets,
@@ -154,9 +157,7 @@ impl Lights {
             }),
             PointSource::Spot(intensity) => {
                 let light = &self.all()[start.light as usize];
-                let Light::Spot { cutoff, .. } = light else {
-                    unreachable!("only spots are spots")
-                };
+                let Light::Spot { cutoff, .. } = light else { unreachable!("the light is a spot") };
                 cones(None, 2.0 * PI * (1.0 - cutoff.cos())).map(|(d, inverse_pdf)| {
                     let power = intensity * (light.spot_fade(d) * inverse_pdf);
                     Emission { ng: d, d, power, ..start }
@@ -194,7 +195,7 @@ mod tests {
                 b.center.dot(d) > 0.0 && b.center.cross(d).length_squared() <= sqr(b.radius)
             })
         };
-        // The union by blind throws, and as the mean of one over the density.
+        // The size of the union, from random directions that are not aimed, and as the mean of one over the density.
         let blind =
             (0..n).filter(|_| hits(warp::sphere(rng.next_2d()))).count() as f64 / f64::from(n);
         let inverse: f64 = (0..n)
@@ -237,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn joining_spheres_loses_none() {
+    fn joined_spheres_contain_all_spheres() {
         let mut rng = Pcg::new(3, 1);
         let balls: Vec<(Vec3, f32)> = (0..200)
             .map(|_| {

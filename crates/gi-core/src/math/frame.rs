@@ -12,7 +12,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A frame round a unit normal, without branches and without a singular direction \[Duff17\].
+    /// A frame around a unit normal, without branches and without a singular direction \[Duff17\].
     #[inline]
     pub fn from_normal(n: Vec3) -> Self {
         let sign = 1f32.copysign(n.z);
@@ -25,15 +25,15 @@ impl Frame {
         }
     }
 
-    /// A frame round a unit normal whose `s` is the part of `tangent` across `n`;
-    /// an arbitrary one where the tangent is zero or parallel to the normal.
+    /// A frame around a unit normal whose `s` is the part of `tangent` perpendicular to `n`; an arbitrary frame if the
+    /// tangent is zero or parallel to the normal.
     pub fn from_normal_tangent(n: Vec3, tangent: Vec3) -> Self {
         let across = tangent - n * n.dot(tangent);
-        // What is left of a parallel tangent is rounding error: six bits of it are no direction.
+        // For a parallel tangent, the rest is only rounding error: six bits of it do not define a direction.
         if across.length_squared() <= 1e-10 * tangent.length_squared() {
             return Self::from_normal(n);
         }
-        // Once more, since a nearly parallel tangent leaves an error that normalising magnifies.
+        // Orthogonalise twice, because normalising a nearly parallel tangent magnifies its error.
         let s = across.normalize();
         let s = (s - n * n.dot(s)).normalize();
         Frame { s, t: n.cross(s), n }
@@ -64,7 +64,7 @@ mod tests {
             let mut n =
                 Vec3::from_array([rng.next_f32(), rng.next_f32(), rng.next_f32()]) * 2.0 - 1.0;
             if i % 7 == 0 {
-                n = Vec3::new(1e-6 * n.x, 1e-6 * n.y, -1.0); // the pole that Frisvad's construction loses
+                n = Vec3::new(1e-6 * n.x, 1e-6 * n.y, -1.0); // the pole where Frisvad's construction fails
             }
             let n = n.normalize();
             for f in [

@@ -1,4 +1,4 @@
-//! Vectors come from `glam`; what a renderer adds to them is here: radiance, orthonormal frames, boxes.
+//! Vectors come from `glam`. This module adds what a renderer needs: radiance, orthonormal frames, boxes.
 
 mod frame;
 mod rgb;
@@ -10,13 +10,13 @@ pub use rgb::Rgb;
 /// 1 / pi.
 pub const INV_PI: f32 = std::f32::consts::FRAC_1_PI;
 
-/// The square, written once.
+/// The square of a number.
 #[inline]
 pub fn sqr(x: f32) -> f32 {
     x * x
 }
 
-/// Square root that reads a rounding error below zero as zero.
+/// Square root that treats negative rounding errors as zero.
 #[inline]
 pub fn safe_sqrt(x: f32) -> f32 {
     x.max(0.0).sqrt()

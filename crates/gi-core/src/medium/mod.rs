@@ -1,14 +1,15 @@
 //! Participating media: they absorb and scatter light between surfaces.
 //!
-//! Media are homogeneous. Transmittance along a ray is T(t) = exp(-sigma_t t) (Beer's law). Per unit of length, the medium scatters
-//! the fraction sigma_s = albedo sigma_t of the light, distributed by the phase function [slide 34] \[Jensen01, 10.1\].
+//! Media are homogeneous. Transmittance along a ray is T(t) = exp(-sigma_t t) (Beer's law). Per unit of length, the
+//! medium scatters the fraction sigma_s = albedo sigma_t of the light, distributed by the phase function [slide 34]
+//! \[Jensen01, 10.1\].
 
 mod phase;
 
 use crate::math::Rgb;
 pub use phase::Phase;
 
-/// Which of [`crate::scene::Scene::media`].
+/// Index of a medium in [`crate::scene::Scene::media`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MediumId(u32);
 
@@ -28,28 +29,28 @@ impl MediumId {
 /// A medium of constant density.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Medium {
-    /// Extinction, one over world units.
+    /// Extinction coefficient, per world unit.
     pub sigma_t: Rgb,
     /// Scattering over extinction, in [0, 1].
     pub albedo: Rgb,
-    /// Where scattered light goes.
+    /// Distribution of the scattered light.
     pub phase: Phase,
 }
 
-/// How a path crosses a part of a medium. The weight is a factor on the path's throughput or power: the fraction of light over the
-/// density of this event.
+/// How a path crosses a part of a medium. The weight is a factor on the path's throughput or power: the fraction of
+/// light, divided by the density of this event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Flight {
-    /// It is scattered after the distance `t`, world units: T(t) sigma_s over the density of `t`.
+    /// It is scattered after the distance `t`, world units: T(t) sigma_s divided by the density of `t`.
     Scattered {
-        /// Distance, below that of the far end.
+        /// Distance, smaller than that of the far end.
         t: f32,
         /// Weight of scattered light, without the phase function.
         weight: Rgb,
     },
-    /// It reaches the far end: T over the probability of that.
+    /// It reaches the far end: T divided by the probability of this.
     Passed {
-        /// Weight of light that passes.
+        /// Weight of the light that passes.
         weight: Rgb,
     },
 }
@@ -60,7 +61,7 @@ pub fn first_equal(media: &[Medium], id: MediumId) -> MediumId {
 }
 
 impl Medium {
-    /// Scattering, one over world units.
+    /// Scattering coefficient, per world unit.
     #[inline]
     pub fn sigma_s(&self) -> Rgb {
         self.albedo * self.sigma_t
@@ -69,7 +70,7 @@ impl Medium {
     /// Transmittance over `distance` world units, which may be infinite: exp(-sigma_t d).
     #[inline]
     pub fn transmittance(&self, distance: f32) -> Rgb {
-        // Where nothing is absorbed, an infinite distance takes nothing.
+        // Without absorption, an infinite distance removes nothing.
         self.sigma_t.map(|s| if s > 0.0 { (-s * distance).exp() } else { 1.0 })
     }
 
@@ -79,8 +80,8 @@ impl Medium {
         (self.albedo * self.sigma_t).is_black()
     }
 
-    /// Sample a distance in proportion to the transmittance of one channel, which is chosen in proportion to `throughput` (not
-    /// black). Infinite if the medium only absorbs: paths then pass, attenuated.
+    /// Sample a distance in proportion to the transmittance of one channel, which is chosen in proportion to
+    /// `throughput` (not black). Infinite if the medium only absorbs: paths then pass, attenuated.
     #[inline]
     pub fn distance(&self, throughput: Rgb, [u_channel, u]: [f32; 2]) -> f32 {
         if self.only_absorbs() {
@@ -97,9 +98,9 @@ impl Medium {
         if sigma > 0.0 { -(1.0 - u).ln() / sigma } else { f32::INFINITY }
     }
 
-    /// The event of a distance `t` from [`Medium::distance`] with the same `throughput`, if the far end is `reach` away. Weights
-    /// divide by the density over all channels, sum_c p_c sigma_t,c T_c(t) or sum_c p_c T_c(reach). In channel c they are at
-    /// most 1 / p_c; in a grey medium they are the albedo and 1.
+    /// The event of a distance `t` from [`Medium::distance`] with the same `throughput`, if the far end is `reach`
+    /// away. Weights divide by the density over all channels, sum_c p_c sigma_t,c T_c(t) or sum_c p_c T_c(reach). In
+    /// channel c they are at most 1 / p_c; in a grey medium they are the albedo and 1.
     #[inline]
     pub fn flight(&self, t: f32, reach: f32, throughput: Rgb) -> Flight {
         if self.only_absorbs() {
@@ -129,9 +130,10 @@ fn channel_shares(throughput: Rgb) -> Rgb {
     throughput / (throughput.r + throughput.g + throughput.b)
 }
 
-/// Sample a distance in (0, `reach`) along a ray in proportion to one over the squared distance from a point light (equiangular
-/// sampling) \[Kulla12, 3.1\]. The light is nearest to the ray at the distance `along`, and `across` away from it there. Returns
-/// the distance and its density per world unit. `across` must be above 0; `reach` may be infinite.
+/// Sample a distance in (0, `reach`) along a ray in proportion to one over the squared distance from a point light
+/// (equiangular sampling) \[Kulla12, 3.1\]. The point of the ray nearest to the light is at the distance `along`, and
+/// the light is `across` away from it. Returns the distance and its density per world unit. `across` must be positive;
+/// `reach` may be infinite.
 #[inline]
 pub fn equiangular(along: f32, across: f32, reach: f32, u: f32) -> (f32, f32) {
     let (from, to) = ((-along / across).atan(), ((reach - along) / across).atan());
@@ -139,7 +141,7 @@ pub fn equiangular(along: f32, across: f32, reach: f32, u: f32) -> (f32, f32) {
     (x + along, across / ((to - from) * (across * across + x * x)))
 }
 
-/// Density with which [`equiangular`] draws the distance `t`.
+/// Density with which [`equiangular`] samples the distance `t`.
 #[inline]
 pub fn equiangular_pdf(along: f32, across: f32, reach: f32, t: f32) -> f32 {
     let (from, to) = ((-along / across).atan(), ((reach - along) / across).atan());
@@ -170,8 +172,8 @@ mod tests {
         assert_eq!(clear.transmittance(f32::INFINITY), Rgb::WHITE);
     }
 
-    /// Mean weight of passing, and of scattering beyond `from` and before the far end, with their standard errors, of
-    /// one channel.
+    /// Mean weights of passing, and of scattering beyond `from` and before the far end, for one channel, with their
+    /// standard errors.
     fn mean(m: &Medium, reach: f32, throughput: Rgb, channel: usize) -> [(f64, f64); 2] {
         let mut rng = Pcg::new(5, 1);
         let n = 200_000;
@@ -197,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn weights_of_flights_average_to_what_passes_and_what_scatters() {
+    fn weights_of_flights_average_to_the_transmitted_and_scattered_light() {
         let m = coloured();
         let reach = 0.8;
         for throughput in [Rgb::WHITE, Rgb::new(0.1, 0.5, 3.0), Rgb::new(1.0, 0.0, 0.02)] {
@@ -247,7 +249,8 @@ mod tests {
                 let again = equiangular_pdf(along, across, reach, t);
                 assert!((again / pdf - 1.0).abs() < 1e-3, "{again} is not {pdf}");
                 assert!(t > 0.0 && t < reach);
-                // Central differences err by a sixth of h^2 times the third derivative: below 1 % away from the ends.
+                // Central differences have an error of a sixth of h^2 times the third derivative: below 1 % away from
+                // the ends.
                 assert!((slope * pdf - 1.0).abs() < 0.02, "{along} {across} {u}: {slope} {pdf}");
             }
         }

@@ -1,4 +1,4 @@
-//! Phase functions: where light goes that a medium scatters.
+//! Phase functions: the distribution of light that a medium scatters.
 
 use glam::Vec3;
 
@@ -25,14 +25,16 @@ impl Phase {
         }
     }
 
-    /// Share of scattered light that goes along `wi`, per solid angle: it integrates to 1, and is also the density of
-    /// [`Phase::sample`]. Both directions are unit and point away from the point; `wo` is where the path came from.
+    /// Fraction of scattered light along `wi`, per solid angle. It integrates to 1, and is also the density of
+    /// [`Phase::sample`]. Both directions are unit and point away from the point; `wo` points to where the path came
+    /// from.
     #[inline]
     pub fn eval(self, wo: Vec3, wi: Vec3) -> f32 {
         match self {
             Phase::Isotropic => 0.25 * INV_PI,
             Phase::HenyeyGreenstein { g } => {
-                // 1 + g^2 - 2 g cos, cos = -wo . wi, without losing sharp peaks to rounding: (1 - g)^2 + 2 g (1 - cos).
+                // 1 + g^2 - 2 g cos with cos = -wo . wi, in a form that keeps sharp peaks accurate: (1 - g)^2 + 2 g (1
+                // - cos).
                 let squared = if g > 0.0 {
                     sqr(1.0 - g) + g * (wo + wi).length_squared()
                 } else {
@@ -43,11 +45,11 @@ impl Phase {
         }
     }
 
-    /// Draw where a path goes on.
+    /// Sample the direction in which a path continues.
     #[inline]
     pub fn sample(self, wo: Vec3, [u, v]: [f32; 2]) -> Vec3 {
         let g = self.mean_cosine();
-        // Henyey and Greenstein's inversion multiplied out, so that nothing is divided by g.
+        // Henyey and Greenstein's inversion, expanded so that there is no division by g.
         let x = 2.0 * u - 1.0;
         let numerator = 2.0 * x + g * (x * x + 3.0) + g * g * (2.0 * x + g * (x * x - 1.0));
         let cos = (numerator / (2.0 * sqr(1.0 + g * x))).clamp(-1.0, 1.0);
@@ -84,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn light_runs_both_ways() {
+    fn phase_functions_are_reciprocal() {
         let (a, b) = (Vec3::new(0.6, 0.8, 0.0), Vec3::new(-0.48, 0.6, 0.64));
         let phase = Phase::HenyeyGreenstein { g: 0.7 };
         assert_eq!(phase.eval(a, b), phase.eval(b, a));

@@ -16,7 +16,7 @@ use crate::medium::MediumId;
 /// Why a scene could not be built.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SceneError {
-    /// A shape or instance names a material, medium or group that does not exist, or a child stands after its parent.
+    /// A shape or instance uses a material, medium or group that does not exist, or a child comes after its parent.
     Dangling(String),
     /// A shape that the tree cannot contain.
     Shape {
@@ -34,7 +34,7 @@ pub enum SceneError {
     },
     /// A scene so large that areas and powers overflow.
     TooLarge {
-        /// How far it reaches, world units.
+        /// Its size, world units.
         extent: f32,
     },
     /// An emitting shape in a group: its copies would have to be lights.
@@ -55,16 +55,16 @@ impl fmt::Display for SceneError {
             SceneError::TooManyLobes { shape, lobes } => {
                 write!(
                     f,
-                    "the material of shape \"{shape}\" blends {lobes} lobes; {MAX_COMPONENTS} are the most"
+                    "the material of shape \"{shape}\" blends {lobes} lobes; the maximum is {MAX_COMPONENTS}"
                 )
             }
             SceneError::TooLarge { extent } => write!(
                 f,
-                "the scene is {extent:.1e} units across; more than {LARGEST:.0e} leave single precision no room for areas \
+                "the scene is {extent:.1e} units across; more than {LARGEST:.0e} overflows single precision for areas \
                  and powers: scale it down"
             ),
             SceneError::ShiningGroup { shape } => {
-                write!(f, "shape \"{shape}\" shines, which shapes of a group may not")
+                write!(f, "shape \"{shape}\" emits light, which shapes of a group must not")
             }
         }
     }
@@ -76,7 +76,7 @@ impl Scene {
     /// Build the scene: its trees and tables.
     ///
     /// # Errors
-    /// See [`SceneError`]. An empty scene is fine.
+    /// See [`SceneError`]. An empty scene is valid.
     pub fn new(parts: SceneParts) -> Result<Self, SceneError> {
         check(&parts)?;
         let SceneParts { shapes, groups, instances, materials, media, lights, origin } = parts;
@@ -135,7 +135,7 @@ impl Scene {
     }
 }
 
-/// A sphere round the scene. It is slightly too large, so that light from infinity starts outside the scene.
+/// A sphere around the scene. It is slightly too large, so that light from infinity starts outside the scene.
 fn bounding_sphere(bounds: Bounds) -> (Vec3, f32) {
     if bounds.is_empty() {
         return (Vec3::ZERO, 1.0);
@@ -152,7 +152,7 @@ fn prepare_instance(instance: &Instance) -> PreparedInstance {
     }
 }
 
-/// Prepare materials, of which children stand before their parents.
+/// Prepare materials; children come before their parents.
 fn prepare(materials: Vec<Material>) -> Vec<PreparedMaterial> {
     let mut prepared = Vec::with_capacity(materials.len());
     for material in materials {
@@ -174,13 +174,13 @@ fn ranges(mut start: usize, lengths: impl Iterator<Item = usize>) -> Vec<Range<u
 /// Check that every index is valid.
 fn check(parts: &SceneParts) -> Result<(), SceneError> {
     if !check_children(&parts.materials) {
-        return Err(SceneError::Dangling("a material stands before one that it is made of".into()));
+        return Err(SceneError::Dangling("a material comes before one that it is made of".into()));
     }
     for shape in parts.shapes.iter().chain(parts.groups.iter().flatten()) {
         let name = &shape.name;
         if shape.material >= parts.materials.len() {
             return Err(SceneError::Dangling(format!(
-                "shape \"{name}\" has a material that is not there"
+                "shape \"{name}\" has a material that does not exist"
             )));
         }
         if [shape.interior, shape.exterior]
@@ -189,7 +189,7 @@ fn check(parts: &SceneParts) -> Result<(), SceneError> {
             .any(|m| m.index() >= parts.media.len())
         {
             return Err(SceneError::Dangling(format!(
-                "shape \"{name}\" has a medium that is not there"
+                "shape \"{name}\" has a medium that does not exist"
             )));
         }
         let lobes = component_count(&parts.materials, shape.material);
@@ -201,7 +201,7 @@ fn check(parts: &SceneParts) -> Result<(), SceneError> {
             let fits = |len: usize| len == 0 || len == n;
             let inside = mesh.triangles.iter().flatten().all(|&i| (i as usize) < n);
             if !inside || !fits(mesh.normals.len()) || !fits(mesh.uvs.len()) {
-                let cause = "its arrays do not fit together".to_string();
+                let cause = "its arrays have different lengths".to_string();
                 return Err(SceneError::Shape { name: name.clone(), cause });
             }
         }
@@ -210,12 +210,12 @@ fn check(parts: &SceneParts) -> Result<(), SceneError> {
         return Err(SceneError::ShiningGroup { shape: shape.name.clone() });
     }
     if parts.instances.iter().any(|i| i.group >= parts.groups.len()) {
-        return Err(SceneError::Dangling("an instance copies a group that is not there".into()));
+        return Err(SceneError::Dangling("an instance copies a group that does not exist".into()));
     }
     Ok(())
 }
 
-/// Number the primitives of all shapes.
+/// Number the primitives of all shapes consecutively.
 fn number_primitives(shapes: &[Shape]) -> Result<(Vec<u32>, Vec<u32>), SceneError> {
     let mut first = Vec::with_capacity(shapes.len());
     let mut shape_of = Vec::new();

@@ -8,12 +8,12 @@ use crate::material::{Material, Roughness};
 use crate::texture::Texture;
 
 impl Scene {
-    /// All shapes with a delta lobe: a light path must meet one of them first to be focused.
+    /// All shapes with a delta lobe: light is focused only if its path hits one of them first.
     pub fn focusing(&self) -> Targets {
         self.targets(|material| self.materials[material].has_delta)
     }
 
-    /// Also includes shapes of metal or glass whose roughness may be below `alpha`.
+    /// The same, and also shapes of metal or glass whose roughness may be below `alpha`.
     pub fn focusing_below(&self, alpha: f32) -> Targets {
         self.targets(|material| may_focus(&self.materials, material, alpha))
     }
@@ -46,7 +46,7 @@ fn may_focus(materials: &[PreparedMaterial], id: usize, alpha: f32) -> bool {
     prepared.has_delta || is_sharp || children.into_iter().any(|c| may_focus(materials, c, alpha))
 }
 
-/// Whether the roughness may be below `alpha` somewhere. Pictures are not read: they may.
+/// Whether the roughness may be below `alpha` at some point. Textures with pictures count as if it were.
 fn may_be_below(roughness: &Roughness, alpha: f32) -> bool {
     [&roughness.alpha_u, &roughness.alpha_v].into_iter().any(|texture| match texture {
         Texture::Constant(c) => c.mean() < alpha,

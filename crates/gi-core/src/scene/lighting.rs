@@ -20,13 +20,13 @@ impl Scene {
         }
     }
 
-    /// Radiance that all lights at infinity send along `-d`.
+    /// Radiance from all lights at infinity along `-d`.
     pub fn background(&self, d: Vec3) -> Rgb {
         self.lights.distant().map(|(_, light)| light.escaped(d).0).sum()
     }
 
-    /// Radiance that each light at infinity sends along `-d`, and the density per solid angle with which
-    /// [`Scene::sample_light`] draws that direction.
+    /// For each light at infinity, its radiance along `-d`, and the density per solid angle with which
+    /// [`Scene::sample_light`] samples that direction.
     pub fn escaped(&self, d: Vec3) -> impl Iterator<Item = (Rgb, f32)> {
         self.lights.distant().map(move |(k, light)| {
             let (radiance, pdf_w) = light.escaped(d);
@@ -45,7 +45,7 @@ impl Scene {
         Some(sample)
     }
 
-    /// Density per solid angle at `p` with which [`Scene::sample_light`] draws the emitting point `surface`.
+    /// Density per solid angle at `p` with which [`Scene::sample_light`] samples the emitting point `surface`.
     #[inline]
     pub fn light_pdf_w(&self, p: Vec3, surface: &Surface) -> f32 {
         let primitive = surface.prim - self.first_primitive[surface.shape as usize];
@@ -85,8 +85,9 @@ impl Scene {
         self.lights.emit_toward(targets, u_light, u_p, u_d, emission)
     }
 
-    /// Targets that aim most light paths from infinity at weighted points: where light should be scattered first, and where it
-    /// should end. Every light path can still be sampled. `None` without such points, or without lights at infinity.
+    /// Targets that aim most light paths from infinity at weighted points: where light should be scattered first, and
+    /// where it should end. Every light path can still be sampled. `None` without such points, or without lights at
+    /// infinity.
     pub fn around(&self, points: [Vec<(Vec3, f32)>; 2]) -> Option<Targets> {
         Targets::around(points, &self.lights)
     }
@@ -117,13 +118,13 @@ impl Scene {
         self.transmittance_to(ray, None)
     }
 
-    /// [`Scene::transmittance`] to a point of the flat primitive `end`, which is ignored: it cannot occlude its own point, but
-    /// rounding makes it seem so for slivers, whose hit points are inaccurate along their length.
+    /// [`Scene::transmittance`] to a point of the flat primitive `end`, which is ignored: it cannot occlude its own
+    /// point, but rounding makes it seem so for slivers, whose hit points are inaccurate along their length.
     #[inline]
     pub fn transmittance_to(&self, ray: Ray, end: Option<u32>) -> Rgb {
         match self.tree.any(&ray) {
             None => Rgb::WHITE,
-            // Any hit will do: an opaque one ends the search.
+            // Any hit is sufficient: an opaque one ends the search.
             Some(prim) if !self.lets_pass(prim, end) => Rgb::BLACK,
             Some(_) => self.transmittance_through::<false>(ray, end, None),
         }
@@ -147,14 +148,14 @@ impl Scene {
         self.flat_primitive(shape, primitive)
     }
 
-    /// The number of a shape's primitive, counted through all shapes, if that is flat.
+    /// The index of a shape's primitive, counted through all shapes, if the primitive is flat.
     #[inline]
     fn flat_primitive(&self, shape: u32, primitive: u32) -> Option<u32> {
         let flat = matches!(self.shapes[shape as usize].geometry, Geometry::Mesh(_));
         flat.then(|| self.first_primitive[shape as usize] + primitive)
     }
 
-    /// The flat primitive that light number `light` is, see [`Scene::transmittance_to`].
+    /// The flat primitive of light `light`, see [`Scene::transmittance_to`].
     pub fn flat_light(&self, light: u32) -> Option<u32> {
         match &self.lights.all()[light as usize] {
             Light::Area { shape, primitive, .. } => self.flat_primitive(*shape, *primitive),
@@ -162,16 +163,16 @@ impl Scene {
         }
     }
 
-    /// The flat primitive that `surface` is a point of, see [`Scene::transmittance_to`]. `None` in instances, whose primitives
-    /// stand in many places.
+    /// The flat primitive that contains `surface`, see [`Scene::transmittance_to`]. `None` in instances, because their
+    /// primitives are at several places.
     pub fn flat_at(&self, surface: &Surface) -> Option<u32> {
         let shape = &self.shapes[surface.shape as usize];
         let flat = matches!(shape.geometry, Geometry::Mesh(_));
         (flat && surface.instance == Hit::NO_INSTANCE).then_some(surface.prim)
     }
 
-    /// Transmittance of surfaces that let light pass straight through, and with `MEDIA` of media too, along a segment that starts
-    /// in `medium` and ends on the primitive `end`.
+    /// Transmittance along a segment that starts in `medium` and ends on the primitive `end`: of surfaces that light
+    /// passes straight through, and with `MEDIA` also of media.
     pub(super) fn transmittance_through<const MEDIA: bool>(
         &self,
         mut ray: Ray,

@@ -1,7 +1,7 @@
-//! Which medium lies where, and how much light passes through media.
+//! Which medium is where, and how much light passes through media.
 //!
-//! A shape that names a medium for either of its sides is a boundary. A path that crosses it enters the medium of the other
-//! side, or none if that side names none. Other shapes do not change the medium. This is Mitsuba's rule.
+//! A shape that names a medium for either of its sides is a boundary. A path that crosses it enters the medium of the
+//! other side, or none if that side names none. Other shapes do not change the medium. This is Mitsuba's rule.
 
 use crate::medium::MediumId;
 use glam::Vec3;
@@ -13,7 +13,7 @@ use crate::math::Rgb;
 use crate::medium::Medium;
 use crate::ray::Ray;
 
-/// Directions in which boundaries are looked for. None lies along an axis or a diagonal, where scenes have edges.
+/// Directions in which boundaries are searched. None is along an axis or a diagonal, where scenes have edges.
 const LOOK: [Vec3; 8] = [
     Vec3::new(0.31, 0.84, 0.45),
     Vec3::new(-0.42, -0.79, 0.45),
@@ -53,8 +53,9 @@ impl Scene {
         if d.dot(surface.ng) > 0.0 { shape.exterior } else { shape.interior }
     }
 
-    /// The medium at `p`: that of the near side of the first visible boundary. `first` is the first direction to look in.
-    /// Boundaries behind opaque surfaces count only if no other is visible. Without any boundary there is no medium.
+    /// The medium at `p`: that of the near side of the first visible boundary. `first` is the first direction to look
+    /// in. Boundaries behind opaque surfaces count only if no other is visible. Without any boundary there is no
+    /// medium.
     pub fn medium_at(&self, p: Vec3, first: Vec3) -> Option<MediumId> {
         if !self.has_media {
             return None;
@@ -85,7 +86,7 @@ impl Scene {
         None
     }
 
-    /// Find the medium that each light stands in.
+    /// Find the medium around each light.
     pub(super) fn find_media_round_lights(&mut self) {
         if !self.has_media {
             return;
@@ -110,7 +111,7 @@ impl Scene {
         self.light_media = media.collect();
     }
 
-    /// The medium that light of light number `light` starts in.
+    /// The medium in which the light of light `light` starts.
     #[inline]
     pub fn medium_round_light(&self, light: usize) -> Option<MediumId> {
         self.light_media.get(light).copied().flatten()
@@ -122,7 +123,8 @@ impl Scene {
         medium.map_or(Rgb::WHITE, |m| self.medium(m).transmittance(distance))
     }
 
-    /// Fraction of light that passes along a ray segment that starts in `medium`: transmittance of masks, panes and media.
+    /// Fraction of light that passes along a ray segment that starts in `medium`: transmittance of masks, panes and
+    /// media.
     pub fn transmittance_through_media(&self, ray: Ray, medium: Option<MediumId>) -> Rgb {
         self.transmittance_through_media_to(ray, None, medium)
     }

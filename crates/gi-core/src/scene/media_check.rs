@@ -10,15 +10,15 @@ use crate::geometry::{Geometry, Shape, Surface};
 use crate::medium::{Medium, first_equal};
 use crate::ray::Ray;
 
-/// Number of points on each boundary from which its neighbours are looked for.
+/// Number of points per boundary from which its neighbours are searched.
 const POINTS: usize = 64;
 
 /// A point of a boundary and its normal there.
 type Post = (Vec3, Vec3);
 
 impl Scene {
-    /// One warning per problem: boundaries that are not closed, and neighbouring boundaries that disagree about the medium between
-    /// them, for example because media overlap.
+    /// One warning per problem: boundaries that are not closed, and neighbouring boundaries that disagree about the
+    /// medium between them, for example because media overlap.
     pub fn media_warnings(&self) -> Vec<String> {
         if !self.has_media {
             return Vec::new();
@@ -47,7 +47,7 @@ impl Scene {
                     }
                 }
                 Geometry::Sphere { .. } => {}
-                // Their rims are curved and no mesh joins them exactly: whether they are closed is unknown.
+                // These have curved rims that no mesh fits exactly, so it is unknown whether they are closed.
                 Geometry::Disk { .. } | Geometry::Cylinder { .. } => return None,
             }
         }
@@ -65,7 +65,7 @@ impl Scene {
         let (mut pairs, mut endless) = (BTreeSet::new(), BTreeSet::new());
         let own = self.shapes.len() - self.group_shapes.iter().map(|g| g.len()).sum::<usize>();
         for shape in self.shapes[..own].iter().filter(|s| s.is_boundary()) {
-            // Shading normals may turn the normal, so take it from a hit.
+            // Shading normals may flip the normal, so take it from a hit.
             for surface in posts(shape).into_iter().filter_map(|(p, n)| self.surface_at(p, n)) {
                 for d in [surface.ng, -surface.ng] {
                     let here = self.medium_beside(&surface, d);
@@ -84,12 +84,12 @@ impl Scene {
         }
         let say = |[a, b]: [&str; 2]| {
             format!(
-                "boundaries \"{a}\" and \"{b}\" do not say the same medium for what lies between them: each counts where it \
+                "boundaries \"{a}\" and \"{b}\" do not name the same medium for the space between them: each counts where it \
                  is crossed (give a solid inside a medium that medium as its `exterior`)"
             )
         };
         let endless = listed(endless.into_iter()).map(|names| {
-            format!("the medium at {names} has no end on one side: it is taken as infinite")
+            format!("the medium at {names} is unbounded on one side: it is treated as infinite")
         });
         pairs.into_iter().map(say).chain(endless).collect()
     }
@@ -119,7 +119,7 @@ fn count_edges<'a>(
     for k in 0..3 {
         let mut edge = [bits[k], bits[(k + 1) % 3]];
         edge.sort_unstable();
-        // Skip edges without length, as fans at a pole have them.
+        // Skip edges without length, which fans at a pole have.
         if edge[0] != edge[1] {
             edges.entry(edge).or_insert((0, name)).0 += 1;
         }
@@ -150,7 +150,8 @@ fn posts(shape: &Shape) -> Vec<Post> {
                 .filter_map(|k| {
                     let [a, b, c] = mesh.corners(k);
                     let n = (b - a).cross(c - a).try_normalize()?;
-                    // Not in the middle: neighbours of the same construction would be hit at their edges.
+                    // Not at the centre, because a ray would then hit neighbours of the same construction at their
+                    // edges.
                     Some((a * 0.41 + b * 0.27 + c * 0.32, n))
                 })
                 .collect()
@@ -172,7 +173,7 @@ fn posts(shape: &Shape) -> Vec<Post> {
     }
 }
 
-/// The first names of some, quoted; `None` of none.
+/// The first few names, quoted; `None` without names.
 fn listed<'a>(names: impl ExactSizeIterator<Item = &'a str>) -> Option<String> {
     const MOST: usize = 4;
     let count = names.len();

@@ -30,7 +30,7 @@ pub struct Scene {
     /// Shape of each primitive.
     shape_of: Vec<u32>,
     instances: Vec<PreparedInstance>,
-    /// Which shapes each group has.
+    /// Range of shapes of each group.
     group_shapes: Vec<std::ops::Range<usize>>,
     materials: Vec<PreparedMaterial>,
     media: Vec<Medium>,
@@ -42,7 +42,7 @@ pub struct Scene {
     has_null: bool,
     /// Whether any shape is the boundary of a medium.
     has_media: bool,
-    /// The medium that each light stands in; empty if the scene has no media.
+    /// The medium around each light; empty if the scene has no media.
     light_media: Vec<Option<crate::medium::MediumId>>,
 }
 
@@ -55,7 +55,7 @@ struct PreparedInstance {
 }
 
 impl Scene {
-    /// All shapes. Those of groups stand after the others.
+    /// All shapes. Those of groups come after the others.
     pub fn shapes(&self) -> &[Shape] {
         &self.shapes
     }
@@ -65,7 +65,7 @@ impl Scene {
         self.first_primitive[shape]
     }
 
-    /// Whether a material refracts, and nothing passes straight through it.
+    /// Whether a material refracts light and none passes straight through it.
     pub fn refracts(&self, material: usize) -> bool {
         self.materials[material].refracts
     }
@@ -85,17 +85,17 @@ impl Scene {
         &self.tree
     }
 
-    /// All materials, as they are prepared.
+    /// All materials, prepared.
     pub(crate) fn prepared_materials(&self) -> &[PreparedMaterial] {
         &self.materials
     }
 
-    /// Where the scene's own origin lies in the coordinates of its file, see [`SceneParts::recentre`].
+    /// The scene's own origin in the coordinates of its file, see [`SceneParts::recentre`].
     pub fn origin(&self) -> Vec3 {
         self.origin
     }
 
-    /// The box round all surfaces.
+    /// The bounding box of all surfaces.
     pub fn bounds(&self) -> Bounds {
         self.bounds
     }
@@ -118,8 +118,8 @@ impl Scene {
         Some((self.surface(ray, &hit), hit.t))
     }
 
-    /// [`Scene::intersect`] for a ray that leaves the flat primitive `left`. It cannot hit that primitive again, but rounding makes
-    /// it seem so for slivers.
+    /// [`Scene::intersect`] for a ray that leaves the flat primitive `left`. It cannot hit that primitive again, but
+    /// rounding makes it seem so for slivers.
     #[inline]
     pub fn intersect_behind(&self, mut ray: Ray, left: Option<u32>) -> Option<(Surface, f32)> {
         let mut hit = self.tree.closest(&ray)?;

@@ -15,7 +15,7 @@ pub struct SceneParts {
     pub groups: Vec<Vec<Shape>>,
     /// Copies of groups.
     pub instances: Vec<Instance>,
-    /// Materials. Children stand before their parents.
+    /// Materials. Children come before their parents.
     pub materials: Vec<Material>,
     /// Media.
     pub media: Vec<Medium>,

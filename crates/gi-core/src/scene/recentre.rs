@@ -1,4 +1,4 @@
-//! Scenes far from the world's origin, where single precision has few digits.
+//! Moves scenes that are far from the world's origin, where single precision is inaccurate.
 
 use glam::{Vec3, Vec3A};
 
@@ -7,12 +7,13 @@ use crate::geometry::{Geometry, Shape};
 use crate::light::LightSource;
 use crate::math::Bounds;
 
-/// A scene farther from the origin than this many of its radii is moved to it.
+/// A scene farther from the origin than this many of its radii is moved to the origin.
 const FAR: f32 = 8.0;
 
 impl SceneParts {
-    /// Move a scene that lies far from the world's origin to it. Returns the offset by which the camera must be moved too. The
-    /// offset of ray origins grows with the coordinates: at ten kilometres it is centimetres, and changes the picture.
+    /// Move a scene that is far from the world's origin to it. Returns the offset by which the camera must be moved
+    /// too. The offset of ray origins grows with the coordinates: at ten kilometres it is centimetres, which changes
+    /// the picture.
     pub fn recentre(&mut self) -> Vec3 {
         let bounds = self.bounds();
         if bounds.is_empty() {
@@ -48,7 +49,7 @@ impl SceneParts {
 }
 
 impl Geometry {
-    /// Move it.
+    /// Translate everything by `by`.
     fn shift(&mut self, by: Vec3) {
         match self {
             Geometry::Mesh(mesh) => mesh.positions.iter_mut().for_each(|p| *p += by),

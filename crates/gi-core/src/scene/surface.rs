@@ -1,4 +1,4 @@
-//! From a hit to a surface point.
+//! Computes the surface point of a hit.
 
 use std::f32::consts::PI;
 
@@ -19,7 +19,7 @@ struct Local {
 }
 
 impl Scene {
-    /// The surface point that `ray` met.
+    /// The surface point that `ray` hit.
     #[inline]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
         let shape_id = self.shape_of[hit.prim as usize];
@@ -56,7 +56,8 @@ impl Scene {
         }
     }
 
-    /// Derivatives of the position by the texture coordinates. Without texture coordinates, any two tangents.
+    /// Derivatives of the position with respect to the texture coordinates. Without texture coordinates, any two
+    /// tangents.
     pub fn tangents(&self, surface: &Surface) -> Tangents {
         let shape = &self.shapes[surface.shape as usize];
         let instance = self.instances.get(surface.instance as usize);

@@ -6,9 +6,9 @@ use crate::geometry::{Geometry, Shape};
 use crate::medium::MediumId;
 
 impl SceneParts {
-    /// Make `interior` of every closed boundary the enclosed side. Normals decide on which side a medium lies. A mesh with inward
-    /// winding has inward normals, so its medium would fill the world outside. Shapes that are closed only together, such as
-    /// six rectangles, are examined together. Returns a warning for each boundary that was turned.
+    /// Make `interior` of every closed boundary the enclosed side. Normals decide on which side a medium is. A mesh
+    /// with inward winding has inward normals, so its medium would fill the space outside. Shapes that are closed only
+    /// together, such as six rectangles, are examined together. Returns a warning for each boundary that was flipped.
     pub fn enclose_media(&mut self) -> Vec<String> {
         let mut warnings = Vec::new();
         let lists = std::iter::once(&mut self.shapes).chain(&mut self.groups);
@@ -17,7 +17,7 @@ impl SceneParts {
     }
 }
 
-/// Turn the boundaries that face inward.
+/// Flip the boundaries that face inward.
 fn enclose(shapes: &mut [Shape], warnings: &mut Vec<String>) {
     let mut turn = |shapes: &mut [Shape], of: &[usize]| {
         for &k in of {
@@ -51,8 +51,8 @@ fn enclose(shapes: &mut [Shape], warnings: &mut Vec<String>) {
     }
 }
 
-/// The enclosed volume of a shape, negative if its normals point inward. For an open mesh: its part of the volume of a closed
-/// one.
+/// The enclosed volume of a shape, negative if its normals point inward. For an open mesh: its contribution to the
+/// volume of a closed one.
 fn volume(shape: &Shape) -> f64 {
     let volume = match &shape.geometry {
         Geometry::Sphere { radius, .. } => f64::from(*radius).powi(3),
@@ -75,7 +75,7 @@ mod tests {
     use crate::geometry::Mesh;
     use glam::Vec3;
 
-    /// A tetrahedron whose faces face out, and the medium 0 in it.
+    /// A tetrahedron with outward faces, filled with medium 0.
     fn tetrahedron(offset: Vec3) -> Shape {
         let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].map(|p| p + offset).to_vec();
         let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
@@ -96,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn a_boundary_that_is_wound_inward_has_its_medium_inside() {
+    fn a_boundary_with_inward_winding_has_its_medium_inside() {
         for offset in [Vec3::ZERO, Vec3::new(50.0, -30.0, 7.0)] {
             let body = tetrahedron(offset);
             assert_eq!(interiors(vec![body.clone()]), (vec![Some(MediumId::new(0))], 0));
@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn faces_that_are_only_together_closed_are_looked_at_together() {
+    fn faces_that_are_closed_only_together_are_examined_together() {
         let faces = |shape: &Shape| -> Vec<Shape> {
             let Geometry::Mesh(mesh) = &shape.geometry else { unreachable!() };
             let face = |t: &[u32; 3]| {
@@ -123,7 +123,7 @@ mod tests {
         let body = tetrahedron(Vec3::new(2.0, 1.0, -4.0));
         assert_eq!(interiors(faces(&body)), (vec![Some(MediumId::new(0)); 4], 0));
         assert_eq!(interiors(faces(&turned(&body))), (vec![None; 4], 4));
-        // An open bowl says nothing of what is inside.
+        // An open bowl does not define an inside.
         assert_eq!(
             interiors(faces(&turned(&body))[1..].to_vec()),
             (vec![Some(MediumId::new(0)); 3], 0)

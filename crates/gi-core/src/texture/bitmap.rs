@@ -7,7 +7,7 @@ use crate::math::Rgb;
 /// How texels are stored; row by row from the top.
 #[derive(Clone, Debug)]
 pub enum Texels {
-    /// Bytes in the sRGB curve, decoded at lookup.
+    /// Bytes in sRGB encoding, decoded at lookup.
     Srgb8(Vec<[u8; 3]>),
     /// Bytes that are linear numbers ("raw"): 255 is one.
     Linear8(Vec<[u8; 3]>),
@@ -15,25 +15,25 @@ pub enum Texels {
     Float(Vec<Rgb>),
 }
 
-/// What lies outside of the unit square.
+/// The picture outside the unit square.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wrap {
-    /// The picture again.
+    /// The picture is repeated.
     #[default]
     Repeat,
-    /// The picture mirrored.
+    /// The picture is mirrored.
     Mirror,
-    /// Its border.
+    /// The border pixels are repeated.
     Clamp,
 }
 
-/// How a value is read between texels.
+/// How a value between texels is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Lookup {
-    /// Interpolate the four nearest.
+    /// By interpolation of the four nearest texels.
     #[default]
     Bilinear,
-    /// Take the nearest.
+    /// From the nearest texel.
     Nearest,
 }
 
@@ -60,7 +60,7 @@ impl Bitmap {
     /// A picture of `width` x `height` texels.
     ///
     /// # Panics
-    /// If the number of texels is not their product, or is zero.
+    /// If the number of texels is zero or not the product of width and height.
     pub fn new(width: usize, height: usize, texels: Texels, wrap: Wrap, lookup: Lookup) -> Self {
         let count = match &texels {
             Texels::Srgb8(t) | Texels::Linear8(t) => t.len(),
@@ -70,12 +70,12 @@ impl Bitmap {
         Bitmap { width, height, texels, wrap, lookup }
     }
 
-    /// Texels in a row.
+    /// Number of texels per row.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows.
+    /// Number of rows.
     pub fn height(&self) -> usize {
         self.height
     }
@@ -125,7 +125,7 @@ impl Bitmap {
         Rgb::from(sum.map(|s| (s / (self.width * self.height) as f64) as f32))
     }
 
-    /// Bring a texel coordinate into 0..n.
+    /// Map a texel coordinate to 0..n.
     #[inline]
     fn wrapped(&self, i: i32, n: usize) -> usize {
         let size = n as i32; // at most 2^26
@@ -144,10 +144,11 @@ impl Bitmap {
     }
 }
 
-/// Far from the unit square, coordinates have no digits left to tell texels apart.
+/// Far from the unit square, coordinates are too inaccurate to distinguish texels.
 const FAR: f32 = 1e9;
 
-/// The whole number below `x` and what is left; 0 for numbers that are none or lie so far away that they name no texel.
+/// The largest integer up to `x`, and the fractional part; 0 for NaN, and for numbers that are too large to select a
+/// texel.
 #[inline]
 fn floor(x: f32) -> (i32, f32) {
     if x.is_nan() || x.abs() >= FAR {
@@ -186,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn wrapping_holds_far_outside_and_for_numbers_that_are_none() {
+    fn wrapping_works_far_outside_and_for_nan() {
         let read = |wrap, u: f32| ramp(wrap, Lookup::Nearest).eval(Vec2::new(u, 0.0)).r;
         assert_eq!([-0.1, 1.1, 5.3].map(|u| read(Wrap::Repeat, u)), [3.0, 0.0, 1.0]);
         assert_eq!([-0.1, 1.1, 5.3].map(|u| read(Wrap::Mirror, u)), [0.0, 3.0, 2.0]);

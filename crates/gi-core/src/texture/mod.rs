@@ -1,4 +1,4 @@
-//! Textures: what a material parameter is at a point of a surface.
+//! Textures: the value of a material parameter at a point of a surface.
 
 mod bitmap;
 
@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// A colour or number that may vary over a surface.
 #[derive(Clone, Debug)]
 pub enum Texture {
-    /// The same everywhere.
+    /// The same value everywhere.
     Constant(Rgb),
     /// A picture.
     Bitmap {
@@ -19,14 +19,14 @@ pub enum Texture {
         bitmap: Arc<Bitmap>,
         /// From surface to texture coordinates.
         to_uv: Affine2,
-        /// Multiplies what is read.
+        /// Factor on the texels.
         scale: Rgb,
     },
-    /// Alternating squares, four a unit square of texture coordinates (two by two).
+    /// Alternating squares, four per unit square of texture coordinates (two by two).
     Checkerboard {
         /// Squares that touch the origin.
         color0: Box<Texture>,
-        /// The others.
+        /// The other squares.
         color1: Box<Texture>,
         /// From surface to texture coordinates.
         to_uv: Affine2,
@@ -55,7 +55,7 @@ impl Texture {
         }
     }
 
-    /// The value as one number: the luminance, which for greys is the number itself.
+    /// The value as one number: the luminance, which is the number itself for greys.
     #[inline]
     pub fn scalar(&self, uv: Vec2) -> f32 {
         match self {
@@ -66,7 +66,7 @@ impl Texture {
 
     /// Derivatives of [`Texture::scalar`] along u and v, for bump mapping.
     pub fn scalar_gradient(&self, uv: Vec2) -> Vec2 {
-        // A step of half a texel: the bilinear interpolant's slope, not its noise.
+        // A step of half a texel, which gives the slope of the bilinear interpolation without its noise.
         let step = match self {
             Texture::Constant(_) => return Vec2::ZERO,
             Texture::Bitmap { bitmap, to_uv, .. } => {

@@ -1,4 +1,4 @@
-//! Measure how much light is focused by mirrors and glass. Paths from the eye find such light rarely or never.
+//! Measures how much light is focused by mirrors and glass. Paths from the eye find such light rarely or never.
 
 use super::{LightWalk, Roulette};
 use crate::light::Light;
@@ -14,7 +14,7 @@ const MOST_MET: u32 = 32;
 /// A lamp is small if it covers less than this fraction of the sphere of directions.
 const SMALL: f32 = 2e-3;
 
-/// Fractions of the light that reaches a first surface with other than delta lobes.
+/// Fractions of the light that reaches a first surface with lobes that are not delta lobes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Focused {
     /// Light that came over delta lobes from a point, spot or directional light: paths from the eye cannot find it.
@@ -74,7 +74,7 @@ fn is_small(scene: &Scene, light: &Light) -> bool {
         Light::DistantDisc { one_minus_cos, .. } => 0.5 * one_minus_cos < SMALL,
         Light::Area { shape, .. } => {
             let extent = scene.shapes()[*shape as usize].geometry.bounds().extent();
-            // A sphere of this diameter, seen from there.
+            // A sphere with this diameter, as seen from that distance.
             (0.25 * extent.length() / scene.radius()).powi(2) < SMALL
         }
         _ => false,

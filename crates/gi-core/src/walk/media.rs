@@ -11,7 +11,7 @@ use crate::math::Rgb;
 use crate::medium::Flight;
 use crate::ray::Ray;
 
-/// What a light path meets.
+/// The next event of a light path in media.
 #[expect(
     clippy::large_enum_variant,
     reason = "one at a time, on the stack; hot loops allocate nothing"
@@ -40,7 +40,7 @@ impl LightEvent<'_> {
         }
     }
 
-    /// What the path has met before.
+    /// The kind of path before this event.
     pub fn kind(&self) -> PhotonKind {
         PhotonKind::after(self.depth(), self.non_delta())
     }
@@ -63,8 +63,9 @@ pub struct MediumVertex {
     pub wo: Vec3,
     /// The medium.
     pub medium: MediumId,
-    /// Power that is scattered here, without the absorbed part. It is divided by all densities, but not by the number of paths.
-    /// Summed over all paths, and per volume, these powers are sigma_s times radiance integrated over directions.
+    /// Power that is scattered here, without the absorbed part. It is divided by all densities, but not by the number
+    /// of paths. Summed over all paths, and per volume, these powers are sigma_s times radiance integrated over
+    /// directions.
     pub power: Rgb,
     /// Number of scatterings before this point. Passing straight through a surface is not one.
     pub depth: u32,
@@ -77,15 +78,15 @@ pub struct MediumVertex {
 }
 
 impl<'a> LightWalk<'a> {
-    /// The same path, attenuated and scattered by media. Walk it with [`LightWalk::next_event`].
+    /// The same path, but media attenuate and scatter it. Walk it with [`LightWalk::next_event`].
     pub fn through_media(mut self) -> Self {
         self.media = self.scene.has_media();
         self.medium = self.scene.medium_round_light(self.emission.light as usize);
         self
     }
 
-    /// Follow the path to the next surface, or to the point where a medium scatters it. In a scene with media the technique may
-    /// use one sampler dimension less per vertex.
+    /// Follow the path to the next surface, or to the point where a medium scatters it. In a scene with media, the
+    /// technique may use one sampler dimension less per vertex.
     pub fn next_event(&mut self) -> Option<LightEvent<'a>> {
         if !self.media {
             return self.next_vertex().map(LightEvent::Surface);
@@ -99,7 +100,7 @@ impl<'a> LightWalk<'a> {
             let (surface, _) = self.scene.intersect_behind(self.ray, self.left)?;
             return Some(LightEvent::Surface(self.vertex(surface)));
         };
-        // Nothing beyond the point of scattering needs to be found.
+        // No surface beyond the point of scattering is needed.
         let medium = self.scene.medium(index);
         let t = medium.distance(self.power, u);
         let met = self.scene.intersect_behind(Ray { tmax: t, ..self.ray }, self.left);
@@ -121,7 +122,7 @@ impl<'a> LightWalk<'a> {
         }
     }
 
-    /// Draw the direction in which the path continues from a point of a medium. Returns whether it does.
+    /// Sample the direction in which the path continues from a point of a medium. Returns whether it continues.
     pub fn scatter_within(&mut self, vertex: &MediumVertex, roulette: Roulette) -> bool {
         let next = EMISSION_DIMENSIONS + (self.met + 1) * VERTEX_DIMENSIONS;
         self.sampler.jump_to(next - SCATTER_DIMENSIONS);

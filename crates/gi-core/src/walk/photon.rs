@@ -1,4 +1,4 @@
-//! Photons: light that has reached a surface, and how a pass of light paths leaves them.
+//! Photons: light that has reached a surface, and how a pass of light paths stores them.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -7,11 +7,11 @@ use super::LightVertex;
 use crate::math::Rgb;
 use crate::progress;
 
-/// What a photon's path has met on its way from the light, in the notation of light paths (L light, S delta lobe, D any other
+/// The kind of a photon's path from the light, in the notation of light paths (L light, S delta lobe, D any other
 /// lobe). The kinds are those of [`crate::film::Components`], as seen from the photon's surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PhotonKind {
-    /// L: nothing.
+    /// L: no scattering.
     Direct,
     /// L S+: only delta lobes. The light is focused.
     Caustic,
@@ -41,17 +41,17 @@ pub struct Photon {
     pub n: Vec3,
     /// Unit direction back to where the light came from.
     pub wi: Vec3,
-    /// Power, already divided by all densities and by the number of paths that [`Photon::at`] was given, and corrected for shading
-    /// normals.
+    /// Power, already divided by all densities and by the number of paths that [`Photon::at`] was given, and corrected
+    /// for shading normals.
     pub power: Rgb,
-    /// What the path has met.
+    /// The kind of path from the light.
     pub kind: PhotonKind,
     /// Number of segments from the light to here.
     pub segments: u32,
 }
 
 impl Photon {
-    /// The photon that `vertex` receives if `paths` light paths are walked.
+    /// The photon at `vertex`, if `paths` light paths are traced.
     #[inline]
     pub fn at(vertex: &LightVertex, paths: f32) -> Self {
         let (wi, ng) = (vertex.wo, vertex.surface.ng);
@@ -67,7 +67,7 @@ impl Photon {
     }
 }
 
-/// |wi . ns| / |wi . ng|: photons land by the cosine with the geometric normal, irradiance is taken with the shading normal
+/// |wi . ns| / |wi . ng|: photons arrive in proportion to the cosine with the geometric normal, but irradiance uses the shading normal [Veach97, 5.3.2]. Zero along the surface.
 /// [Veach97, 5.3.2]. Zero along the surface.
 #[inline]
 fn shading_correction(wi: Vec3, ng: Vec3, ns: Vec3) -> f32 {
@@ -78,8 +78,8 @@ fn shading_correction(wi: Vec3, ng: Vec3, ns: Vec3) -> f32 {
     if cos > 0.0 { wi.dot(ns).abs() / cos } else { 0.0 }
 }
 
-/// Walk paths number 0 to `paths` - 1 in parallel, a task per `chunk` of them, and collect what `walk` leaves. The order is
-/// that of the paths for any number of threads; there is one list per chunk.
+/// Walk the paths 0 to `paths` - 1 in parallel, one task per `chunk` of them, and collect the output of `walk`. The
+/// order is that of the paths for any number of threads; there is one list per chunk.
 pub fn walk_in_order<T: Send>(
     paths: u32,
     chunk: u32,

@@ -1,4 +1,4 @@
-//! Light that is scattered far from everything that matters is aimed at it.
+//! Aims light that is scattered far away toward the region that matters.
 
 use super::{
     EMISSION_DIMENSIONS, LightVertex, LightWalk, Roulette, SCATTER_DIMENSIONS, VERTEX_DIMENSIONS,
@@ -12,8 +12,8 @@ use crate::warp;
 const GUIDED: f32 = 0.5;
 
 impl<'a> LightWalk<'a> {
-    /// As [`LightWalk::scatter`], but half of the paths that scatter far from the goal of [`Targets`] are aimed at it. Every path
-    /// can still be sampled. Roulette does not end aimed paths, because their powers are small already.
+    /// Like [`LightWalk::scatter`], but half of the paths that scatter far from the goal of [`Targets`] are aimed at
+    /// it. Every path can still be sampled. Roulette does not end aimed paths, because their powers are already small.
     pub fn scatter_toward(
         &mut self,
         vertex: &LightVertex<'a>,
@@ -42,7 +42,7 @@ impl<'a> LightWalk<'a> {
             s.wi
         };
         let (f_cos, pdf_bsdf) = vertex.bsdf.f_cos_pdf(vertex.wo, wi);
-        // 1 - cos as half the squared distance of unit vectors, which keeps the digits of a narrow cone.
+        // Compute 1 - cos as half the squared distance of unit vectors, which is accurate for a narrow cone.
         let aimed = 0.5 * wi.distance_squared(axis.n) <= one_minus_cos;
         let pdf_goal = if aimed { warp::cone_pdf(one_minus_cos) } else { 0.0 };
         let pdf_w = GUIDED * pdf_goal + (1.0 - GUIDED) * pdf_bsdf;
@@ -65,7 +65,7 @@ mod tests {
     use glam::Vec3;
 
     #[test]
-    fn aimed_scattering_has_the_power_and_the_directions_of_blind_scattering() {
+    fn aimed_scattering_has_the_power_and_the_directions_of_usual_scattering() {
         let at = |x, z| Vec3::new(x, 0.0, z);
         let positions = vec![at(9.0, -1.0), at(9.0, 1.0), at(11.0, 1.0), at(11.0, -1.0)];
         let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() };
@@ -88,11 +88,11 @@ mod tests {
                 ..SceneParts::default()
             };
             let scene = Scene::new(parts).expect("a scene");
-            // Lit is the patch; light is to end round a point ten metres from it.
+            // Light falls on the patch, and should end near a point ten metres away.
             let ends = [0.0, 0.5, 1.0].map(|x| (Vec3::new(x, 1.0, 0.0), 1.0)).to_vec();
             let targets =
                 scene.around([vec![(Vec3::X * 10.0, 1.0)], ends]).expect("a light at infinity");
-            // Power, and power by where it goes: out, up, and to the goal, where aimed paths come often.
+            // The total power, and the power by direction: out, up, and to the goal, where aimed paths are frequent.
             let mut sums = [[Running::default(); 4]; 2];
             for (aimed, sums) in sums.iter_mut().enumerate() {
                 for path in 0..60_000 {

@@ -1,20 +1,21 @@
-//! Directions counted in cells of the sphere, against a density integrated over the same cells.
+//! Compares counts of directions in cells of the sphere with a density integrated over the same cells.
 
 use gi_core::rng::Pcg;
 use gi_stats::{chi2_test, sidak};
 use glam::Vec3;
 
-/// Cells in cos(theta) and in phi.
+/// Number of cells in cos(theta) and in phi.
 const CELLS: [usize; 2] = [12, 24];
-/// Directions drawn a test.
+/// Number of sampled directions per test.
 const DRAWS: usize = 100_000;
-/// All tests of this file together err with this probability; seeds are fixed, so a pass stays a pass.
+/// Probability of a false alarm in any of the tests of this file together. Seeds are fixed, so a test that passes keeps
+/// passing.
 const ALPHA: f64 = 1e-2;
-/// How many tests there are, generously.
+/// An upper bound of the number of tests.
 const TESTS: usize = 500;
 
-/// Check that `draw` has density `pdf_w` per solid angle. Draws that are `None` end a path: the density then
-/// integrates to less than one by as much.
+/// Check that `draw` has density `pdf_w` per solid angle. Samples that are `None` end a path: the density then
+/// integrates to one minus their fraction.
 pub(crate) fn check(
     name: &str,
     seed: u64,
@@ -24,7 +25,7 @@ pub(crate) fn check(
     compare(name, seed, draw, |c| integrate_smooth(c, &pdf_w));
 }
 
-/// [`check`] for a density with edges and poles, which no quadrature rule likes: by jittered points.
+/// [`check`] for a density with edges and poles, where quadrature rules fail: integrates with jittered points.
 pub(crate) fn check_edged(
     name: &str,
     seed: u64,
@@ -50,7 +51,7 @@ fn compare(
         }
     }
     let expected: Vec<f64> = (0..counts.len()).map(|c| DRAWS as f64 * integral(c)).collect();
-    // What was not drawn has a cell of its own.
+    // Samples that are `None` have a cell of their own.
     let (drawn, total) = (counts.iter().sum::<u64>(), expected.iter().sum::<f64>());
     assert!(
         total < DRAWS as f64 * 1.02,
@@ -58,7 +59,7 @@ fn compare(
         total / DRAWS as f64
     );
     let counts = [counts, vec![DRAWS as u64 - drawn]].concat();
-    // A sliver that the quadrature's points miss may catch a draw or two; more would be a hole in the density.
+    // A sliver that the points of the quadrature miss may catch a sample or two. More would be an error of the density.
     let in_holes: u64 =
         counts.iter().zip(&expected).filter(|(_, e)| **e == 0.0).map(|(c, _)| c).sum();
     assert!(in_holes <= 5, "{name}: {in_holes} draws where the density is zero");
@@ -98,7 +99,8 @@ fn solid_angle() -> f64 {
     4.0 * std::f64::consts::PI / (CELLS[0] * CELLS[1]) as f64
 }
 
-/// Integral of the density over a cell: Gauss's rule, in quarters where the quarters disagree with the whole.
+/// Integral of the density over a cell: Gauss's rule. A cell is divided in four while the parts disagree with the
+/// whole.
 fn integrate_smooth(c: usize, pdf_w: &impl Fn(Vec3) -> f32) -> f64 {
     solid_angle() * refine(&|z, phi| f64::from(pdf_w(direction(c, z, phi))), [0.0; 2], [1.0; 2], 0)
 }
@@ -111,7 +113,7 @@ fn integrate_jittered(c: usize, pdf_w: &impl Fn(Vec3) -> f32, rng: &mut Pcg) -> 
     solid_angle() * sum / (N * N) as f64
 }
 
-/// Integrate over a rectangle, splitting it in four while that changes the result.
+/// Integrate over a rectangle, dividing it in four while that changes the result.
 fn refine(f: &impl Fn(f64, f64) -> f64, [x, y]: [f64; 2], [w, h]: [f64; 2], depth: u32) -> f64 {
     let gauss = |[x, y]: [f64; 2], [w, h]: [f64; 2]| {
         const NODES: [(f64, f64); 3] = [

@@ -1,4 +1,4 @@
-//! Lights: sampled from a point as their density says, seen as they are sampled, and emitting what they shine.
+//! Tests of lights: sampled with their density, consistent with rays that hit them, and with the right emitted power.
 
 use gi_core::geometry::{Geometry, Mesh, Shape};
 use gi_core::light::LightSource;
@@ -14,7 +14,7 @@ use std::sync::Arc;
 use crate::grid::check_edged;
 
 fn shining(geometry: Geometry) -> SceneParts {
-    // Smooth over the seam of u, so that a point and the ray to it may differ by rounding.
+    // Smooth across the seam of u, so that a point and the ray to it may differ by rounding.
     let texel = |x: usize, y: usize| {
         Rgb::grey(2.0 + (x as f32 / 64.0 * std::f32::consts::TAU).cos() + y as f32 / 32.0)
     };
@@ -33,7 +33,7 @@ fn triangles() -> Geometry {
         [[-1.0, -1.0, 2.0], [1.0, -1.2, 2.2], [1.1, 1.0, 2.0], [-1.0, 1.3, 1.5], [-3.0, 0.0, 0.5]];
     Geometry::Mesh(Mesh {
         positions: corners.map(Vec3::from_array).to_vec(),
-        // Facing down, toward the origin.
+        // Faces down, toward the origin.
         triangles: vec![[0, 2, 1], [0, 3, 2], [0, 4, 3]],
         ..Mesh::default()
     })
@@ -98,7 +98,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     ]
 }
 
-/// Radiance and density of what a ray from the origin meets, as a path tracer weighs it.
+/// Radiance and density of the light that a ray from the origin hits, as in a path tracer.
 fn seen(scene: &Scene, d: Vec3) -> (Rgb, f32) {
     let escaped: Vec<(Rgb, f32)> = scene.escaped(d).collect();
     let behind: f32 = escaped.iter().map(|e| e.1).sum();
@@ -114,7 +114,7 @@ fn seen(scene: &Scene, d: Vec3) -> (Rgb, f32) {
 }
 
 #[test]
-fn lights_are_drawn_as_the_density_says() {
+fn lights_are_sampled_with_the_density() {
     for (k, (name, scene)) in scenes().iter().enumerate() {
         let draw = |r: &mut Pcg| scene.sample_light(Vec3::ZERO, r.next_2d()).map(|s| s.wi);
         check_edged(name, 300 + k as u64, draw, |w| seen(scene, w).1);
@@ -122,7 +122,7 @@ fn lights_are_drawn_as_the_density_says() {
 }
 
 #[test]
-fn samples_agree_with_what_a_ray_sees() {
+fn samples_agree_with_rays_that_hit_the_light() {
     let mut rng = Pcg::new(2, 2);
     for (name, scene) in scenes() {
         if name == "all together" {
@@ -135,9 +135,9 @@ fn samples_agree_with_what_a_ray_sees() {
             };
             let (radiance, pdf_w) = seen(&scene, s.wi);
             if pdf_w == 0.0 || s.pdf_w > 50.0 {
-                continue; // the very edge, missed by rounding, or seen edge-on, where the cosine has few digits
+                continue; // the edge, which rounding may miss, or a grazing view, where the cosine is inaccurate
             }
-            // The density goes with one over a cosine of absolute error.
+            // The density contains one over a cosine, which has an absolute error.
             let tolerance = s.pdf_w * (2e-3 + 2e-4 * s.pdf_w);
             found += 1;
             assert!(
@@ -155,8 +155,8 @@ fn samples_agree_with_what_a_ray_sees() {
 }
 
 #[test]
-fn emitted_power_is_what_falls_on_a_closed_sphere() {
-    // Tracing back: the irradiance at points of a large sphere, by light sampling, sums to the emitted power.
+fn emitted_power_equals_the_power_that_falls_on_a_closed_sphere() {
+    // Compute it backwards: the irradiance at points of a large sphere, by light sampling, sums to the emitted power.
     let mut rng = Pcg::new(4, 4);
     for (name, scene) in scenes() {
         if scene.lights().all().iter().any(|l| !matches!(l, gi_core::light::Light::Area { .. })) {
@@ -171,7 +171,8 @@ fn emitted_power_is_what_falls_on_a_closed_sphere() {
             let inward = -gi_core::warp::sphere(rng.next_2d());
             let p = center - inward * radius;
             if let Some(s) = scene.sample_light(p, rng.next_2d()) {
-                // Convex pieces in the open: blocked only by other pieces, as for the emission that re-enters.
+                // The emitters are convex pieces in the open. Only other pieces occlude them, as they do for the
+                // emission, part of which hits them again.
                 let ray = scene.tree().shadow_ray(p, inward, s.p.expect("near"));
                 let arrives = scene.transmittance(ray).r * s.wi.dot(inward);
                 received += f64::from(s.radiance.r * arrives / s.pdf_w)
@@ -190,7 +191,7 @@ fn emitted_power_is_what_falls_on_a_closed_sphere() {
 }
 
 #[test]
-fn a_tilted_quad_lights_its_own_points_without_a_nan() {
+fn a_tilted_quad_gives_no_nan_at_its_own_points() {
     let turn = Affine3A::from_axis_angle(Vec3::new(0.6, 0.8, 0.0), 0.7)
         * Affine3A::from_scale(Vec3::splat(0.6));
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];

@@ -1,4 +1,4 @@
-//! Every sampling routine against its density, by chi^2: warps, BSDFs, lights.
+//! Compares every sampling routine with its density, by chi^2 tests: warps, BSDFs, lights.
 
 mod bsdfs;
 mod grid;

@@ -1,4 +1,4 @@
-//! The principled model: with each of its lobes, and against Mitsuba's numbers.
+//! Tests of the principled model: with each of its lobes, and against Mitsuba's values.
 
 use gi_core::bsdf::Transport;
 use gi_core::material::{Material, Principled, PrincipledThin};
@@ -8,7 +8,7 @@ use glam::Vec3;
 
 use crate::bsdfs::floor;
 
-/// A dull principled surface, changed.
+/// A dull principled surface, modified by `change`.
 pub(crate) fn principled(change: impl FnOnce(&mut Principled)) -> Material {
     let zero = || Texture::grey(0.0);
     let mut p = Principled {
@@ -29,7 +29,7 @@ pub(crate) fn principled(change: impl FnOnce(&mut Principled)) -> Material {
     Material::Principled(Box::new(p))
 }
 
-/// A principled sheet, changed.
+/// A principled sheet, modified by `change`.
 pub(crate) fn sheet(change: impl FnOnce(&mut PrincipledThin)) -> Material {
     let zero = || Texture::grey(0.0);
     let mut p = PrincipledThin {
@@ -120,7 +120,7 @@ const DIRECTIONS: [[[f32; 3]; 2]; 5] = [
 ];
 const BLACK: [f32; 3] = [0.0; 3];
 
-/// Materials, and f times cosine for each of the pairs as Mitsuba 3.9.1 has it.
+/// Materials, and f times cosine for each of the pairs, from Mitsuba 3.9.1.
 fn mitsuba() -> Vec<(Material, [[f32; 3]; 5])> {
     let grey = Texture::grey;
     let specular = |s: f32| 2.0 / (1.0 - (0.08 * s).sqrt()) - 1.0;
@@ -188,7 +188,7 @@ fn mitsuba() -> Vec<(Material, [[f32; 3]; 5])> {
 }
 
 #[test]
-fn principled_scatters_as_mitsubas() {
+fn principled_agrees_with_mitsubas() {
     for (k, (material, expected)) in mitsuba().into_iter().enumerate() {
         let (scene, surface) = floor(vec![material]);
         for ([wo, wi], want) in DIRECTIONS.into_iter().zip(expected) {

@@ -20,7 +20,7 @@ fn warps_of_directions() {
         |r| Some(warp::cosine_hemisphere(r.next_2d())),
         |w| warp::cosine_hemisphere_pdf(w.z),
     );
-    // Sizes whose rim runs along the borders of cells.
+    // Sizes whose rim coincides with borders of cells.
     for (seed, size) in [(4, 1.0 / 6.0f32), (5, 0.5), (6, 10.0 / 6.0)] {
         check(
             &format!("cone {size}"),

@@ -1,15 +1,15 @@
-//! Warnings that say the same of many things: the first are shown, the others counted.
+//! Groups similar warnings: the first few are shown, the others only counted.
 
 use std::collections::HashMap;
 
 use super::Warning;
 
-/// So often the same message is shown, at different places.
+/// How many times the same message is shown, each time at another place.
 const MAX_SAME: usize = 3;
-/// So many messages are shown that differ only in names and numbers.
+/// How many messages are shown that differ only in names and numbers.
 const MAX_LIKE: usize = 24;
 
-/// How often something was said, and where the last of it that is shown stands.
+/// How often a message occurred, and the output position of its last shown occurrence.
 #[derive(Default)]
 struct Said {
     shown: usize,
@@ -17,7 +17,7 @@ struct Said {
     last: usize,
 }
 
-/// The warnings as text, in their order.
+/// The warnings as text, in their original order.
 pub(super) fn grouped(warnings: Vec<Warning>) -> Vec<String> {
     let mut said: HashMap<String, Said> = HashMap::new();
     let mut out: Vec<String> = Vec::new();
@@ -31,7 +31,7 @@ pub(super) fn grouped(warnings: Vec<Warning>) -> Vec<String> {
             full(&shape, MAX_LIKE).then(|| shape.clone())
         };
         if let Some(key) = group {
-            let group = said.get_mut(&key).expect("it was said");
+            let group = said.get_mut(&key).expect("inserted above");
             if group.hidden == 0 {
                 groups.push((key, message));
             }
@@ -39,7 +39,7 @@ pub(super) fn grouped(warnings: Vec<Warning>) -> Vec<String> {
             continue;
         }
         out.push(format!("{place}{message}"));
-        // A message without names or numbers is its own shape.
+        // A message that contains no names or numbers equals its shape.
         let own = (message != shape).then_some(message);
         for key in own.into_iter().chain([shape]) {
             let group = said.entry(key).or_default();
@@ -47,7 +47,7 @@ pub(super) fn grouped(warnings: Vec<Warning>) -> Vec<String> {
             group.last = out.len();
         }
     }
-    // From the end, so that places stay valid.
+    // Insert from the end, so that earlier positions stay valid.
     let mut counted: Vec<(usize, String)> = groups
         .into_iter()
         .map(|(key, message)| {
@@ -60,13 +60,13 @@ pub(super) fn grouped(warnings: Vec<Warning>) -> Vec<String> {
     out
 }
 
-/// A message without what stands in backquotes and without digits.
+/// A message without its digits and without the text inside backquotes.
 fn shape(message: &str) -> String {
     let unquoted = message.split('`').step_by(2).collect::<Vec<_>>().join("`");
     unquoted.replace(|c: char| c.is_ascii_digit(), "")
 }
 
-/// 1994 as 1,994.
+/// Format 1994 as `1,994`.
 fn thousands(n: usize) -> String {
     let digits = n.to_string();
     let mut out = String::new();

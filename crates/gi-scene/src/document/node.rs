@@ -5,8 +5,8 @@ use super::{Child, Class, Document, Object, ObjectId, Property, Target, Value};
 use crate::diagnostics::{Report, Span};
 use crate::spectrum::{EQUAL_ENERGY, Spectrum};
 
-/// An object of a document, ready to be asked for its properties. Asking marks a property as used;
-/// a value of the wrong kind is reported and the default taken.
+/// An object of a document, with typed access to its properties. Each access marks the property as used.
+/// A value of the wrong kind is reported, and the default is returned.
 #[derive(Clone, Copy)]
 pub(crate) struct Node<'a> {
     pub(crate) doc: &'a Document,
@@ -14,12 +14,12 @@ pub(crate) struct Node<'a> {
     pub(crate) id: ObjectId,
 }
 
-/// How a colour's spectrum is meant.
+/// What a colour's spectrum describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Meaning {
-    /// A factor on light, or an index of refraction.
+    /// A reflectance or another factor on light, or an index of refraction.
     Factor,
-    /// Light.
+    /// Emitted light.
     Light,
 }
 
@@ -28,37 +28,34 @@ impl<'a> Node<'a> {
         Node { doc, report, id }
     }
 
-    /// The object itself.
     pub(crate) fn object(self) -> &'a Object {
         &self.doc.objects[self.id]
     }
 
-    /// Its class.
     pub(crate) fn class(self) -> Class {
         self.object().class
     }
 
-    /// Its plugin's name.
     pub(crate) fn plugin(self) -> &'a str {
         &self.object().plugin
     }
 
-    /// Where its plugin's name stands.
+    /// Where the plugin's name is in the text.
     pub(crate) fn span(self) -> Span {
         self.object().plugin_span
     }
 
-    /// Report a problem with the object as a whole.
+    /// Report an error about the whole object.
     pub(crate) fn error(self, message: impl Into<String>, expected: &str) {
         self.report.error(self.span(), message, expected);
     }
 
-    /// Note something about the object as a whole.
+    /// Warn about the whole object.
     pub(crate) fn warn(self, message: impl AsRef<str>) {
         self.report.warn(self.span(), message);
     }
 
-    /// Report an unknown plugin, proposing the nearest of those known.
+    /// Report an unknown plugin and suggest the nearest known one.
     pub(crate) fn unknown_plugin(self, known: &[&str]) {
         let object = self.object();
         let help = crate::diagnostics::suggestion(&object.plugin, known.iter().copied())
@@ -82,7 +79,7 @@ impl<'a> Node<'a> {
         Some(found)
     }
 
-    /// Mark parameters as known though they change nothing here.
+    /// Mark properties as used although they have no effect here.
     pub(crate) fn ignore(self, names: &[&'static str]) {
         for name in names {
             self.find(name);
@@ -95,7 +92,7 @@ impl<'a> Node<'a> {
         self.find(name).is_some()
     }
 
-    /// Where a property stands, or the object if it is not given.
+    /// Place of a property, or of the object if the property is not given.
     pub(crate) fn span_of(self, name: &'static str) -> Span {
         self.find(name).map_or(self.span(), |p| p.span)
     }
@@ -119,7 +116,6 @@ impl<'a> Node<'a> {
         value
     }
 
-    /// A number, if given.
     pub(crate) fn float_opt(self, name: &'static str) -> Option<f32> {
         self.get(name, "a float", |v| match v {
             Value::Float(x) | Value::Spectrum(Spectrum::Flat(x)) => Some(*x),
@@ -129,12 +125,11 @@ impl<'a> Node<'a> {
         })
     }
 
-    /// A number.
     pub(crate) fn float(self, name: &'static str, default: f32) -> f32 {
         self.float_opt(name).unwrap_or(default)
     }
 
-    /// A whole number, if given.
+    /// An integer, if given.
     pub(crate) fn int_opt(self, name: &'static str) -> Option<i64> {
         self.get(name, "an integer", |v| match v {
             Value::Integer(i) => Some(*i),
@@ -143,7 +138,6 @@ impl<'a> Node<'a> {
         })
     }
 
-    /// A truth value.
     pub(crate) fn bool(self, name: &'static str, default: bool) -> bool {
         let read = |v: &Value| match v {
             Value::Bool(b) => Some(*b),
@@ -153,7 +147,7 @@ impl<'a> Node<'a> {
         self.get(name, "a boolean", read).unwrap_or(default)
     }
 
-    /// A text, if given.
+    /// A string, if given.
     pub(crate) fn text(self, name: &'static str) -> Option<&'a str> {
         let p = self.find(name)?;
         match &p.value {
@@ -165,7 +159,7 @@ impl<'a> Node<'a> {
         }
     }
 
-    /// A text, if that is what is given: for parameters that take names or numbers.
+    /// A string, if the value is one: for properties that accept a name or a number.
     pub(crate) fn text_opt(self, name: &'static str) -> Option<&'a str> {
         match &self.find(name)?.value {
             Value::Text(t) => Some(t),
@@ -173,7 +167,6 @@ impl<'a> Node<'a> {
         }
     }
 
-    /// A point or vector, if given.
     pub(crate) fn vector(self, name: &'static str) -> Option<Vec3> {
         self.get(name, "a point or vector", |v| match v {
             Value::Vector(p) => Some(*p),
@@ -182,7 +175,7 @@ impl<'a> Node<'a> {
         })
     }
 
-    /// A transform; the identity unless given.
+    /// A transform; the identity if not given.
     pub(crate) fn transform(self, name: &'static str) -> Affine3A {
         let read = |v: &Value| match v {
             Value::Transform(m) => Some(*m),
@@ -191,7 +184,7 @@ impl<'a> Node<'a> {
         self.get(name, "a transform", read).unwrap_or(Affine3A::IDENTITY)
     }
 
-    /// A colour, if given as a property or as a `<spectrum type=...>` child.
+    /// A colour, given as a property or as a `<spectrum type=...>` child.
     pub(crate) fn color(self, name: &'static str, meaning: Meaning) -> Option<Rgb> {
         if let Some(p) = self.find(name) {
             let color = self.value_color(&p.value, meaning);
@@ -209,7 +202,7 @@ impl<'a> Node<'a> {
             Value::Color(c) => *c,
             Value::Float(x) => Rgb::grey(*x),
             Value::Integer(i) => Rgb::grey(*i as f32),
-            // Mitsuba 0.6's RGB build takes one number as grey light, Mitsuba 3 as equal energy.
+            // The RGB build of Mitsuba 0.6 reads a single number as grey light, Mitsuba 3 as an equal-energy spectrum.
             Value::Spectrum(Spectrum::Flat(x)) if self.doc.version == 0 => Rgb::grey(*x),
             Value::Spectrum(s) if meaning == Meaning::Light => s.emission(),
             Value::Spectrum(s) => s.reflectance(),
@@ -253,12 +246,12 @@ impl<'a> Node<'a> {
         Some(Node { id, ..self })
     }
 
-    /// The child of that name, if there is one.
+    /// The child of that name, if any.
     pub(crate) fn child(self, name: &'static str) -> Option<Node<'a>> {
         self.child_if(name, |_| true)
     }
 
-    /// The child of that name, if there is one that passes a test.
+    /// The child of that name, if any passes a test.
     pub(crate) fn child_if(
         self,
         name: &'static str,
@@ -275,13 +268,13 @@ impl<'a> Node<'a> {
         })
     }
 
-    /// A property of an object whose others are not our business: it does not count as looked at.
+    /// Read a property without marking it as used.
     pub(crate) fn peek(self, name: &str) -> Option<(&'a Value, Span)> {
         let found = self.object().properties.iter().rev().find(|p| p.name == name)?;
         Some((&found.value, found.span))
     }
 
-    /// Children of a class in written order, whatever their names.
+    /// The children of a class in document order, whatever their names.
     pub(crate) fn children(self, class: Class) -> Vec<Node<'a>> {
         let object = self.object();
         object.touched.set(true);
@@ -299,7 +292,7 @@ impl<'a> Node<'a> {
         out
     }
 
-    /// All children in written order, none of them marked as used: for a look ahead.
+    /// All children in document order, without marking them as used.
     pub(crate) fn all_children(self) -> impl Iterator<Item = Node<'a>> {
         self.object().children.iter().filter_map(move |c| self.resolve(c))
     }

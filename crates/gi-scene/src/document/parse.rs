@@ -3,7 +3,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
 use super::{Child, Class, Document, Object, ObjectId, Target};
-use crate::diagnostics::{Report, Span, suggestion};
+use crate::diagnostics::{Report, Span};
 use crate::files;
 use crate::hash::Hash;
 use crate::value;
@@ -13,25 +13,23 @@ use substitute::Element;
 mod comments;
 mod defines;
 mod properties;
+mod references;
 mod substitute;
 
-/// How deep files may include each other (Mitsuba's limit).
+/// Largest depth of nested includes (Mitsuba's limit).
 const MAX_INCLUDE_DEPTH: usize = 15;
-/// How many files one scene may include, counting repeats: without it, fifteen files
-/// that each include the next ten times would be read 10^15 times.
+/// Largest number of files that one scene may include, counting repeats. Without this limit, fifteen files
+/// that each include the next one ten times would be read 10^15 times.
 const MAX_INCLUDES: usize = 1000;
-/// How deep elements may be nested: the reader recurses, and no scene comes near.
+/// Largest depth of nested elements. The reader is recursive, and no real scene comes near this depth.
 const MAX_NESTING: usize = 64;
-/// How many elements one file may hold: a bound on memory far above any scene found.
+/// Largest number of XML nodes in one file. It bounds the memory, and is far above any real scene.
 const MAX_NODES: u32 = 1 << 24;
 
-/// So many references to nothing get a proposal, each of which is compared with all names.
-const MAX_PROPOSALS: usize = 20;
-
-/// Textures that may stand in a `<spectrum>`.
+/// Texture plugins that may be written as a `<spectrum>`.
 const TEXTURES: [&str; 3] = ["bitmap", "checkerboard", "scale"];
 
-/// Read a scene file and all that it includes.
+/// Read a scene file and all files that it includes.
 pub(crate) fn parse(
     path: &Path,
     defines: &[(String, String)],
@@ -51,7 +49,7 @@ pub(crate) fn parse(
 struct Parser<'r> {
     report: &'r Report,
     defines: Defines,
-    /// Files being read, outermost first.
+    /// Files that are open, outermost first.
     stack: Vec<PathBuf>,
     includes: usize,
     aliases: Vec<(String, String, Span)>,
@@ -88,11 +86,11 @@ impl<'r> Parser<'r> {
             hash,
         };
         let mut all = Defines::default();
-        defines.iter().rev().map(define).for_each(|d| all.add(d)); // the last -D of a name wins
+        defines.iter().rev().map(define).for_each(|d| all.add(d)); // the last -D for a name wins
         Parser { report, defines: all, stack: Vec::new(), includes: 0, aliases: Vec::new(), doc }
     }
 
-    /// Read one file; its elements become children of `parent`, or the whole scene without one.
+    /// Read one file. Its elements become children of `parent`; without a parent, the file is the whole scene.
     fn file(&mut self, path: &Path, parent: Option<ObjectId>, from: Span) {
         let text = match files::read_text(path) {
             Ok(text) => text,
@@ -138,15 +136,19 @@ impl<'r> Parser<'r> {
         let end = start + text[start..].chars().next().map_or(0, char::len_utf8);
         let full = why.to_string();
         let message = full.split(" at ").next().unwrap_or(&full);
-        self.report.error(Span { file, start, end }, format!("this is no XML: {message}"), "");
+        self.report.error(
+            Span { file, start, end },
+            format!("this is not valid XML: {message}"),
+            "",
+        );
     }
 
-    /// Everything inside of an element, in order.
+    /// Read all elements inside an element, in order.
     fn children(&mut self, node: XmlNode<'_, '_>, file: usize, parent: ObjectId, depth: usize) {
         for child in node.children().filter(|n| n.is_element()) {
             let element = self.element(child, file);
             if depth >= MAX_NESTING {
-                self.report.error(element.span, "elements are nested too deep", "");
+                self.report.error(element.span, "elements are nested too deeply", "");
                 return;
             }
             self.one(child, element, file, parent, depth);
@@ -169,7 +171,7 @@ impl<'r> Parser<'r> {
             "ref" => self.reference(&element, parent),
             "transform" => self.transform(node, &element, file, parent),
             "spectrum" if element.get("type").is_some() => {
-                // Mitsuba 2 wrote textures so.
+                // Mitsuba 2 wrote textures this way.
                 let is_texture = TEXTURES.contains(&element.text("type").unwrap_or_default());
                 let class = if is_texture { Class::Texture } else { Class::Spectrum };
                 self.object(node, &element, class, (file, parent, depth));
@@ -216,7 +218,7 @@ impl<'r> Parser<'r> {
         if let Some(a) = element.get("id")
             && self.doc.ids.insert(a.value.clone(), id).is_some()
         {
-            self.report.error(a.span, format!("the id `{}` is taken already", a.value), "");
+            self.report.error(a.span, format!("the id `{}` is already used", a.value), "");
         }
         let name = value::snake_case(element.text("name").unwrap_or_default());
         let child =
@@ -249,7 +251,7 @@ impl<'r> Parser<'r> {
         let canonical = found.canonicalize().unwrap_or_else(|_| found.clone());
         if self.stack.contains(&canonical) {
             let message = format!("`{}` includes itself", name.value);
-            return self.report.error(name.span, message, "this closes the loop");
+            return self.report.error(name.span, message, "this completes the cycle");
         }
         self.file(&found, Some(parent), name.span);
     }
@@ -259,61 +261,5 @@ impl<'r> Parser<'r> {
             return self.report.error(element.span, "`path` needs `value`", "");
         };
         self.doc.search.push(self.doc.objects[parent].folder.join(&value.value));
-    }
-
-    fn alias(&mut self, element: &Element) {
-        let (Some(id), Some(new)) = (element.get("id"), element.get("as")) else {
-            return self.report.error(element.span, "`alias` needs `id` and `as`", "");
-        };
-        self.aliases.push((id.value.clone(), new.value.clone(), id.span));
-    }
-
-    fn reference(&mut self, element: &Element, parent: ObjectId) {
-        let Some(id) = element.get("id") else {
-            return self.report.error(element.span, "`ref` needs `id`", "");
-        };
-        let name = value::snake_case(element.text("name").unwrap_or_default());
-        let child = Child {
-            name,
-            span: id.span,
-            target: Target::Ref(id.value.clone()),
-            used: Cell::new(false),
-        };
-        self.doc.objects[parent].children.push(child);
-    }
-
-    /// Give aliases their objects and report references to nothing.
-    fn check_references(&mut self) {
-        for (id, new, span) in std::mem::take(&mut self.aliases) {
-            match self.doc.ids.get(&id).copied() {
-                Some(object) => drop(self.doc.ids.insert(new, object)),
-                None => self.unknown_id(&id, span, 0),
-            }
-        }
-        let mut missing = Vec::new();
-        for (o, object) in self.doc.objects.iter().enumerate() {
-            for (c, child) in object.children.iter().enumerate() {
-                if let Target::Ref(id) = &child.target
-                    && !self.doc.ids.contains_key(id)
-                {
-                    missing.push((o, c));
-                    self.unknown_id(id, child.span, missing.len());
-                }
-            }
-        }
-        for (o, c) in missing {
-            self.doc.objects[o].children[c].target = Target::Missing;
-        }
-    }
-
-    /// Report a reference to nothing, after `before` others.
-    fn unknown_id(&self, id: &str, span: Span, before: usize) {
-        let message = format!("nothing has the id `{id}`");
-        let help = (before < MAX_PROPOSALS).then(|| {
-            let mut known: Vec<&str> = self.doc.ids.keys().map(String::as_str).collect();
-            known.sort_unstable();
-            suggestion(id, known)
-        });
-        self.report.error_help(span, message, "referred to here", help.flatten());
     }
 }

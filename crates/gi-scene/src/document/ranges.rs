@@ -1,4 +1,4 @@
-//! Numbers that must lie in a range: an error with the place otherwise.
+//! Properties that must lie in a range; otherwise an error is reported at their place.
 
 use std::ops::RangeInclusive;
 
@@ -7,11 +7,11 @@ use gi_core::math::Rgb;
 use super::{Meaning, Node};
 use crate::value::MAX_NUMBER;
 
-/// What counts as above zero: squares of smaller numbers are lost.
+/// Smallest number accepted as positive: the squares of smaller ones underflow.
 const SMALLEST: f32 = 1e-12;
 
 impl Node<'_> {
-    /// A number of a range; outside of it a reported problem and the default.
+    /// A number in a range. Outside the range, an error is reported and the default is returned.
     pub(crate) fn within(
         self,
         name: &'static str,
@@ -30,7 +30,7 @@ impl Node<'_> {
         default
     }
 
-    /// A number above zero and not above `most`; else a reported problem and the default.
+    /// A positive number up to `most`. Otherwise an error is reported and the default is returned.
     pub(crate) fn above_zero(self, name: &'static str, default: f32, most: f32) -> f32 {
         let value = self.float(name, default);
         if (SMALLEST..=most).contains(&value) {
@@ -45,7 +45,7 @@ impl Node<'_> {
         default
     }
 
-    /// A factor on light: not negative.
+    /// A non-negative factor on emitted light.
     pub(crate) fn light_scale(self, name: &'static str, default: f32) -> f32 {
         let value = self.float(name, default);
         if value < 0.0 {
@@ -55,14 +55,14 @@ impl Node<'_> {
         value
     }
 
-    /// A colour of light, if given: not negative and not beyond all measure.
+    /// A colour of emitted light, if given: non-negative and at most 1e15.
     pub(crate) fn light(self, name: &'static str) -> Option<Rgb> {
         let color = self.color(name, Meaning::Light)?;
         let fine = self.check_light(name, color);
         fine.then_some(color)
     }
 
-    /// Whether light can be of this colour; a reported problem if not.
+    /// Whether a colour is valid for emitted light; reports an error if it is not.
     pub(crate) fn check_light(self, name: &'static str, color: Rgb) -> bool {
         let [r, g, b] = color.to_array();
         if r.min(g).min(b) < 0.0 {
@@ -82,7 +82,7 @@ impl Node<'_> {
         self.report.error(self.place_of(name), message, "expected 0 or more");
     }
 
-    /// Where a property or the child of that name stands.
+    /// Place of the property, or of the child with that name.
     pub(crate) fn place_of(self, name: &'static str) -> crate::diagnostics::Span {
         match self.child(name) {
             Some(child) if !self.has(name) => child.span(),

@@ -7,7 +7,7 @@ use crate::origins::LightOrigin;
 use crate::sky::model::SunSky;
 
 impl Exporter<'_> {
-    /// All lights that are no surfaces.
+    /// Write all lights that are not surfaces.
     pub(super) fn lights(&mut self) -> Result<(), String> {
         let loaded = self.loaded;
         for (light, origin) in loaded.parts.lights.iter().zip(&loaded.origins.lights) {
@@ -61,13 +61,15 @@ impl Exporter<'_> {
                 xml.color("radiance", *radiance);
             }
             LightSource::Environment { scale, to_world, .. } => {
-                let file = file.ok_or("an environment of no file")?;
+                let file = file.ok_or("an environment map without a file")?;
                 xml.open("emitter", &[("type", "envmap")]);
                 xml.value("string", "filename", file);
                 xml.value("float", "scale", &scale.to_string());
                 xml.transform("to_world", to_world);
             }
-            LightSource::DistantDisc { .. } => return Err("a sun of no `sunsky`".into()),
+            LightSource::DistantDisc { .. } => {
+                return Err("a sun that comes from no `sunsky`".into());
+            }
         }
         self.xml.close();
         Ok(())

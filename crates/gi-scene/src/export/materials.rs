@@ -11,13 +11,13 @@ use glam::{Affine2, Affine3A, Mat3, Vec2, Vec3};
 use super::{Exporter, channels, free_name};
 use crate::options::Loaded;
 
-/// The materials that are written at the top level: those with a name in the file and those that several use.
+/// Names of the materials that are written at the top level: those named in the file and those used more than once.
 pub(super) fn names(loaded: &Loaded, taken: &mut HashSet<String>) -> Vec<Option<String>> {
     let materials = &loaded.parts.materials;
     let mut uses = vec![0usize; materials.len()];
     for material in materials {
         let mut of_parent = material.children();
-        of_parent.dedup(); // both sides of `twosided` are written once
+        of_parent.dedup(); // a `twosided` whose sides are equal writes its bsdf once
         of_parent.into_iter().for_each(|c| uses[c] += 1);
     }
     let shapes = loaded.parts.shapes.iter().chain(loaded.parts.groups.iter().flatten());
@@ -34,7 +34,7 @@ pub(super) fn names(loaded: &Loaded, taken: &mut HashSet<String>) -> Vec<Option<
 type Open<'f, E> = &'f dyn Fn(&mut E, &str);
 
 impl Exporter<'_> {
-    /// A material where it is used: a reference to it if it has a name.
+    /// Write a material where it is used, as a reference if it has a name.
     pub(super) fn material(&mut self, index: usize) -> Result<(), String> {
         match &self.names[index] {
             Some(name) => {
@@ -45,7 +45,7 @@ impl Exporter<'_> {
         }
     }
 
-    /// A material in full.
+    /// Write a material in full.
     pub(super) fn material_itself(&mut self, index: usize) -> Result<(), String> {
         let loaded = self.loaded;
         let name = self.names[index].clone();
@@ -162,8 +162,8 @@ impl Exporter<'_> {
         self.xml.value("boolean", "use_shadowing_function", &normals.shadowed.to_string());
     }
 
-    /// Mitsuba 3 has no Phong: a mixture of Lambert and a rough mirror of the same albedos. The lobe cos^n about
-    /// the mirror direction is a Beckmann lobe of alpha = sqrt(1 / 2n) about the half vector near its peak.
+    /// Mitsuba 3 has no Phong BSDF, so write a blend of Lambert and a rough mirror with the same albedos. Near its peak,
+    /// cos^n about the mirror direction equals a Beckmann lobe about the half vector with alpha = sqrt(1 / 2n).
     fn phong(
         &mut self,
         open: Open<'_, Self>,
@@ -225,7 +225,7 @@ impl Exporter<'_> {
         ])
     }
 
-    /// Parameters that are zero unless said. (Mitsuba skips a lobe whose parameter is not given.)
+    /// Write parameters whose default is zero. (Mitsuba skips a lobe if its parameter is not given.)
     fn parts(&mut self, parts: &[(&str, &Texture)]) -> Result<(), String> {
         let given = parts.iter().filter(|(_, texture)| !texture.is_black());
         given.into_iter().try_for_each(|(name, texture)| self.scalar(name, texture))
@@ -243,7 +243,7 @@ impl Exporter<'_> {
         self.scalar("alpha_v", alpha_v)
     }
 
-    /// A factor that is one unless said.
+    /// Write a factor whose default is one.
     fn factor(&mut self, name: &str, texture: &Texture) -> Result<(), String> {
         match texture {
             Texture::Constant(c) if *c == Rgb::WHITE => Ok(()),
@@ -251,7 +251,7 @@ impl Exporter<'_> {
         }
     }
 
-    /// A parameter that is a number where it is constant.
+    /// Write a parameter: a number if it is constant, a texture otherwise.
     fn scalar(&mut self, name: &str, texture: &Texture) -> Result<(), String> {
         match texture {
             Texture::Constant(c) => {
@@ -263,10 +263,10 @@ impl Exporter<'_> {
         }
     }
 
-    /// A parameter that must be a texture.
+    /// Write a parameter that must be a texture.
     fn map(&mut self, name: &str, texture: &Texture) -> Result<(), String> {
         let Texture::Constant(c) = texture else { return self.texture(name, texture) };
-        // A checkerboard of one colour is Mitsuba's way to say a constant texture.
+        // Mitsuba has no plugin for a constant texture, so write a checkerboard of one colour.
         self.xml.open("texture", &[("type", "checkerboard"), ("name", name)]);
         self.xml.value("rgb", "color0", &channels(*c));
         self.xml.value("rgb", "color1", &channels(*c));
@@ -274,7 +274,7 @@ impl Exporter<'_> {
         Ok(())
     }
 
-    /// A colour or a texture.
+    /// Write a colour or a texture.
     pub(super) fn texture(&mut self, name: &str, texture: &Texture) -> Result<(), String> {
         match texture {
             Texture::Constant(c) => self.xml.color(name, *c),
@@ -311,7 +311,7 @@ impl Exporter<'_> {
         Ok(())
     }
 
-    /// Mitsuba 3 cannot multiply a picture: write the product.
+    /// Write a picture times a factor to a file, because Mitsuba 3 cannot multiply pictures.
     fn bake(&mut self, bitmap: &Bitmap, scale: Rgb) -> Result<String, String> {
         let size = [bitmap.width(), bitmap.height()];
         let texel = |i: usize| (bitmap.texel(i % size[0], i / size[0]) * scale).to_array();
@@ -327,7 +327,7 @@ fn distribution_name(distribution: Distribution) -> &'static str {
     }
 }
 
-/// No reflectance above one, which Mitsuba 3 refuses.
+/// Clamp reflectances to at most one: Mitsuba 3 refuses larger ones.
 fn clamped(texture: Texture) -> Texture {
     match texture {
         Texture::Constant(c) => Texture::Constant(c.map(|v| v.clamp(0.0, 1.0))),
@@ -335,7 +335,7 @@ fn clamped(texture: Texture) -> Texture {
     }
 }
 
-/// A map of texture coordinates as the map of space that Mitsuba wants.
+/// A transform of texture coordinates as the 3D transform that Mitsuba expects.
 fn spatial(m: &Affine2) -> Affine3A {
     let (x, y) = (m.matrix2.x_axis, m.matrix2.y_axis);
     let linear = Mat3::from_cols(x.extend(0.0), y.extend(0.0), Vec3::Z);

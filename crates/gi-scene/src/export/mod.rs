@@ -1,5 +1,5 @@
-//! A scene as it was understood, written as clean Mitsuba 3 XML: so that anybody can check us against Mitsuba,
-//! and see what became of a file.
+//! Writes the scene, as the loader understood it, as clean Mitsuba 3 XML. Anyone can then compare our pictures with
+//! Mitsuba's, and see how a file was interpreted.
 
 mod lights;
 mod materials;
@@ -25,11 +25,11 @@ use xml::{Xml, degrees, numbers};
 /// Why an export failed.
 #[derive(Clone, Debug)]
 pub enum ExportError {
-    /// The scene has problems.
+    /// The scene has errors.
     Scene(Diagnostics),
     /// A file could not be written.
     Write(String),
-    /// It would overwrite a file that the scene reads.
+    /// The export would overwrite a file that the scene reads.
     Overwrite(String),
 }
 
@@ -44,11 +44,11 @@ impl fmt::Display for ExportError {
 
 impl std::error::Error for ExportError {}
 
-/// Read a scene and write it as Mitsuba 3 XML to `out`. Meshes and pictures that Mitsuba 3 reads stay where they
-/// are; others are written to a folder beside `out`. The result lists what was approximated.
+/// Read a scene and write it as Mitsuba 3 XML to `out`. Meshes and pictures that Mitsuba 3 can read stay where they
+/// are; others are converted and written to a folder beside `out`. Returns a list of what was approximated.
 ///
 /// # Errors
-/// The scene's problems, or what could not be written. A failed export leaves no half-written scene.
+/// The scene's errors, or the file that could not be written. A failed export leaves no partial scene.
 pub fn export_mitsuba(
     path: &Path,
     options: &Options,
@@ -59,13 +59,13 @@ pub fn export_mitsuba(
     write(&loaded, out).map_err(ExportError::Write)
 }
 
-/// The folder for what is converted, beside the scene that is written.
+/// The folder for converted files, beside the exported scene.
 fn side_folder(out: &Path) -> PathBuf {
     let stem = out.file_stem().unwrap_or_default().to_string_lossy();
     out.with_file_name(format!("{stem}-files"))
 }
 
-/// Check that an export to `out` overwrites none of the files that the scene was read from.
+/// Check that an export to `out` overwrites none of the scene's own files.
 fn spare_inputs(inputs: &[PathBuf], out: &Path) -> Result<(), String> {
     let side = side_folder(out).canonicalize().ok();
     let in_side = |file: &Path| match (file.canonicalize(), &side) {
@@ -75,7 +75,7 @@ fn spare_inputs(inputs: &[PathBuf], out: &Path) -> Result<(), String> {
     match inputs.iter().find(|file| files::is_same(file, out) || in_side(file)) {
         None => Ok(()),
         Some(file) => Err(format!(
-            "`{}` would overwrite `{}`, which the scene is read from: choose another name",
+            "`{}` would overwrite `{}`, which is part of the scene: choose another name",
             out.display(),
             file.display()
         )),
@@ -99,9 +99,9 @@ struct Exporter<'a> {
     loaded: &'a Loaded,
     /// The XML file.
     out: &'a Path,
-    /// Folder for what is converted, beside it.
+    /// Folder for converted files, beside the XML file.
     side: PathBuf,
-    /// How many files went there.
+    /// Number of converted files.
     converted: usize,
     xml: Xml,
     /// Names of the materials that are written once and referred to.
@@ -196,7 +196,7 @@ impl<'a> Exporter<'a> {
         let name = self.media[index].clone();
         let xml = &mut self.xml;
         xml.open("medium", &[("type", "homogeneous"), ("id", &name)]);
-        // Mitsuba 3 wants colours in [0, 1]; a power of two takes nothing from the digits.
+        // Mitsuba 3 expects colours in [0, 1]. Scaling by a power of two loses no digits.
         let most = medium.sigma_t.max();
         let scale = if most > 1.0 { most.log2().ceil().exp2() } else { 1.0 };
         xml.color("sigma_t", medium.sigma_t / scale);
@@ -213,7 +213,8 @@ impl<'a> Exporter<'a> {
         xml.close();
     }
 
-    /// Write a file that Mitsuba cannot do without; its name as the XML says it. `write` says only why it failed.
+    /// Write a file that the scene needs and return its name as used in the XML. `write` returns only the cause of a
+    /// failure.
     fn side_file(
         &mut self,
         extension: &str,
@@ -227,7 +228,7 @@ impl<'a> Exporter<'a> {
         Ok(self.file_name(&path))
     }
 
-    /// A file's name as seen from the XML's folder.
+    /// A file's path relative to the XML's folder.
     fn file_name(&self, path: &Path) -> String {
         let absolute = |p: &Path| p.canonicalize().unwrap_or_else(|_| p.to_owned());
         let folder = absolute(&crate::files::folder_of(self.out));
@@ -241,7 +242,7 @@ impl<'a> Exporter<'a> {
     }
 }
 
-/// A name like the one wanted that nothing else has.
+/// `wanted`, changed if necessary so that it is unique.
 fn free_name(wanted: &str, index: usize, taken: &mut HashSet<String>) -> String {
     let name = xml::identifier(wanted);
     let name = if taken.contains(&name) { format!("{name}-{index}") } else { name };

@@ -8,7 +8,7 @@ use crate::shapes::mesh_file::{MeshFile, MeshKind};
 use crate::shapes::ply;
 
 impl Exporter<'_> {
-    /// All shapes, groups and instances.
+    /// Write all shapes, groups and instances.
     pub(super) fn shapes(&mut self) -> Result<(), String> {
         let loaded = self.loaded;
         for (shape, origin) in loaded.parts.shapes.iter().zip(&loaded.origins.shapes) {

@@ -1,7 +1,7 @@
 use gi_core::math::Rgb;
 use glam::Affine3A;
 
-/// Indented XML.
+/// Writes indented XML.
 #[derive(Debug, Default)]
 pub(super) struct Xml {
     text: String,
@@ -21,7 +21,7 @@ impl Xml {
         self.open.push(tag.to_owned());
     }
 
-    /// Close what was opened last; nothing inside makes it an empty element.
+    /// Close the innermost open element; an element without contents is written as an empty one.
     pub(super) fn close(&mut self) {
         let tag = self.open.pop().expect("an open element");
         let last = self.text.trim_end().rfind('\n').map_or(0, |i| i + 1);
@@ -37,22 +37,22 @@ impl Xml {
         }
     }
 
-    /// An element with nothing inside.
+    /// Write an element without contents.
     pub(super) fn empty(&mut self, tag: &str, attributes: &[(&str, &str)]) {
         self.line(&format!("<{tag}{}/>", attribute_text(attributes)));
     }
 
-    /// A named value.
+    /// Write a named value.
     pub(super) fn value(&mut self, tag: &str, name: &str, value: &str) {
         self.empty(tag, &[("name", name), ("value", value)]);
     }
 
-    /// A colour.
+    /// Write a colour.
     pub(super) fn color(&mut self, name: &str, c: Rgb) {
         self.value("rgb", name, &numbers(&c.to_array()));
     }
 
-    /// A transform, left out where it does nothing.
+    /// Write a transform, unless it is the identity.
     pub(super) fn transform(&mut self, name: &str, m: &Affine3A) {
         if *m == Affine3A::IDENTITY {
             return;
@@ -65,7 +65,7 @@ impl Xml {
         self.close();
     }
 
-    /// The whole text.
+    /// The complete text.
     pub(super) fn finish(self) -> String {
         self.text
     }
@@ -84,7 +84,7 @@ pub(super) fn numbers(values: &[f32]) -> String {
     values.iter().map(f32::to_string).collect::<Vec<_>>().join(" ")
 }
 
-/// Degrees that are read back as exactly this angle, if there are such.
+/// An angle in degrees that is read back as exactly this one, if such a number exists.
 pub(super) fn degrees(radians: f32) -> String {
     let near = radians.to_degrees();
     let candidates = [near, near.next_up(), near.next_down()];
@@ -92,7 +92,7 @@ pub(super) fn degrees(radians: f32) -> String {
     exact.unwrap_or(near).to_string()
 }
 
-/// A name that Mitsuba 3 takes as an id: it refuses dots.
+/// A name that is valid as an id in Mitsuba 3, which refuses dots.
 pub(super) fn identifier(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' }).collect()
 }

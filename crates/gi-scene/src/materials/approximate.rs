@@ -1,4 +1,4 @@
-//! BSDFs that no material matches: what they are replaced by, each with a warning.
+//! BSDFs without an exact counterpart: each is approximated, with a warning.
 
 use gi_core::material::Material;
 use gi_core::texture::Texture;
@@ -8,8 +8,8 @@ use crate::document::{Class, Node};
 use crate::value;
 
 impl Builder<'_> {
-    /// Ward's lobe falls as exp(-tan^2 / alpha^2) about the half vector, Phong's as cos^n about the mirror
-    /// direction, which turns twice as fast: near the peak they agree for n = 1 / (2 alpha^2).
+    /// Ward's lobe falls as exp(-tan^2 / alpha^2) about the half vector, Phong's as cos^n about the mirror direction.
+    /// The mirror direction turns twice as fast, so near the peak they agree for n = 1 / (2 alpha^2).
     pub(super) fn ward(&mut self, node: Node<'_>) -> Material {
         node.ignore(&["variant"]);
         node.warn("`ward` is approximated by `phong`");
@@ -23,7 +23,7 @@ impl Builder<'_> {
         }
     }
 
-    /// A weighted sum as nested blends. What the weights lack to one is absorbed.
+    /// A weighted sum as nested blends. If the weights sum to less than one, the rest of the light is absorbed.
     pub(super) fn mixture(&mut self, node: Node<'_>) -> Option<Material> {
         let parts: Vec<usize> =
             node.children(Class::Bsdf).into_iter().map(|n| self.material(n)).collect();
@@ -37,7 +37,11 @@ impl Builder<'_> {
         };
         if weights.len() != parts.len() || parts.is_empty() || weights.iter().any(|w| *w < 0.0) {
             let message = format!("{} weights for {} bsdfs", weights.len(), parts.len());
-            node.report.error(node.span_of("weights"), message, "expected one each, not negative");
+            node.report.error(
+                node.span_of("weights"),
+                message,
+                "expected one non-negative weight per bsdf",
+            );
             return None;
         }
         let total: f32 = weights.iter().sum();
@@ -55,7 +59,7 @@ impl Builder<'_> {
             let black = self.black();
             material = self.blend_constant(material, black, 1.0 - total);
         }
-        // The outermost blend is returned to carry the id; a single bsdf is blended with itself.
+        // Return the outermost blend, which gets the id. A single bsdf is blended with itself.
         let top = self.parts.materials[material].clone();
         let is_last = material + 1 == self.parts.materials.len();
         if is_last && matches!(top, Material::Blend { .. }) {

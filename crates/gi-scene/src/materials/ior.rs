@@ -4,7 +4,7 @@ use gi_core::math::Rgb;
 
 use crate::document::Node;
 
-/// Dielectrics: index at the sodium line, as Mitsuba lists them.
+/// Dielectrics: index at the sodium line, as listed by Mitsuba.
 pub(crate) const DIELECTRICS: [(&str, f32); 24] = [
     ("vacuum", 1.0),
     ("helium", 1.000_036),
@@ -32,7 +32,7 @@ pub(crate) const DIELECTRICS: [(&str, f32); 24] = [
     ("diamond", 2.419),
 ];
 
-/// Relative indices of anything like matter; far beyond, Fresnel's formulas lose all digits.
+/// Range of relative indices: wide enough for any material; far outside it, Fresnel's formulas lose all precision.
 pub(crate) const RELATIVE: std::ops::RangeInclusive<f32> = 0.1..=10.0;
 
 /// The index of a dielectric.
@@ -88,8 +88,8 @@ pub(crate) const CONDUCTORS: [(&str, [f32; 3], [f32; 3]); 41] = [
     ("W", [4.3708, 3.3002, 2.9984], [3.5006, 2.6049, 2.2732]),
 ];
 
-/// (eta, k) of a conductor. `none` is a perfect mirror. `_palik` names a source, where there is but one it
-/// may be left out.
+/// (eta, k) of a conductor. `none` is a perfect mirror. A suffix like `_palik` names the source of the data; it can be
+/// omitted if there is only one source.
 pub(crate) fn conductor(name: &str) -> Option<(Rgb, Rgb)> {
     if name.eq_ignore_ascii_case("none") {
         return Some((Rgb::BLACK, Rgb::WHITE));
@@ -100,7 +100,7 @@ pub(crate) fn conductor(name: &str) -> Option<(Rgb, Rgb)> {
     Some((Rgb::from(*eta), Rgb::from(*k)))
 }
 
-/// (eta, k) of a conductor that a bsdf names; `None` after a reported problem.
+/// (eta, k) of a conductor that a BSDF names; `None` if an error was reported.
 pub(super) fn conductor_of(node: Node<'_>, name: &str) -> Option<(Rgb, Rgb)> {
     let found = conductor(name);
     if found.is_none() {
@@ -112,7 +112,7 @@ pub(super) fn conductor_of(node: Node<'_>, name: &str) -> Option<(Rgb, Rgb)> {
     found
 }
 
-/// An index of refraction given as a number or a name; `None` if it is not given (or wrong, and reported).
+/// An index of refraction given as a number or a name; `None` if it is not given, or invalid (and reported).
 pub(super) fn interface(node: Node<'_>, name: &'static str) -> Option<f32> {
     if !node.has(name) {
         return None;
@@ -133,9 +133,9 @@ pub(super) fn interface(node: Node<'_>, name: &'static str) -> Option<f32> {
     found
 }
 
-/// Index inside over index outside; `None` after a reported problem.
+/// Index inside divided by index outside; `None` if an error was reported.
 pub(super) fn relative(node: Node<'_>, inside: &str) -> Option<f32> {
-    let default = |name| dielectric(name).expect("a name of the table");
+    let default = |name| dielectric(name).expect("a name in the table");
     let inside = interface(node, "int_ior").unwrap_or_else(|| default(inside));
     let outside = interface(node, "ext_ior").unwrap_or_else(|| default("air"));
     let eta = node.float_opt("eta").unwrap_or(inside / outside);
@@ -144,7 +144,7 @@ pub(super) fn relative(node: Node<'_>, inside: &str) -> Option<f32> {
     }
     let name = ["eta", "int_ior", "ext_ior"].into_iter().find(|name| node.has(name));
     let span = name.map_or(node.span(), |name| node.span_of(name));
-    let message = format!("the index of refraction, inside over outside, is {eta}");
+    let message = format!("the relative index of refraction (inside / outside) is {eta}");
     node.report.error(span, message, "expected 0.1 to 10");
     None
 }

@@ -4,15 +4,16 @@ mod approximate;
 pub(crate) mod ior;
 mod parameters;
 mod principled;
+mod wrappers;
 
 use gi_core::material::{BentNormals, Distribution, Material, Roughness};
 use gi_core::math::Rgb;
 use gi_core::texture::Texture;
 
 use crate::builder::Builder;
-use crate::document::{Class, Meaning, Node};
+use crate::document::{Meaning, Node};
 
-/// The plugins that are understood.
+/// The supported plugins.
 const KNOWN: [&str; 24] = [
     "diffuse",
     "roughdiffuse",
@@ -40,11 +41,11 @@ const KNOWN: [&str; 24] = [
     "opacity",
 ];
 
-/// How deep materials may refer to each other: the builder recurses, and no scene comes near.
+/// Largest depth of nested materials. The builder is recursive, and no real scene comes near this depth.
 const MAX_NESTING: usize = 32;
 
 impl Builder<'_> {
-    /// The material of a bsdf, made when first asked for; black after a reported problem.
+    /// The material of a BSDF, built when first used; black if an error was reported.
     pub(crate) fn material(&mut self, node: Node<'_>) -> usize {
         if let Some(&known) = self.material_of.get(&node.id) {
             return known;
@@ -54,7 +55,7 @@ impl Builder<'_> {
             return self.black();
         }
         if self.open_materials.len() >= MAX_NESTING {
-            node.error("bsdfs are nested too deep", "");
+            node.error("bsdfs are nested too deeply", "");
             return self.black();
         }
         self.open_materials.push(node.id);
@@ -68,7 +69,7 @@ impl Builder<'_> {
         index
     }
 
-    /// Add a material to the table.
+    /// Add a material to the table and return its index.
     pub(crate) fn push_material(&mut self, material: Material, id: Option<String>) -> usize {
         let of = |index: &usize| self.transmits[*index];
         let transmits = match &material {
@@ -155,8 +156,8 @@ impl Builder<'_> {
         })
     }
 
-    /// What `bumpmap` and `normalmap` do about normals that face away: Mitsuba 3 repairs them unless told not to, earlier
-    /// versions had no such repair.
+    /// How `bumpmap` and `normalmap` treat normals that face away: Mitsuba 3 repairs them by default, earlier versions
+    /// never do.
     fn bent_normals(node: Node<'_>) -> BentNormals {
         let repaired = node.doc.version >= 3;
         BentNormals {
@@ -177,7 +178,7 @@ impl Builder<'_> {
     fn conductor(&mut self, node: Node<'_>) -> Option<Material> {
         let named = match node.text("material") {
             Some(name) => Some(ior::conductor_of(node, name)?),
-            // A conductor of no material is copper in Mitsuba 0.6 and a mirror in Mitsuba 3.
+            // The default conductor is copper in Mitsuba 0.6 and a perfect mirror in Mitsuba 3.
             None if node.doc.version == 0 => ior::conductor("Cu"),
             None => ior::conductor("none"),
         };
@@ -186,7 +187,7 @@ impl Builder<'_> {
             eta = node.color("eta", Meaning::Factor).unwrap_or(Rgb::BLACK);
             k = node.color("k", Meaning::Factor).unwrap_or(Rgb::WHITE);
         }
-        // What matters is the index relative to the outside.
+        // The material stores eta and k relative to the outside.
         let outside = ior::interface(node, "ext_eta").or_else(|| ior::interface(node, "ext_ior"));
         if let Some(outside) = outside {
             (eta, k) = (eta / outside, k / outside);
@@ -218,7 +219,7 @@ impl Builder<'_> {
         })
     }
 
-    /// The facets, if the plugin is the rough one.
+    /// The microfacet roughness, if the plugin is the rough one.
     fn roughness(&mut self, node: Node<'_>, rough: &str) -> Option<Roughness> {
         if node.plugin() != rough && node.plugin() != "pplastic" {
             return None;
@@ -244,69 +245,5 @@ impl Builder<'_> {
         let alpha_u = self.alpha(node, "alpha_u", alpha.clone());
         let alpha_v = self.alpha(node, "alpha_v", alpha);
         Some(Roughness { distribution, alpha_u, alpha_v })
-    }
-
-    /// A material that transmits light has two sides already; a mask round one that does not changes places
-    /// with `twosided`, which Mitsuba 3 wants innermost.
-    fn twosided(&mut self, node: Node<'_>) -> Option<Material> {
-        let children = node.children(Class::Bsdf);
-        let sides: Vec<usize> = children.iter().map(|n| self.material(*n)).collect();
-        let (front, back) = match sides.as_slice() {
-            [both] => (*both, *both),
-            [front, back] => (*front, *back),
-            other => {
-                node.error(format!("`twosided` has {} bsdfs", other.len()), "expected one or two");
-                return None;
-            }
-        };
-        if !self.transmits[front] && !self.transmits[back] {
-            return Some(Material::TwoSided { front, back });
-        }
-        match self.parts.materials[front].clone() {
-            Material::Mask { opacity, inner } if front == back && !self.transmits[inner] => {
-                let solid = Material::TwoSided { front: inner, back: inner };
-                Some(Material::Mask { opacity, inner: self.push_material(solid, None) })
-            }
-            inside => {
-                node.warn("`twosided` round a bsdf that transmits light is ignored");
-                Some(inside)
-            }
-        }
-    }
-
-    fn blend(&mut self, node: Node<'_>) -> Option<Material> {
-        let weight = self.share(node, "weight", 0.5);
-        match node.children(Class::Bsdf).as_slice() {
-            [a, b] => {
-                let (first, second) = (self.material(*a), self.material(*b));
-                Some(Material::Blend { weight, first, second })
-            }
-            other => {
-                node.error(format!("`blendbsdf` has {} bsdfs", other.len()), "expected two");
-                None
-            }
-        }
-    }
-
-    fn only_child(&mut self, node: Node<'_>) -> Option<usize> {
-        match node.children(Class::Bsdf).as_slice() {
-            [inner] => Some(self.material(*inner)),
-            other => {
-                let message = format!("`{}` has {} bsdfs", node.plugin(), other.len());
-                node.error(message, "expected one");
-                None
-            }
-        }
-    }
-
-    fn only_texture(&mut self, node: Node<'_>) -> Option<Texture> {
-        match node.children(Class::Texture).as_slice() {
-            [texture] => self.texture_object(*texture, 0),
-            other => {
-                let message = format!("`{}` has {} textures", node.plugin(), other.len());
-                node.error(message, "expected one");
-                None
-            }
-        }
     }
 }

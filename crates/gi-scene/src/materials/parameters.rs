@@ -1,4 +1,4 @@
-//! Parameters of materials that have ranges of their own.
+//! Material parameters with their own ranges.
 
 use gi_core::texture::Texture;
 
@@ -7,11 +7,11 @@ use crate::document::{Meaning, Node};
 
 /// Largest roughness.
 const MAX_ALPHA: f32 = 10.0;
-/// Largest exponent of Phong's lobe: a hundredth of a degree wide, a mirror to any eye.
+/// Largest exponent of Phong's lobe: the lobe is a hundredth of a degree wide, which looks like a mirror.
 const MAX_EXPONENT: f32 = 1e6;
 
 impl Builder<'_> {
-    /// A roughness: 0 is smooth, 1 as rough as a surface is thought to be, some files go a little beyond.
+    /// A roughness: 0 is smooth, 1 is very rough; some files go slightly beyond 1.
     pub(super) fn alpha(
         &mut self,
         node: Node<'_>,
@@ -41,7 +41,7 @@ impl Builder<'_> {
         }
         match exponent {
             Texture::Constant(c) if most > MAX_EXPONENT => {
-                let message = format!("`exponent` {most} is taken for {MAX_EXPONENT}");
+                let message = format!("`exponent` {most} is clamped to {MAX_EXPONENT}");
                 node.report.warn(node.place_of("exponent"), message);
                 Texture::Constant(c.map(|v| v.min(MAX_EXPONENT)))
             }

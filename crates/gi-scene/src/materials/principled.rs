@@ -1,4 +1,4 @@
-//! The principled model and its form for sheets.
+//! The principled model and its variant for thin sheets.
 
 use gi_core::material::{Material, Principled, PrincipledThin};
 use gi_core::texture::Texture;
@@ -7,7 +7,7 @@ use super::ior;
 use crate::builder::Builder;
 use crate::document::{Meaning, Node};
 
-/// Mitsuba's choice of samples, which ours makes by itself.
+/// Mitsuba's sampling options, which have no effect here: our model chooses its own sampling rates.
 const SAMPLING_RATES: [&str; 6] = [
     "diffuse_reflectance_sampling_rate",
     "diffuse_transmittance_sampling_rate",
@@ -16,9 +16,9 @@ const SAMPLING_RATES: [&str; 6] = [
     "main_specular_sampling_rate",
     "clearcoat_sampling_rate",
 ];
-/// Index of a surface that refracts and is said to have that of its surroundings, as in Mitsuba.
+/// Relative index used in place of 1 for a refracting surface, as in Mitsuba.
 const MATCHED: f32 = 1.001;
-/// `specular` of a surface that refracts and is said to have none, as in Mitsuba.
+/// Smallest `specular` of a refracting surface, as in Mitsuba.
 const LEAST_SPECULAR: f32 = 1e-3;
 
 impl Builder<'_> {
@@ -59,12 +59,12 @@ impl Builder<'_> {
         }))
     }
 
-    /// A share that is zero unless given.
+    /// A factor in [0, 1] that is zero if not given.
     fn part(&mut self, node: Node<'_>, name: &'static str) -> Texture {
         self.share(node, name, 0.0)
     }
 
-    /// A parameter of a range; outside of it a reported problem and the default.
+    /// A parameter in a range. Outside the range, an error is reported and the default is returned.
     fn in_range(
         &mut self,
         node: Node<'_>,
@@ -83,11 +83,11 @@ impl Builder<'_> {
         Texture::grey(default)
     }
 
-    /// The index, from `eta` or from `specular`, of which 0.5 is an index of 1.5.
+    /// The index of refraction, from `eta` or from `specular` (0.5 means an index of 1.5).
     fn principled_eta(&mut self, node: Node<'_>, refracts: bool) -> f32 {
         if node.has("eta") {
             if node.has("specular") || node.child("specular").is_some() {
-                let message = "`specular` is ignored: `eta` says the same and is given too";
+                let message = "`specular` is ignored because `eta` is given too";
                 node.report.warn(node.place_of("specular"), message);
             }
             let eta = node.within("eta", 1.5, ior::RELATIVE);

@@ -1,4 +1,4 @@
-//! A bare OBJ file with its materials, as a whole scene.
+//! Loads a bare OBJ file with its materials as a whole scene.
 
 mod mtl;
 mod pictures;
@@ -33,7 +33,7 @@ pub(crate) fn load(path: &Path, options: &Options, report: &Report) -> Option<Lo
         pictures: Pictures::default(),
     };
     for (name, _) in options.defines.iter().filter(|(name, _)| !name.starts_with("gi.")) {
-        report.warn_nowhere(format!("-D {name}: an OBJ file has no such name"));
+        report.warn_nowhere(format!("-D {name} has no effect: OBJ files have no named values"));
     }
     let bytes = files::read_bytes(path);
     let contents = bytes.and_then(|bytes| {
@@ -91,7 +91,7 @@ struct Library {
 }
 
 impl Library {
-    /// Add entries; of two with the same name the first counts.
+    /// Add entries; if two have the same name, the first one wins.
     fn extend(&mut self, entries: Vec<Entry>) {
         let first = self.entries.len();
         self.entries.extend(entries);
@@ -100,7 +100,7 @@ impl Library {
         }
     }
 
-    /// Names may end in a comment, which only counts as part of them if there is no other way.
+    /// Index each name without its trailing comment too. A name with the full text takes precedence.
     fn index_comments(&mut self) {
         for (k, entry) in self.entries.iter().enumerate() {
             if let Some(short) = name_before_comment(&entry.name) {
@@ -122,8 +122,9 @@ impl Reader<'_> {
         for (name, mut mesh) in contents.meshes {
             let known = library.get(&name);
             if known.is_none() && !name.is_empty() {
-                self.report
-                    .warn_nowhere(format!("no library has the material `{name}`: it is grey"));
+                self.report.warn_nowhere(format!(
+                    "no library defines the material `{name}`: it becomes grey"
+                ));
             }
             let entry = known.unwrap_or(&unknown);
             let (material, emission) = (self.material(entry), self.emission(entry));
@@ -132,14 +133,14 @@ impl Reader<'_> {
                 let name = if name.is_empty() { "the mesh" } else { &name };
                 self.report.warn_nowhere(smooth::bad_normals(replaced, name));
             }
-            // Material boundaries part the mesh, so smooth normals would show the seams: flat without `vn`.
+            // Smooth normals would show seams where materials meet, so a mesh without `vn` is shaded flat.
             let mut shape = Shape::new(name, Geometry::Mesh(mesh), material);
             shape.emission = emission;
             self.parts.shapes.push(shape);
             self.origins.shapes.push(ShapeOrigin::Itself);
         }
         if self.parts.shapes.is_empty() {
-            self.report.error_nowhere("the file holds no faces");
+            self.report.error_nowhere("the file contains no faces");
         }
     }
 
@@ -162,14 +163,14 @@ impl Reader<'_> {
         library
     }
 
-    /// The names in a statement: one with blanks in it if there is such a file, else one a word.
+    /// The names in a statement: the whole text if a file has that name, otherwise its words.
     fn library_names(&self, statement: &str) -> Vec<String> {
         let exists = |name: &&str| pictures::find(name, &self.folder).is_some();
         let short = name_before_comment(statement);
         if let Some(name) = [Some(statement), short].into_iter().flatten().find(exists) {
             return vec![name.to_owned()];
         }
-        // Where none of the words names a file either, the whole is what is missed.
+        // If no word names a file either, report the whole text as missing.
         let words = || short.unwrap_or(statement).split_whitespace();
         match words().any(|word| exists(&word)) {
             true => words().map(str::to_owned).collect(),

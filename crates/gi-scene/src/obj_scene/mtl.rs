@@ -1,4 +1,4 @@
-//! Material libraries (MTL): statements to entries. What of them changes the picture and is not understood is named in a
+//! Reads material libraries (MTL) into entries. A statement that would change the picture but is not supported gives a
 //! warning.
 
 use gi_core::math::Rgb;
@@ -8,11 +8,11 @@ use crate::spectrum::xyz_to_rgb;
 use crate::statements::{Statement, statements, without_comment};
 use crate::value::{self, MAX_NUMBER};
 
-/// A material as its library gives it.
+/// A material as its library defines it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Entry {
     pub(super) name: String,
-    /// Where it begins; `None` for what no library has.
+    /// Where the definition begins; `None` if no library defines the material.
     pub(super) span: Option<Span>,
     /// `Kd`, in [0, 1].
     pub(super) diffuse: Option<Rgb>,
@@ -26,7 +26,7 @@ pub(super) struct Entry {
     pub(super) exponent: Option<f32>,
     /// `Ni`.
     pub(super) index: Option<f32>,
-    /// `d`, or 1 less `Tr`.
+    /// `d`, or 1 - `Tr`.
     pub(super) opacity: Option<f32>,
     /// `illum`.
     pub(super) illumination: Option<i64>,
@@ -38,23 +38,23 @@ pub(super) struct Entry {
     pub(super) opacity_map: Option<Map>,
 }
 
-/// What stands after `map_*`: options and a file name.
+/// The arguments of a `map_*` statement: options and a file name.
 #[derive(Clone, Debug)]
 pub(super) struct Map {
     pub(super) text: String,
     pub(super) span: Span,
 }
 
-/// Statements that change no picture of a path tracer: ambient light, and how colours of old displays are chosen.
+/// Statements without effect in a path tracer: ambient light, and filtering options of old displays.
 const WITHOUT_EFFECT: [&str; 6] = ["ka", "map_ka", "map_aat", "sharpness", "xalpha", "map_kaat"];
-/// Statements that would change the picture, most of them unless they are zero.
+/// Unsupported statements that would change the picture, most of them only with a value other than zero.
 const IGNORED: [&str; 25] = [
     "map_ks", "map_ns", "map_ni", "map_tf", "map_tr", "map_refl", "refl", "bump", "map_bump",
     "norm", "map_norm", "map_kn", "disp", "map_disp", "decal", "pr", "map_pr", "pm", "map_pm",
     "ps", "map_ps", "pc", "pcr", "aniso", "anisor",
 ];
 
-/// Read a library's text, which is file number `file` of the report.
+/// Read a library's text; `file` is its index in the report.
 pub(super) fn parse(text: &str, file: usize, report: &Report) -> Vec<Entry> {
     let mut reader = Reader { report, file, entries: Vec::new() };
     statements(text.as_bytes()).for_each(|statement| reader.statement(&statement));
@@ -87,7 +87,7 @@ impl Reader<'_> {
         self.entries.push(entry);
     }
 
-    /// Give an entry what a statement says.
+    /// Store the value of a statement in an entry.
     fn assign(
         &self,
         entry: &mut Entry,
@@ -97,7 +97,7 @@ impl Reader<'_> {
         span: Span,
     ) -> Result<(), String> {
         let place = Place { reader: self, keyword, span };
-        // An exporter writes `map_Kd` and nothing where there is no picture.
+        // Exporters write `map_Kd` without a file name if there is no picture.
         let map = || (!rest.is_empty()).then(|| Map { text: rest.to_owned(), span });
         match lower {
             "kd" => entry.diffuse = place.share(rest)?.or(entry.diffuse),
@@ -107,7 +107,7 @@ impl Reader<'_> {
             "ns" => entry.exponent = place.number(rest)?.or(entry.exponent),
             "ni" => entry.index = place.number(rest)?.or(entry.index),
             "d" => entry.opacity = place.opacity(rest)?.or(entry.opacity),
-            // Both are given by some exporters: `d` counts.
+            // Some exporters write both `d` and `Tr`: `d` wins.
             "tr" => entry.opacity = entry.opacity.or(place.number(rest)?.map(|t| 1.0 - t)),
             "illum" => entry.illumination = place.illumination(rest)?,
             "map_kd" => entry.diffuse_map = map(),
@@ -121,7 +121,7 @@ impl Reader<'_> {
     }
 }
 
-/// A statement being read.
+/// The statement that is being read.
 struct Place<'a> {
     reader: &'a Reader<'a>,
     keyword: &'a str,
@@ -141,7 +141,7 @@ impl Place<'_> {
         }
     }
 
-    /// One number; the default, with a warning, if there is none.
+    /// One number; `None`, with a warning, if it is missing.
     fn number(&self, rest: &str) -> Result<Option<f32>, String> {
         match value::words(without_comment(rest)).next() {
             Some(word) => value::number(word).map(Some),
@@ -152,7 +152,7 @@ impl Place<'_> {
         }
     }
 
-    /// `d`, which may be preceded by `-halo`.
+    /// `d`, optionally with `-halo`.
     fn opacity(&self, rest: &str) -> Result<Option<f32>, String> {
         let Some(halo) = rest.strip_prefix("-halo") else { return self.number(rest) };
         let opacity = self.number(halo)?;
@@ -162,17 +162,17 @@ impl Place<'_> {
         Ok(opacity)
     }
 
-    /// A whole number, which some write as `2.0`.
+    /// An integer, which some exporters write as `2.0`.
     fn illumination(&self, rest: &str) -> Result<Option<i64>, String> {
         let Some(model) = self.number(rest)? else { return Ok(None) };
         if model.fract() == 0.0 && (0.0..=10.0).contains(&model) {
             return Ok(Some(model as i64));
         }
-        self.warn(format!("`illum {model}` is no illumination model (0 to 10): ignored"));
+        self.warn(format!("`illum {model}` is not an illumination model (0 to 10): ignored"));
         Ok(None)
     }
 
-    /// A colour: three numbers, or one for all; `xyz` and its coordinates; `None` after a warning.
+    /// A colour: three numbers, one number for all three channels, or `xyz` and three numbers. `None` after a warning.
     fn color(&self, rest: &str) -> Result<Option<Rgb>, String> {
         let rest = without_comment(rest);
         let mut words = rest.split_whitespace();
@@ -191,7 +191,7 @@ impl Place<'_> {
             [x] => [*x; 3],
             [x, y] => {
                 let message = format!(
-                    "`{}` has two numbers where one or three belong: the second is taken for the third",
+                    "`{}` has two numbers instead of one or three: the second is used as the third too",
                     self.keyword
                 );
                 self.warn(message);
@@ -202,17 +202,17 @@ impl Place<'_> {
         Ok(Some(if xyz { xyz_to_rgb(values.map(f64::from)) } else { Rgb::from(values) }))
     }
 
-    /// A share of light, in [0, 1].
+    /// A reflectance or transmittance, in [0, 1].
     fn share(&self, rest: &str) -> Result<Option<Rgb>, String> {
         let Some(color) = self.color(rest)? else { return Ok(None) };
         let clamped = color.map(|v| v.clamp(0.0, 1.0));
         if clamped != color {
-            self.warn(format!("`{}` is outside of [0, 1]: clamped", self.keyword));
+            self.warn(format!("`{}` is outside [0, 1]: clamped", self.keyword));
         }
         Ok(Some(clamped))
     }
 
-    /// Light.
+    /// Emitted light.
     fn light(&self, rest: &str, material: &str) -> Result<Option<Rgb>, String> {
         let Some(color) = self.color(rest)? else { return Ok(None) };
         if color.to_array().iter().all(|v| (0.0..=MAX_NUMBER).contains(v)) {
@@ -226,96 +226,4 @@ impl Place<'_> {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::path::Path;
-
-    use super::*;
-
-    fn read(text: &str) -> (Vec<Entry>, Result<Vec<String>, String>) {
-        let report = Report::default();
-        let file = report.add_file(Path::new("a.mtl"), text);
-        let entries = parse(text, file, &report);
-        (entries, report.finish().map_err(|e| e.to_string()))
-    }
-
-    fn entry(statements: &str) -> (Entry, Vec<String>) {
-        let (mut entries, warnings) = read(&format!("newmtl m\n{statements}\n"));
-        (entries.pop().unwrap(), warnings.unwrap())
-    }
-
-    #[test]
-    fn a_clean_library_is_read_as_tobj_reads_it() {
-        let text = "newmtl a\nKd 0.1 0.2 0.3\nKs 0.4 0.5 0.6\nNs 20\nNi 1.4\nd 0.5\nillum 2\nmap_Kd a.png\n\
-                    newmtl b\nKd 1 0 0\nillum 7\nmap_d b.png\n";
-        let (ours, _) = read(text);
-        let (theirs, _) = tobj::load_mtl_buf(&mut text.as_bytes()).unwrap();
-        assert_eq!(ours.len(), theirs.len());
-        for (a, b) in ours.iter().zip(&theirs) {
-            assert_eq!(a.name, b.name);
-            assert_eq!(a.diffuse.map(Rgb::to_array), b.diffuse);
-            assert_eq!(a.specular.map(Rgb::to_array), b.specular);
-            assert_eq!((a.exponent, a.index), (b.shininess, b.optical_density));
-            assert_eq!(a.opacity, b.dissolve);
-            assert_eq!(a.illumination, b.illumination_model.map(i64::from));
-            let name = |map: &Option<Map>| map.as_ref().map(|m| m.text.clone());
-            assert_eq!(name(&a.diffuse_map), b.diffuse_texture);
-            assert_eq!(name(&a.opacity_map), b.dissolve_texture);
-        }
-    }
-
-    #[test]
-    fn one_number_is_a_grey_and_two_are_said() {
-        let (m, warnings) = entry("Kd 0.5\nKs .25 # grey\nKe 2");
-        assert_eq!(m.diffuse, Some(Rgb::grey(0.5)));
-        assert_eq!((m.specular, m.emission), (Some(Rgb::grey(0.25)), Some(Rgb::grey(2.0))));
-        assert!(warnings.is_empty(), "{warnings:?}");
-        let (m, warnings) = entry("Kd 0.5 0.2");
-        assert_eq!(m.diffuse, Some(Rgb::new(0.5, 0.2, 0.2)));
-        assert!(warnings[0].contains("a.mtl:2") && warnings[0].contains("two numbers"));
-        let (m, warnings) = entry("Kd\nKd 0.1 0.2 0.3 0.4\nNs");
-        assert_eq!((m.diffuse, warnings.len()), (Some(Rgb::new(0.1, 0.2, 0.3)), 2));
-    }
-
-    #[test]
-    fn lines_that_exporters_write_are_understood() {
-        let (m, warnings) =
-            entry("map_Kd\nmap_Ke \nillum 2.0\nd -halo 1.0\nKa 1 1 1\nPm 0.0\nkd 0.5");
-        assert!(m.diffuse_map.is_none() && m.emission_map.is_none());
-        assert_eq!((m.illumination, m.opacity), (Some(2), Some(1.0)));
-        assert_eq!(m.diffuse, Some(Rgb::grey(0.5)), "keywords in any case");
-        assert!(warnings.is_empty(), "{warnings:?}");
-        let (m, _) = entry("Tr 0.75");
-        assert_eq!(m.opacity, Some(0.25));
-        let (m, _) = entry("Tr 0.75\nd 0.5");
-        assert_eq!(m.opacity, Some(0.5));
-        let (m, _) = entry("Kd xyz 0.4124564 0.2126729 0.0193339");
-        assert!((m.diffuse.unwrap() - Rgb::new(1.0, 0.0, 0.0)).map(f32::abs).max() < 2e-3);
-    }
-
-    #[test]
-    fn what_changes_the_picture_and_is_ignored_is_named() {
-        for (statement, shown) in [
-            ("Kd spectral a.rfl 1", "`Kd spectral` is not supported"),
-            ("map_Bump -bm 0.5 a.png", "`map_Bump` is ignored"),
-            ("Pr 0.5", "`Pr` is ignored"),
-            ("illum -1", "`illum -1` is no illumination model"),
-            ("d -halo 0.5", "`-halo` is ignored"),
-            ("Kd 2 1 1", "`Kd` is outside of [0, 1]: clamped"),
-            ("wibble 3", "unknown statement `wibble`"),
-        ] {
-            let (_, warnings) = entry(statement);
-            assert_eq!(warnings.len(), 1, "{statement}: {warnings:?}");
-            assert!(warnings[0].contains(shown), "{statement}: {warnings:?}");
-        }
-        let (_, warnings) = read("Kd 1 1 1\nnewmtl m\n");
-        assert!(warnings.unwrap()[0].contains("before the first `newmtl`"));
-    }
-
-    #[test]
-    fn mistakes_are_shown_with_their_line() {
-        for statement in ["Kd red", "Kd 1 nan 0", "Ke 1 -1 1", "Ni x", "illum two", "Ns 1e40"] {
-            let shown = read(&format!("newmtl m\n{statement}\n")).1.unwrap_err();
-            assert!(shown.contains("a.mtl:2:1") && shown.contains("`m`"), "{shown}");
-        }
-    }
-}
+mod tests;

@@ -1,4 +1,4 @@
-//! Pictures that a material library names.
+//! Reads the pictures that a material library names.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -15,15 +15,15 @@ use crate::statements::{name_before_comment, unquoted};
 use crate::texels::BitmapFile;
 use crate::value;
 
-/// Pictures that were looked for and read.
+/// All pictures that were searched for or read so far.
 #[derive(Debug, Default)]
 pub(super) struct Pictures {
-    /// Where each name was found.
+    /// For each name, the file that was found.
     places: HashMap<String, Option<PathBuf>>,
     read: HashMap<BitmapFile, Option<Arc<Bitmap>>>,
 }
 
-/// Options of `map_*` and how many words follow; `-o`, `-s` and `-t` have one to three numbers.
+/// Options of `map_*` and the number of their arguments; `-o`, `-s` and `-t` have one to three.
 const OPTIONS: [(&str, usize); 13] = [
     ("-blendu", 1),
     ("-blendv", 1),
@@ -39,21 +39,21 @@ const OPTIONS: [(&str, usize); 13] = [
     ("-t", 3),
     ("-texres", 1),
 ];
-/// Those that only matter for how a picture is filtered, or that say what is so anyway.
+/// Options that affect only filtering, or that state what is true anyway.
 const WITHOUT_EFFECT: [&str; 5] = ["-blendu", "-blendv", "-boost", "-texres", "-cc"];
 
-/// How a picture is laid on a surface, and its name.
+/// How a picture is mapped to a surface, and its name.
 #[derive(Debug, PartialEq)]
 struct Mapping<'a> {
     name: &'a str,
     scale: Vec2,
     offset: Vec2,
     clamp: bool,
-    /// Options that would change the picture and are not understood.
+    /// Unsupported options that would change the picture.
     ignored: Vec<&'a str>,
 }
 
-/// Take the options in front of a picture's name.
+/// Split a statement's text into options and the picture's name.
 fn mapping(text: &str) -> Mapping<'_> {
     let mut out = Mapping {
         name: text,
@@ -80,7 +80,7 @@ fn mapping(text: &str) -> Mapping<'_> {
     }
 }
 
-/// The words that belong to an option, and what follows them.
+/// The arguments of an option, and the rest of the text.
 fn arguments<'a>(option: &str, most: usize, mut rest: &'a str) -> (Vec<&'a str>, &'a str) {
     let takes_fewer = ["-o", "-s", "-t"].contains(&option);
     let mut words = Vec::new();
@@ -96,7 +96,8 @@ fn arguments<'a>(option: &str, most: usize, mut rest: &'a str) -> (Vec<&'a str>,
     (words, rest)
 }
 
-/// What a text may mean, the likeliest first: names may hold blanks, look like options, and be followed by comments.
+/// Possible interpretations, the most likely first: names may contain blanks, look like options, or have comments after
+/// them.
 fn readings(text: &str) -> Vec<Mapping<'_>> {
     let options = mapping(text);
     let with_name = |name| Mapping { name, ..mapping(text) };
@@ -113,7 +114,7 @@ fn first_word(text: &str) -> (&str, &str) {
 }
 
 impl Mapping<'_> {
-    /// From the surface's coordinates, whose v is turned round, to the picture's.
+    /// From the surface's texture coordinates (v already flipped) to those of the picture.
     fn to_uv(&self) -> Affine2 {
         let turned = Vec2::new(self.offset.x, 1.0 - self.scale.y - self.offset.y);
         Affine2::from_mat2_translation(Mat2::from_diagonal(self.scale), turned)
@@ -121,7 +122,7 @@ impl Mapping<'_> {
 }
 
 impl Reader<'_> {
-    /// A picture times a colour, or the colour alone.
+    /// A picture times a colour, or only the colour.
     pub(super) fn picture(
         &mut self,
         map: Option<&Map>,
@@ -141,7 +142,7 @@ impl Reader<'_> {
         }
         let wrap = if mapping.clamp { Wrap::Clamp } else { Wrap::Repeat };
         let file = BitmapFile { path, raw: false, wrap, lookup: Lookup::Bilinear };
-        // Where a picture is given, a black factor is an exporter's way to say "see the picture".
+        // Exporters write a black factor beside a picture to mean "the picture alone".
         let scale = factor.filter(|f| !f.is_black()).unwrap_or(Rgb::WHITE);
         match self.read_picture(file, map) {
             Some(bitmap) => Texture::Bitmap { bitmap, to_uv: mapping.to_uv(), scale },
@@ -180,7 +181,7 @@ impl Reader<'_> {
     }
 }
 
-/// A file that a library or an OBJ names.
+/// Find a file that a library or an OBJ file names.
 pub(super) fn find(name: &str, folder: &Path) -> Option<PathBuf> {
     match files::find(unquoted(name), folder, &[]) {
         Found::Exact(path) | Found::OtherCase(path) => Some(path),
@@ -199,7 +200,7 @@ mod tests {
         assert_eq!((m.offset, m.ignored), (Vec2::new(0.5, 0.0), vec!["-mm"]));
         assert_eq!(mapping("-b.png").name, "-b.png");
         assert_eq!(mapping("-s 1").name, "");
-        // Twice as dense from the bottom: the picture's own bottom edge stays at v = 0.
+        // With scale 2 in v, the bottom edge of the picture stays at v = 0.
         let uv = mapping("-s 1 2 x").to_uv().transform_point2(Vec2::new(0.25, 1.0));
         assert_eq!(uv, Vec2::new(0.25, 1.0));
     }

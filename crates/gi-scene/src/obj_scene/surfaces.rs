@@ -1,4 +1,4 @@
-//! From an entry of a library to a material and its light.
+//! Builds a material and its emission from an entry of a library.
 
 use gi_core::material::Material;
 use gi_core::math::Rgb;
@@ -9,13 +9,14 @@ use super::mtl::Entry;
 use crate::materials::ior::RELATIVE;
 use crate::texels;
 
-/// Index of refraction of glass that names none.
+/// Default index of refraction of glass.
 const DEFAULT_IOR: f32 = 1.5;
-/// Reflectance of a surface that names none.
+/// Default diffuse reflectance.
 const DEFAULT_DIFFUSE: Rgb = Rgb::grey(0.5);
 
 impl Reader<'_> {
-    /// `illum` 3 and 5 mirror, 4, 6, 7 and 9 glass; otherwise Phong where `Ks` > 0. Surfaces have two sides.
+    /// `illum` 3 and 5 are mirrors; 4, 6, 7 and 9 are glass; otherwise Phong where `Ks` > 0. All surfaces are
+    /// two-sided.
     pub(super) fn material(&mut self, entry: &Entry) -> usize {
         let id = (!entry.name.is_empty()).then(|| entry.name.clone());
         let specular = entry.specular.unwrap_or(Rgb::BLACK);
@@ -45,7 +46,7 @@ impl Reader<'_> {
         if specular.is_black() || matches!(entry.illumination, Some(0 | 1)) {
             return self.push(Material::Diffuse { reflectance: diffuse }, None);
         }
-        // Kd + Ks may not reflect more than comes in.
+        // Kd + Ks must not reflect more light than arrives.
         let most = diffuse.mean().zip(specular, |a, b| a + b).max();
         let keep = Rgb::grey(if most > 1.0 { 1.0 / most } else { 1.0 });
         if most > 1.0 + 1e-3 {
@@ -63,7 +64,7 @@ impl Reader<'_> {
     }
 
     fn glass(&mut self, entry: &Entry, id: Option<String>) -> usize {
-        // Exporters write 0 where no index was chosen.
+        // Exporters write 0 if no index was chosen.
         let eta = entry.index.filter(|n| *n != 0.0).unwrap_or(DEFAULT_IOR);
         if !RELATIVE.contains(&eta) {
             let message = format!("material `{}`: `Ni {eta}`: expected 0.1 to 10", entry.name);
@@ -99,7 +100,10 @@ impl Reader<'_> {
             return None;
         }
         if black && entry.emission.is_some() {
-            self.warn(entry, "`Ke` is black and `map_Ke` given: the picture alone is its light");
+            self.warn(
+                entry,
+                "`Ke` is black but `map_Ke` is given: the picture alone gives the emission",
+            );
         }
         let mut light = self.picture(map, entry.emission, Rgb::BLACK);
         if let Texture::Bitmap { bitmap, .. } = &mut light
@@ -109,7 +113,7 @@ impl Reader<'_> {
             if let Some((x, y)) = negative {
                 let path = file.path.display();
                 self.report.warn_nowhere(format!(
-                    "`{path}`: texel ({x}, {y}) and maybe others are below zero: taken for zero"
+                    "`{path}`: texel ({x}, {y}) and maybe others are negative: set to zero"
                 ));
                 self.origins.note_bitmap(&lifted, &file);
                 *bitmap = lifted;

@@ -1,4 +1,4 @@
-//! Mesh files, and how a shape uses one.
+//! Mesh files, and how shapes use them.
 
 use std::path::PathBuf;
 
@@ -9,7 +9,7 @@ use super::{obj, ply, serialized, smooth};
 use crate::document::Node;
 use crate::value::check_size;
 
-/// A mesh file and how it is read: files with equal keys are read once.
+/// A mesh file and its reading options: files with equal keys are read once.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct MeshFile {
     pub(crate) path: PathBuf,
@@ -19,29 +19,29 @@ pub(crate) struct MeshFile {
 /// The format of a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MeshKind {
-    /// Wavefront; `flip`: v = 0 is the bottom of the picture, as is usual there.
+    /// Wavefront. With `flip`, v = 0 is the bottom of the picture, as is usual for OBJ.
     Obj { flip: bool },
     /// Stanford.
     Ply { flip: bool },
-    /// Mitsuba's own; a file holds several.
+    /// Mitsuba's own format; one file contains several meshes.
     Serialized { index: usize },
 }
 
-/// What a mesh file holds.
+/// The contents of a mesh file.
 #[derive(Clone, Debug)]
 pub(crate) struct ReadMesh {
     pub(crate) mesh: Mesh,
-    /// Whether Mitsuba 3 reads the same from this file.
+    /// Whether Mitsuba 3 reads the same mesh from this file.
     pub(crate) portable: bool,
-    /// What of the file was left out.
+    /// A note about what was ignored.
     pub(crate) note: Option<String>,
 }
 
 impl MeshFile {
-    /// The plugins that read files.
+    /// The plugins that read mesh files.
     pub(crate) const KINDS: [&'static str; 3] = ["obj", "ply", "serialized"];
 
-    /// What a shape says about its file.
+    /// The file and its options, from a shape's properties.
     pub(crate) fn of(node: Node<'_>, path: PathBuf) -> MeshFile {
         let kind = match node.plugin() {
             "obj" => MeshKind::Obj { flip: node.bool("flip_tex_coords", true) },
@@ -61,7 +61,7 @@ impl MeshFile {
             MeshKind::Obj { flip } => {
                 let mut contents = obj::parse(bytes, flip)?;
                 let note = contents.note(&self.path.display().to_string());
-                let (_, mesh) = contents.meshes.pop().ok_or("it holds no faces")?;
+                let (_, mesh) = contents.meshes.pop().ok_or("it contains no faces")?;
                 ReadMesh { mesh, portable: contents.portable, note }
             }
             MeshKind::Ply { flip } => plain(ply::parse(bytes, flip)?, true),
@@ -72,7 +72,7 @@ impl MeshFile {
     }
 }
 
-/// What every mesh must hold, whatever format it came in.
+/// Check what must be true of every mesh, in any format.
 fn check(mesh: &Mesh) -> Result<(), String> {
     if let Some(i) = mesh.positions.iter().position(|p| !p.is_finite()) {
         return Err(format!("vertex {i} is not finite: {}", mesh.positions[i]));
@@ -87,12 +87,12 @@ fn check(mesh: &Mesh) -> Result<(), String> {
         return Err(format!("triangle {k} names vertices {t:?} of {count}"));
     }
     if mesh.triangles.is_empty() {
-        return Err("it holds no faces".into());
+        return Err("it contains no faces".into());
     }
     Ok(())
 }
 
-/// Where a mesh goes and how its normals are made.
+/// How a shape transforms its mesh and makes the normals.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placement {
     pub(crate) to_world: Affine3A,
@@ -101,7 +101,7 @@ pub(crate) struct Placement {
 }
 
 impl Placement {
-    /// What a shape says about it.
+    /// The placement, from a shape's properties.
     pub(crate) fn of(node: Node<'_>) -> Placement {
         Placement {
             to_world: node.transform("to_world"),
@@ -110,8 +110,8 @@ impl Placement {
         }
     }
 
-    /// Move the mesh. As in Mitsuba, one without normals gets smooth ones unless face normals are asked for.
-    /// Returns how many normals were none and had to be replaced.
+    /// Transform the mesh. As in Mitsuba, a mesh without normals gets smooth ones unless face normals are requested.
+    /// Returns the number of invalid normals that were replaced.
     pub(crate) fn apply(&self, mesh: &mut Mesh) -> usize {
         if self.face_normals || !self.to_world.inverse().is_finite() {
             mesh.normals.clear();

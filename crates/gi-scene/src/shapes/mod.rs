@@ -16,7 +16,7 @@ use crate::builder::Builder;
 use crate::document::{Class, Node};
 use crate::origins::ShapeOrigin;
 
-/// The plugins that are understood.
+/// The supported plugins.
 const KNOWN: [&str; 10] = [
     "obj",
     "ply",
@@ -30,32 +30,32 @@ const KNOWN: [&str; 10] = [
     "instance",
 ];
 
-/// Say that nothing of a shape is seen, or less than was drawn.
+/// Warn about a shape without area, or about a solid that its transform flattens.
 fn note_flatness(node: Node<'_>, name: &str, geometry: &Geometry) {
     let no_area = match geometry {
         Geometry::Mesh(mesh) => {
             (0..mesh.triangles.len()).all(|k| mesh.area_vector(k) == Vec3::ZERO)
         }
         Geometry::Disk { du, dv, .. } => du.cross(*dv) == Vec3::ZERO,
-        Geometry::Sphere { .. } | Geometry::Cylinder { .. } => false, // refused before
+        Geometry::Sphere { .. } | Geometry::Cylinder { .. } => false, // an error, reported earlier
     };
     if no_area {
-        node.warn(format!("the shape `{name}` has no area: nothing of it is seen"));
+        node.warn(format!("the shape `{name}` has no area: it is invisible"));
         return;
     }
-    // A rectangle or disk is flat anyway.
+    // Rectangles and disks are flat anyway.
     let solid = !["rectangle", "disk"].contains(&node.plugin());
     if solid && !node.transform("to_world").inverse().is_finite() {
-        let message = format!("the shape `{name}` is flattened: its `to_world` cannot be inverted");
+        let message = format!("the shape `{name}` is flat: its `to_world` cannot be inverted");
         node.report.warn(node.span_of("to_world"), message);
     }
 }
 
 impl Builder<'_> {
-    /// A shape with its material, emission and media; `None` after a reported problem.
+    /// A shape with its material, emission and media; `None` if an error was reported.
     pub(crate) fn shape(&mut self, node: Node<'_>) -> Option<(Shape, ShapeOrigin)> {
         if !self.built_shapes.insert(node.id) {
-            node.warn("this shape is there already: a second reference to it is ignored");
+            node.warn("this shape is already in the scene: the second reference is ignored");
             return None;
         }
         if !KNOWN.contains(&node.plugin()) {
@@ -90,7 +90,7 @@ impl Builder<'_> {
         Some((shape, origin))
     }
 
-    /// The shape's points, how they were given, and whether the normals point the wrong way.
+    /// The shape's geometry, how it was given, and whether its normals point the wrong way.
     fn geometry(&mut self, node: Node<'_>) -> Option<(Geometry, ShapeOrigin, bool)> {
         let to_world = node.transform("to_world");
         Some(match node.plugin() {
@@ -135,7 +135,7 @@ impl Builder<'_> {
         if has(Class::Emitter) {
             return self.black();
         }
-        // Mitsuba 0.6 takes a shape of nothing but a medium for a mere boundary.
+        // Mitsuba 0.6 treats a shape that has a medium but no bsdf as a mere boundary.
         if node.doc.version == 0 && has(Class::Medium) {
             let index = self.null.unwrap_or_else(|| self.push_material(Material::Null, None));
             return *self.null.insert(index);

@@ -1,4 +1,4 @@
-//! Wavefront OBJ geometry. Groups and smoothing groups are ignored, as Mitsuba does; polygons become fans.
+//! Wavefront OBJ geometry. Groups and smoothing groups are ignored, as in Mitsuba; polygons become triangle fans.
 
 use std::collections::HashMap;
 
@@ -8,30 +8,30 @@ use glam::{Vec2, Vec3};
 use crate::files;
 use crate::statements::{statements, without_comment};
 
-/// What is absent from a corner.
+/// An index that a corner does not have.
 const ABSENT: u32 = u32::MAX;
 
-/// The contents of a file with its materials.
+/// The contents of a file, with one mesh per material.
 #[derive(Debug, Default)]
 pub(crate) struct Contents {
-    /// What stands after each `mtllib`, in order: one name, or several.
+    /// The arguments of each `mtllib` statement, in order: one name or several.
     pub(crate) libraries: Vec<String>,
-    /// One mesh a material (the first `usemtl` that names it opens it; `""` before any), without normals
-    /// where not every corner has one.
+    /// One mesh per material name, in order of first use; the name is `""` before the first `usemtl`. A mesh has no
+    /// normals unless all its corners have one.
     pub(crate) meshes: Vec<(String, Mesh)>,
-    /// Whether Mitsuba 3 reads the file as we do: it refuses indices that count from the end.
+    /// Whether Mitsuba 3 reads the file like we do: it refuses negative indices.
     pub(crate) portable: bool,
-    /// Faces of fewer than three corners, which are left out: how many, and the line of the first.
+    /// Faces of fewer than three corners, which are skipped: their number, and the line of the first.
     pub(crate) degenerate: (usize, usize),
-    /// Whether there are free-form curves or surfaces, or other files are called.
+    /// Whether the file contains unsupported statements: free-form curves or surfaces, or calls of other files.
     ignored: bool,
 }
 
-/// Statements that draw something and are not understood.
+/// Unsupported statements that draw something.
 const IGNORED: [&str; 4] = ["curv", "curv2", "surf", "call"];
 
 impl Contents {
-    /// Note a face in a line that has too few corners.
+    /// Count a face with too few corners.
     fn count_corners(&mut self, corners: usize, line: usize) {
         let (count, first) = self.degenerate;
         if corners < 3 {
@@ -39,17 +39,19 @@ impl Contents {
         }
     }
 
-    /// What to say about what is left out, if there is anything.
+    /// A warning about what was skipped, if anything was.
     pub(crate) fn note(&self, path: &str) -> Option<String> {
         if self.ignored {
             return Some(format!(
-                "`{path}`: free-form surfaces, curves and calls of other files are left out"
+                "`{path}`: free-form surfaces, curves and calls of other files are ignored"
             ));
         }
         let (count, first) = self.degenerate;
         let faces = if count == 1 { "a face" } else { "faces" };
         (count > 0).then(|| {
-            format!("`{path}`: {count} {faces} of one or two corners left out, the first in line {first}")
+            format!(
+                "`{path}`: {count} {faces} of one or two corners skipped, the first in line {first}"
+            )
         })
     }
 }
@@ -58,12 +60,12 @@ impl Contents {
 pub(crate) fn parse(bytes: &[u8], flip: bool) -> Result<Contents, String> {
     let contents = parse_by_material(bytes, flip, false)?;
     if contents.meshes.is_empty() {
-        return Err("it holds no faces".into());
+        return Err("it contains no faces".into());
     }
     Ok(contents)
 }
 
-/// Read the faces of each material as a mesh of its own, or all as one.
+/// Read the faces of each material as a separate mesh, or all faces as one mesh.
 pub(crate) fn parse_by_material(
     bytes: &[u8],
     flip: bool,
@@ -79,7 +81,7 @@ pub(crate) fn parse_by_material(
             "v" => reader.positions.push(position(rest, reader.positions.len()).map_err(fail)?),
             "vn" => reader.normals.push(Vec3::from(floats::<3>(rest).map_err(fail)?)),
             "vt" => reader.uvs.push(texture_coordinate(rest).map_err(fail)?),
-            // `fo` is how old files wrote it.
+            // Old files write `fo`.
             "f" | "fo" => {
                 let corners = reader.face(without_comment(rest)).map_err(fail)?;
                 contents.count_corners(corners, statement.line);
@@ -117,11 +119,11 @@ struct Reader {
     normals: Vec<Vec3>,
     uvs: Vec<Vec2>,
     parts: Vec<Part>,
-    /// Which part each material has.
+    /// The part of each material.
     part_of: HashMap<String, usize>,
     current: usize,
     flip: bool,
-    /// Whether any index counts from the end.
+    /// Whether any index is negative: it counts from the end.
     from_end: bool,
 }
 
@@ -137,7 +139,7 @@ impl Reader {
         };
     }
 
-    /// Add a face as a fan; returns how many corners it has.
+    /// Add a face as a triangle fan; returns its number of corners.
     fn face(&mut self, text: &str) -> Result<usize, String> {
         if self.parts.is_empty() {
             self.material("");
@@ -175,10 +177,10 @@ impl Reader {
                 continue;
             }
             let index: i64 =
-                text.parse().map_err(|_| format!("`{word}` is no corner of a face"))?;
+                text.parse().map_err(|_| format!("`{word}` is not a corner of a face"))?;
             self.from_end |= index < 0;
             let count = counts[k] as i64;
-            // One is the first, -1 the last so far.
+            // 1 is the first, -1 the last one so far.
             let at = if index < 0 { count + index } else { index - 1 };
             if at < 0 || at >= count.min(i64::from(ABSENT)) {
                 let what = ["vertex", "texture coordinate", "normal"][k];
@@ -219,7 +221,7 @@ fn floats<const N: usize>(text: &str) -> Result<[f32; N], String> {
     let mut out = [0.0; N];
     let mut words = text.split_whitespace();
     for x in &mut out {
-        let word = words.next().ok_or_else(|| format!("`{text}` where {N} numbers belong"))?;
+        let word = words.next().ok_or_else(|| format!("`{text}` instead of {N} numbers"))?;
         *x = word.parse().map_err(|_| format!("`{word}` is not a number"))?;
     }
     Ok(out)
@@ -241,66 +243,4 @@ fn texture_coordinate(text: &str) -> Result<Vec2, String> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const TEXT: &str = "# a square, then a triangle that counts from the end\nmtllib a b.mtl\no x\n\
-        v 0 0 0\r\nv 1 0 0 1 1 1\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0 0\nvn 0 0 2\n\
-        g one\nusemtl red\nf 1/1/1 2/2/1 3/2/1 4/1/1\ng two\nusemtl blue\nf -4//-1 -3//1 -1//1\nl 1 2\n";
-
-    #[test]
-    fn polygons_groups_and_negative_indices_are_understood() {
-        let mut contents = parse(TEXT.as_bytes(), true).unwrap();
-        let (_, mesh) = contents.meshes.pop().unwrap();
-        assert!(!contents.portable, "Mitsuba 3 refuses indices from the end");
-        assert_eq!(mesh.triangles.len(), 3);
-        assert_eq!(mesh.positions.len(), 7, "corners with other indices are other vertices");
-        assert_eq!(mesh.triangles[1], [0, 2, 3]);
-        assert_eq!(mesh.uvs[1], Vec2::new(1.0, 1.0), "v is turned round");
-        assert!(mesh.normals.iter().all(|n| *n == Vec3::Z));
-        let parts = parse_by_material(TEXT.as_bytes(), false, true).unwrap();
-        let names: Vec<_> =
-            parts.meshes.iter().map(|(n, m)| (n.as_str(), m.triangles.len())).collect();
-        assert_eq!(names, [("red", 2), ("blue", 1)]);
-        assert_eq!(parts.libraries, ["a b.mtl"]);
-    }
-
-    #[test]
-    fn mistakes_are_named_with_their_line() {
-        let fails = |text: &str| parse(text.as_bytes(), true).unwrap_err();
-        assert_eq!(fails("v 0 0 0\nf 1 2 3\n"), "line 2: vertex 2 of 1");
-        assert_eq!(fails("v 0 0\n"), "line 1: `0 0` where 3 numbers belong");
-        assert_eq!(fails("v 0 0 inf\n"), "line 1: vertex 0 is not finite: 0 0 inf");
-        assert_eq!(fails("v 0 0 0\nf 0 0 0\n"), "line 2: vertex 0 of 1");
-        assert_eq!(fails("v 0 0 0\nf -9223372036854775808 1 1\n").split(':').count(), 2);
-        assert_eq!(fails(""), "it holds no faces");
-    }
-
-    #[test]
-    fn faces_of_one_and_two_corners_are_left_out() {
-        let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\nf 1\nf\nf 1 2 3 # whole\n";
-        let contents = parse(text.as_bytes(), true).unwrap();
-        assert_eq!((contents.meshes[0].1.triangles.len(), contents.degenerate), (1, (3, 4)));
-        assert!(contents.note("a.obj").unwrap().contains("the first in line 4"));
-        assert_eq!(parse(b"v 0 0 0\nf 1\n", true).unwrap_err(), "it holds no faces");
-    }
-
-    #[test]
-    fn byte_order_marks_are_no_part_of_the_first_word() {
-        let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-        let wide = |order: fn(u16) -> [u8; 2]| -> Vec<u8> {
-            std::iter::once(0xfeff).chain(text.encode_utf16()).flat_map(order).collect()
-        };
-        let narrow = [b"\xef\xbb\xbf", text.as_bytes()].concat();
-        for bytes in [narrow, wide(u16::to_le_bytes), wide(u16::to_be_bytes)] {
-            assert_eq!(parse(&bytes, true).unwrap().meshes[0].1.triangles, [[0, 1, 2]]);
-        }
-    }
-
-    #[test]
-    fn a_file_cut_at_any_byte_never_panics() {
-        for end in 0..TEXT.len() {
-            let _ = parse(&TEXT.as_bytes()[..end], true);
-        }
-    }
-}
+mod tests;

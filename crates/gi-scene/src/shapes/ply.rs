@@ -1,13 +1,15 @@
-//! Stanford PLY: text and both binary orders.
+//! Stanford PLY: text and both binary byte orders.
 
 use gi_core::bytes::{Reader, TOO_SHORT};
 use gi_core::geometry::Mesh;
 use gi_core::points::Ply;
 use glam::{Vec2, Vec3};
 
-/// A header is not longer than this.
-const MAX_HEADER: usize = 1 << 16;
-/// A face has no more corners than this; a larger number is damage.
+use header::{Element, Format, Header, Kind, Property};
+
+mod header;
+
+/// Most corners of a face; a larger number means a damaged file.
 const MAX_CORNERS: u64 = 1 << 16;
 
 /// Read a mesh.
@@ -25,112 +27,7 @@ pub(crate) fn parse(bytes: &[u8], flip: bool) -> Result<Mesh, String> {
     Ok(mesh)
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
-}
-
-impl Kind {
-    fn parse(name: &str) -> Result<Kind, String> {
-        Ok(match name {
-            "char" | "int8" => Kind::I8,
-            "uchar" | "uint8" => Kind::U8,
-            "short" | "int16" => Kind::I16,
-            "ushort" | "uint16" => Kind::U16,
-            "int" | "int32" => Kind::I32,
-            "uint" | "uint32" => Kind::U32,
-            "float" | "float32" => Kind::F32,
-            "double" | "float64" => Kind::F64,
-            other => return Err(format!("unknown type `{other}`")),
-        })
-    }
-}
-
-#[derive(Debug)]
-struct Property {
-    name: String,
-    kind: Kind,
-    /// The type of the number of entries, if this is a list.
-    list: Option<Kind>,
-}
-
-#[derive(Debug)]
-struct Element {
-    name: String,
-    count: u64,
-    properties: Vec<Property>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Format {
-    Ascii,
-    Little,
-    Big,
-}
-
-#[derive(Debug)]
-struct Header {
-    format: Format,
-    elements: Vec<Element>,
-}
-
-impl Header {
-    fn parse(bytes: &[u8]) -> Result<(Header, &[u8]), String> {
-        let mut rest = bytes;
-        let mut line = || -> Result<Vec<String>, String> {
-            let window = &rest[..rest.len().min(MAX_HEADER)];
-            let end = window.iter().position(|&b| b == b'\n').ok_or("the header has no end")?;
-            let text = String::from_utf8_lossy(&rest[..end]).into_owned();
-            rest = &rest[end + 1..];
-            Ok(text.split_whitespace().map(str::to_owned).collect())
-        };
-        if line()? != ["ply"] {
-            return Err("it does not begin with `ply`".into());
-        }
-        let mut format = None;
-        let mut elements: Vec<Element> = Vec::new();
-        loop {
-            let words = line()?;
-            match words.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
-                ["format", "ascii", _] => format = Some(Format::Ascii),
-                ["format", "binary_little_endian", _] => format = Some(Format::Little),
-                ["format", "binary_big_endian", _] => format = Some(Format::Big),
-                ["element", name, count] => {
-                    let count = count.parse().map_err(|_| format!("`{count}` is no count"))?;
-                    elements.push(Element {
-                        name: (*name).to_owned(),
-                        count,
-                        properties: Vec::new(),
-                    });
-                }
-                ["property", "list", count, kind, name] => {
-                    let list = Some(Kind::parse(count)?);
-                    let element = elements.last_mut().ok_or("a property before any element")?;
-                    let (name, kind) = ((*name).to_owned(), Kind::parse(kind)?);
-                    element.properties.push(Property { name, kind, list });
-                }
-                ["property", kind, name] => {
-                    let element = elements.last_mut().ok_or("a property before any element")?;
-                    let (name, kind) = ((*name).to_owned(), Kind::parse(kind)?);
-                    element.properties.push(Property { name, kind, list: None });
-                }
-                ["end_header"] => break,
-                ["comment" | "obj_info", ..] | [] => {}
-                other => return Err(format!("the header says `{}`", other.join(" "))),
-            }
-        }
-        Ok((Header { format: format.ok_or("the header names no format")?, elements }, rest))
-    }
-}
-
-/// Numbers, one after the other.
+/// A sequence of numbers.
 enum Source<'a> {
     Text(std::str::SplitAsciiWhitespace<'a>, usize),
     Binary(Reader<'a>),
@@ -167,7 +64,8 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// No element takes less than a byte: what a count that lies may make us allocate.
+    /// The number of elements to allocate. Every element takes at least one byte, so a false count cannot exhaust the
+    /// memory.
     fn at_most(&self, count: u64) -> Result<usize, String> {
         let left = match self {
             Source::Text(_, len) => *len,
@@ -271,7 +169,7 @@ fn faces(e: &Element, source: &mut Source<'_>, mesh: &mut Mesh) -> Result<(), St
 
 fn skip(e: &Element, source: &mut Source<'_>) -> Result<(), String> {
     if e.properties.is_empty() {
-        return Ok(()); // nothing is stored, however many there are
+        return Ok(()); // elements without properties take no bytes
     }
     for _ in 0..source.at_most(e.count)? {
         for p in &e.properties {
@@ -313,85 +211,4 @@ pub(crate) fn write(mesh: &Mesh) -> Vec<u8> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn mesh() -> Mesh {
-        Mesh {
-            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(1.0, 1.0, 0.5)],
-            normals: vec![Vec3::Z; 4],
-            uvs: vec![Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE],
-            triangles: vec![[0, 1, 2], [2, 1, 3]],
-        }
-    }
-
-    fn same(a: &Mesh, b: &Mesh) -> bool {
-        (&a.positions, &a.normals, &a.uvs, &a.triangles)
-            == (&b.positions, &b.normals, &b.uvs, &b.triangles)
-    }
-
-    #[test]
-    fn what_is_written_is_read_back() {
-        let full = mesh();
-        let bare = Mesh { normals: vec![], uvs: vec![], ..mesh() };
-        for m in [full, bare] {
-            assert!(same(&parse(&write(&m), false).unwrap(), &m));
-        }
-    }
-
-    #[test]
-    fn text_and_big_endian_are_read_as_well_with_whatever_else_they_hold() {
-        let header = |format: &str| {
-            format!(
-                "ply\nformat {format} 1.0\ncomment x\nelement vertex 4\nproperty double x\n\
-                 property double y\nproperty uchar red\nproperty double z\nelement face 1\n\
-                 property list uchar short vertex_index\nproperty int flag\nelement edge 1\n\
-                 property list uint float w\nend_header\n"
-            )
-        };
-        let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0f64]];
-        let mut text = header("ascii");
-        let mut binary = header("binary_big_endian").into_bytes();
-        for [x, y, z] in points {
-            text += &format!("{x} {y} 7 {z}\n");
-            binary.extend(x.to_be_bytes());
-            binary.extend(y.to_be_bytes());
-            binary.push(7);
-            binary.extend(z.to_be_bytes());
-        }
-        text += "4 0 1 2 3 9\n1 0.5\n";
-        binary.push(4);
-        (0..4i16).for_each(|i| binary.extend(i.to_be_bytes()));
-        binary.extend(9i32.to_be_bytes());
-        binary.extend(1u32.to_be_bytes());
-        binary.extend(0.5f32.to_be_bytes());
-        let (a, b) = (parse(text.as_bytes(), false).unwrap(), parse(&binary, false).unwrap());
-        assert!(same(&a, &b));
-        assert_eq!(a.triangles, [[0, 1, 2], [0, 2, 3]]);
-        assert_eq!(a.positions[2], Vec3::new(1.0, 1.0, 0.0));
-    }
-
-    #[test]
-    fn a_file_cut_or_damaged_at_any_byte_never_panics() {
-        let whole = write(&mesh());
-        for end in 0..whole.len() {
-            assert!(parse(&whole[..end], false).is_err());
-        }
-        for at in 0..whole.len() {
-            for value in [0, 0x80, 0xff, b' ', b'9'] {
-                let mut bytes = whole.clone();
-                bytes[at] = value;
-                let _ = parse(&bytes, false);
-            }
-        }
-    }
-
-    #[test]
-    fn counts_that_lie_ask_for_no_memory() {
-        let text = "ply\nformat binary_little_endian 1.0\nelement vertex 18446744073709551615\n\
-            property float x\nproperty float y\nproperty float z\nend_header\nabc";
-        assert!(parse(text.as_bytes(), false).unwrap_err().contains("elements in 3 bytes"));
-        let empty = "ply\nformat ascii 1.0\nelement nothing 18446744073709551615\nend_header\n";
-        assert!(parse(empty.as_bytes(), false).unwrap().positions.is_empty());
-    }
-}
+mod tests;

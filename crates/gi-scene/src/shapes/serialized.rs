@@ -1,4 +1,4 @@
-//! Mitsuba 0.6's own mesh format: one zlib stream a mesh, a dictionary of their places at the end.
+//! Mitsuba 0.6's own mesh format: one zlib stream per mesh, and a directory of their offsets at the end.
 
 use std::io::Read;
 
@@ -9,10 +9,10 @@ use glam::{Vec2, Vec3};
 
 /// The first number of each mesh.
 const MAGIC: u16 = 0x041c;
-/// A mesh inflates to no more than this: twenty million vertices with all their attributes, more than
-/// any file found, and still no danger to a machine with a few gigabytes.
+/// Largest inflated mesh: twenty million vertices with all their attributes. Real files are smaller, and a machine with
+/// a few gigabytes can still hold it.
 const MAX_INFLATED: u64 = 1 << 31;
-/// How much is inflated at a time, so that memory follows what is there and not what a count claims.
+/// Number of bytes inflated at a time, so that memory grows with the actual data and not with a claimed count.
 const CHUNK: usize = 1 << 20;
 
 const HAS_NORMALS: u32 = 0x0001;
@@ -60,15 +60,15 @@ fn locate(bytes: &[u8], index: usize) -> Result<(u16, &[u8]), String> {
     let mut head = Reader::new(bytes);
     let (magic, version) = (head.u16()?, head.u16()?);
     if magic != MAGIC {
-        return Err(format!("it begins with {magic:#06x} and not with {MAGIC:#06x}"));
+        return Err(format!("it starts with {magic:#06x} instead of {MAGIC:#06x}"));
     }
     if version != 3 && version != 4 {
-        return Err(format!("its version is {version}; 3 and 4 are known"));
+        return Err(format!("version {version} is not supported, only 3 and 4"));
     }
     let tail = bytes.len().checked_sub(4).ok_or(TOO_SHORT)?;
     let count = Reader::new(&bytes[tail..]).u32()? as usize;
     if index >= count {
-        return Err(format!("it holds {count} meshes, number {index} is asked for"));
+        return Err(format!("it contains {count} meshes, but mesh {index} (from 0) was requested"));
     }
     let width = if version == 4 { 8 } else { 4 };
     let dictionary = count.checked_mul(width).and_then(|n| tail.checked_sub(n)).ok_or(TOO_SHORT)?;
@@ -111,14 +111,14 @@ impl Stream<'_> {
 
     fn count(&mut self) -> Result<usize, String> {
         let n = u64::from_le_bytes(self.array()?);
-        // Twelve bytes each at least: a larger count cannot be honest.
+        // Each element has at least twelve bytes, so a larger count must be false.
         if n > MAX_INFLATED / 12 || n > u64::from(u32::MAX) {
             return Err(format!("it claims {n} elements"));
         }
         Ok(n as usize)
     }
 
-    /// `n` records of `N` numbers of `width` bytes, a chunk at a time.
+    /// Read `n` records of `N` numbers, each `width` bytes, a chunk at a time.
     fn records<T, const N: usize>(
         &mut self,
         n: usize,
@@ -149,7 +149,7 @@ impl Stream<'_> {
         }
     }
 
-    /// Indices take four bytes, or eight where there are more vertices than that can count.
+    /// Indices have four bytes, or eight if there are more vertices than four bytes can count.
     fn triangles(&mut self, n: usize, vertices: usize) -> Result<Vec<[u32; 3]>, String> {
         debug_assert!(vertices as u64 <= u64::from(u32::MAX));
         self.records(n, 4, |b| u32::from_le_bytes(b.try_into().expect("four bytes")))
@@ -165,7 +165,7 @@ mod tests {
 
     use super::*;
 
-    /// A file of meshes: (flags, name, vertices, triangles).
+    /// A file of meshes, each given as (flags, name, vertices, triangles).
     fn file(version: u16, meshes: &[(u32, &str, u64, u64)]) -> Vec<u8> {
         let (mut out, mut offsets) = (Vec::new(), Vec::new());
         for (k, &(flags, name, vertices, triangles)) in meshes.iter().enumerate() {
@@ -219,7 +219,7 @@ mod tests {
                 assert_eq!((b.positions.len(), b.normals.len(), b.uvs.len()), (5, 5, 5));
                 assert_eq!(b.uvs[0], Vec2::new(31.5, 32.5));
                 assert_eq!(b.triangles, [[0, 1, 2], [3, 4, 0]]);
-                assert!(parse(&bytes, 2).unwrap_err().contains("holds 2 meshes"));
+                assert!(parse(&bytes, 2).unwrap_err().contains("contains 2 meshes"));
             }
         }
     }
@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn counts_that_lie_end_where_the_data_ends() {
+    fn false_counts_end_where_the_data_ends() {
         let bytes = file(4, &[(SINGLE, "a", u64::MAX, 1)]);
         assert!(parse(&bytes, 0).unwrap_err().contains("claims"));
         let bytes = file(4, &[(SINGLE, "a", 100_000_000, 1)]);
@@ -248,8 +248,8 @@ mod tests {
     }
 
     #[test]
-    fn a_bomb_is_not_inflated() {
-        // A name of a gigabyte of blanks would go on for ever without a limit.
+    fn a_zip_bomb_is_not_inflated() {
+        // Without a limit, the reader would inflate a name of a gigabyte.
         let mut zip = ZlibEncoder::new(Vec::new(), Compression::best());
         zip.write_all(&SINGLE.to_le_bytes()).unwrap();
         zip.write_all(&(u64::from(u32::MAX) / 64).to_le_bytes()).unwrap();

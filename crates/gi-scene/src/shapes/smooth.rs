@@ -1,12 +1,12 @@
-//! Shading normals.
+//! Repairs and smooths shading normals.
 
 use std::collections::HashMap;
 
 use gi_core::geometry::Mesh;
 use glam::{Vec2, Vec3};
 
-/// Turn round each triangle whose vertex normals all point against its winding: its sides are those that
-/// the normals say, as Mitsuba shades it. (A mirroring map turns the winding and not the normals.)
+/// Flip the winding of each triangle whose vertex normals all point against it. Mitsuba also takes the sides from the
+/// normals. (A mirroring transform reverses the winding but not the normals.)
 pub(crate) fn face_the_normals(mesh: &mut Mesh) {
     for k in 0..mesh.triangles.len() {
         let face = mesh.area_vector(k);
@@ -16,10 +16,10 @@ pub(crate) fn face_the_normals(mesh: &mut Mesh) {
     }
 }
 
-/// Give vertices whose normal is none (zero, or not finite) that of the faces round them, on the side that
-/// the other normals of those faces are on. Returns how many there were.
+/// Replace invalid vertex normals (zero, or not finite) by the mean normal of the adjacent faces, on the side of the
+/// other normals of these faces. Returns the number of replaced normals.
 pub(crate) fn replace_bad_normals(mesh: &mut Mesh) -> usize {
-    const SHORTEST: f32 = 1e-6; // readers leave unit normals
+    const SHORTEST: f32 = 1e-6; // valid normals have unit length here
     let bad: Vec<bool> =
         mesh.normals.iter().map(|n| !n.is_finite() || n.length() < SHORTEST).collect();
     let count = bad.iter().filter(|b| **b).count();
@@ -35,19 +35,19 @@ pub(crate) fn replace_bad_normals(mesh: &mut Mesh) -> usize {
         mesh.triangles[k].iter().for_each(|&i| sums[i as usize] += face);
     }
     for i in (0..bad.len()).filter(|&i| bad[i]) {
-        // A vertex of no face, or of degenerate ones, is never seen.
+        // A vertex of no face, or only of degenerate ones, is invisible.
         mesh.normals[i] = sums[i].try_normalize().unwrap_or(Vec3::Z);
     }
     count
 }
 
-/// What is said about them.
+/// The warning about replaced normals.
 pub(crate) fn bad_normals(count: usize, name: &str) -> String {
-    format!("`{name}`: {count} normals are zero or not finite: those of the faces are taken")
+    format!("`{name}`: {count} normals are zero or not finite: face normals replace them")
 }
 
-/// Give each corner the mean of the normals of those faces round its point that lie within `angle`
-/// (radians) of its own face; points are the same where their coordinates are.
+/// Give each corner the mean normal of the adjacent faces whose normals are within `angle` (radians) of its own face's.
+/// Faces are adjacent if they share a position.
 pub(crate) fn smooth_up_to(mesh: &mut Mesh, angle: f32) {
     let key = |p: Vec3| p.to_array().map(|x| (x + 0.0).to_bits());
     let faces: Vec<Vec3> =
@@ -95,7 +95,7 @@ mod tests {
     use glam::Affine3A;
 
     #[test]
-    fn a_cube_stays_sharp_below_ninety_degrees_and_becomes_round_above() {
+    fn a_cube_stays_sharp_below_ninety_degrees_and_becomes_smooth_above() {
         let mut sharp = solids::cube(&Affine3A::IDENTITY);
         smooth_up_to(&mut sharp, 45f32.to_radians());
         for k in 0..sharp.triangles.len() {

@@ -1,4 +1,4 @@
-//! The shapes that need no file.
+//! Shapes that need no file.
 
 use gi_core::geometry::{Geometry, Mesh};
 use gi_core::math::Frame;
@@ -6,17 +6,17 @@ use glam::{Affine3A, Vec2, Vec3};
 
 use crate::document::Node;
 
-/// Relative difference of axes below which a transform counts as uniform: the rounding of a file's six digits.
+/// Relative difference of axis lengths below which a scale counts as uniform: files round to six digits.
 const UNIFORM: f32 = 1e-3;
-/// A squeezed sphere becomes so many rows (and twice as many columns) of triangles: 0.01 % of the radius off.
+/// Rows of triangles of a deformed sphere; it has twice as many columns. The error is 0.01 % of the radius.
 const SPHERE_ROWS: usize = 128;
 
-/// Whether normals that were carried by a map point against the winding that it leaves.
+/// Whether a transform mirrors, so that transformed normals point against the transformed winding.
 fn mirrors(m: &Affine3A) -> bool {
     m.matrix3.determinant() < 0.0
 }
 
-/// Move a mesh of flat faces so that it still faces the way its normals did: as Mitsuba shades it.
+/// Transform a mesh of flat faces. The faces keep the side of their normals, as in Mitsuba.
 fn place(mut mesh: Mesh, m: &Affine3A) -> Mesh {
     mesh.transform(m);
     if mirrors(m) {
@@ -37,9 +37,9 @@ pub(crate) fn rectangle(to_world: &Affine3A) -> Mesh {
     place(mesh, to_world)
 }
 
-/// The cube [-1, 1]^3, each face with the whole unit square of texture coordinates.
+/// The cube [-1, 1]^3; texture coordinates cover the unit square on each face.
 pub(crate) fn cube(to_world: &Affine3A) -> Mesh {
-    // Per face the corners at uv (0,1), (1,1), (1,0), (0,0), as in Mitsuba.
+    // For each face, the corners with uv (0,1), (1,1), (1,0), (0,0), as in Mitsuba.
     const FACES: [[[f32; 3]; 4]; 6] = [
         [[1., -1., -1.], [1., -1., 1.], [-1., -1., 1.], [-1., -1., -1.]],
         [[1., 1., -1.], [-1., 1., -1.], [-1., 1., 1.], [1., 1., 1.]],
@@ -58,7 +58,7 @@ pub(crate) fn cube(to_world: &Affine3A) -> Mesh {
     place(mesh, to_world)
 }
 
-/// A sphere, and whether its normals point inward: a mirroring map turns them round, as in Mitsuba 3.
+/// A sphere, and whether its normals point inward: a mirroring transform flips them, as in Mitsuba 3.
 pub(crate) fn sphere(node: Node<'_>, to_world: &Affine3A) -> Option<(Geometry, bool)> {
     let (center, radius) = (node.vector("center").unwrap_or(Vec3::ZERO), node.float("radius", 1.0));
     if radius <= 0.0 {
@@ -76,17 +76,17 @@ pub(crate) fn sphere(node: Node<'_>, to_world: &Affine3A) -> Option<(Geometry, b
     }
     let even = size.iter().all(|s| (s / size[0] - 1.0).abs() < UNIFORM);
     if !even || [x.dot(y), y.dot(z), z.dot(x)].iter().any(|d| d.abs() > UNIFORM) {
-        node.warn("a sphere that is squeezed becomes a mesh");
+        node.warn("a deformed sphere is approximated by a mesh");
         return Some((Geometry::Mesh(squeezed_sphere(&m)), false));
     }
     let mirrored = mirrors(&m);
-    // A right-handed frame; u of a mirrored sphere runs the other way round in Mitsuba, here it does not.
+    // A right-handed frame. In Mitsuba, u of a mirrored sphere runs in the opposite direction.
     let axes = Frame { s: x, t: z.cross(x), n: z };
     let (center, radius) = (m.translation.into(), radius * size[0]);
     Some((Geometry::Sphere { center, radius, axes }, mirrored))
 }
 
-/// The image of the unit sphere as triangles.
+/// The transformed unit sphere as triangles.
 fn squeezed_sphere(m: &Affine3A) -> Mesh {
     let (rows, columns) = (SPHERE_ROWS, 2 * SPHERE_ROWS);
     let mut mesh = Mesh::default();
@@ -125,7 +125,7 @@ pub(crate) fn disk(to_world: &Affine3A) -> (Geometry, bool) {
     (Geometry::Disk { center: to_world.translation.into(), du, dv }, mirrors(to_world))
 }
 
-/// A cylinder from `p0` to `p1`. Its normals point outward under mirroring maps too, as in Mitsuba 3.
+/// A cylinder from `p0` to `p1`. Its normals point outward even if the transform mirrors, as in Mitsuba 3.
 pub(crate) fn cylinder(node: Node<'_>, to_world: &Affine3A) -> Option<Geometry> {
     let [p0, p1] = [("p0", Vec3::ZERO), ("p1", Vec3::Z)]
         .map(|(name, default)| node.vector(name).unwrap_or(default));
@@ -138,7 +138,7 @@ pub(crate) fn cylinder(node: Node<'_>, to_world: &Affine3A) -> Option<Geometry> 
     let t = (p1 - p0).normalize().cross(s);
     let [a, b] = [s, t].map(|v| to_world.transform_vector3(v).length());
     if (a / b - 1.0).abs() > UNIFORM {
-        node.warn("a cylinder that is squeezed is taken as round");
+        node.warn("a deformed cylinder is approximated by a round one");
     }
     let [p0, p1] = [p0, p1].map(|p| to_world.transform_point3(p));
     let radius = radius * (a * b).sqrt();

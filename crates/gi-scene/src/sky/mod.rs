@@ -17,11 +17,12 @@ use crate::value::MAX_NUMBER;
 use model::SunSky;
 use sun::Moment;
 
-/// Size of the sky's picture: its finest feature, the glow round the sun, is a few degrees wide.
+/// Size of the sky's picture. Its finest feature, the glow around the sun, is a few degrees wide.
 const SIZE: [usize; 2] = [512, 256];
-/// The model's radiance is per integral of the luminosity curve (over nanometres); ours, as Mitsuba's, is its mean.
+/// Integral of the luminosity curve over nanometres. The model's radiance contains this factor; ours and Mitsuba's do
+/// not.
 const LUMINOSITY_INTEGRAL: f32 = 106.750_26;
-/// A sun of no size would be a direction of infinite radiance; this one is as small as floats can tell.
+/// Smallest angular radius of the sun: a sun of zero size would have infinite radiance.
 const SMALLEST_RADIUS: f32 = 1e-4;
 
 /// Add the lights of a `sun`, `sky` or `sunsky`.
@@ -40,7 +41,7 @@ pub(crate) fn add(builder: &mut Builder<'_>, node: Node<'_>) {
 }
 
 impl SunSky {
-    /// `None` after a reported problem, or at night (which is noted).
+    /// The plugin's parameters. `None` if an error was reported, or at night (with a warning).
     fn read(node: Node<'_>) -> Option<SunSky> {
         node.ignore(&["resolution", "stretch", "complex_sun", "sampling_weight"]);
         let old = node.doc.version == 0;
@@ -71,7 +72,7 @@ impl SunSky {
             None => to_world.transform_vector3(local).normalize(),
         };
         let scale = node.light_scale("scale", 1.0);
-        // Mitsuba 0.6: what is said for one of them counts instead of the common factor.
+        // In Mitsuba 0.6, a specific scale replaces the common one.
         let (sun_scale, sky_scale) =
             (node.light_scale("sun_scale", scale), node.light_scale("sky_scale", scale));
         let given = node.has("sun_aperture").then(|| node.within("sun_aperture", 0.5, 0.0..=180.0));
@@ -95,14 +96,14 @@ impl SunSky {
         Some(sky)
     }
 
-    /// The sun's height over the horizon, radians.
+    /// The sun's elevation above the horizon, radians.
     fn elevation(&self) -> f32 {
         let local = self.to_world.inverse().transform_vector3(self.sun_direction).normalize();
         local.z.clamp(-1.0, 1.0).asin()
     }
 
     fn sun(&self) -> LightSource {
-        // A larger disc is dimmer: the light that arrives stays the same.
+        // A larger disc is dimmer, so that the irradiance stays the same.
         let solid_angle = |radius: f32| 1.0 - f64::from(radius).cos();
         let ratio = solid_angle(sun::ANGULAR_RADIUS) / solid_angle(self.angular_radius);
         let radiance = sun::radiance(self.elevation(), self.turbidity);
@@ -124,7 +125,7 @@ impl SunSky {
         let [width, height] = SIZE;
         let mut texels = Vec::with_capacity(width * height);
         for row in 0..height {
-            // The first and the last row lie on the poles, as an environment's do.
+            // The first and last rows are at the poles, as in any environment map.
             let theta = std::f32::consts::PI * row as f32 / (height - 1) as f32;
             for column in 0..width {
                 let phi = std::f32::consts::TAU * (column as f32 + 0.5) / width as f32;
@@ -139,7 +140,7 @@ impl SunSky {
         Ok(LightSource::Environment { image, scale: self.sky_scale, to_world })
     }
 
-    /// The sky's radiance in the picture's direction (theta from the zenith, phi as its u).
+    /// The sky's radiance at polar angle `theta` from the zenith; `phi` is the picture's u as an angle.
     fn radiance(&self, state: &SkyState, theta: f32, phi: f32, sun: Vec3) -> Rgb {
         let theta = match (theta.cos() >= 0.0, self.extend) {
             (true, _) => theta,
@@ -155,10 +156,10 @@ impl SunSky {
     }
 }
 
-/// When and where, by default Mitsuba's afternoon in Tokyo.
+/// Time and place; the default is an afternoon in Tokyo, as in Mitsuba.
 fn moment(node: Node<'_>) -> Moment {
     let number = |name, default: f32| f64::from(node.float(name, default));
-    // Beyond any calendar; keeps damaged numbers from overflowing.
+    // Keep damaged numbers from overflowing: no calendar is this long.
     let integer = |name, default| node.int_opt(name).unwrap_or(default).clamp(-100_000, 100_000);
     Moment {
         year: integer("year", 2010),
@@ -218,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn the_sky_is_brightest_round_the_sun() {
+    fn the_sky_is_brightest_around_the_sun() {
         for direction in [Vec3::new(1.0, 0.0, 1.0), Vec3::new(0.3, -0.8, 0.4)] {
             let light = sky(direction).sky().unwrap();
             let at = look(&light, direction).luminance();

@@ -1,4 +1,4 @@
-//! The sun: where it stands and what of its light arrives.
+//! The position of the sun, and its radiance through the atmosphere.
 
 use gi_core::math::Rgb;
 use glam::DVec3;
@@ -6,7 +6,7 @@ use glam::DVec3;
 /// Angular radius of the sun seen from the earth, radians (Mitsuba's 0.5358 degrees across).
 pub(crate) const ANGULAR_RADIUS: f32 = 0.004_675_7;
 
-/// A moment at a place.
+/// A time and a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Moment {
     pub(crate) year: i64,
@@ -14,7 +14,7 @@ pub(crate) struct Moment {
     pub(crate) day: i64,
     /// Hours of local time, with minutes and seconds as fractions.
     pub(crate) hours: f64,
-    /// Hours that local time is ahead of universal time.
+    /// Hours by which local time is ahead of universal time.
     pub(crate) timezone: f64,
     /// Degrees north.
     pub(crate) latitude: f64,
@@ -22,7 +22,7 @@ pub(crate) struct Moment {
     pub(crate) longitude: f64,
 }
 
-/// Towards the sun as (south, west, up) \[BlancoMuriel01\].
+/// Direction toward the sun as (south, west, up) \[BlancoMuriel01\].
 pub(crate) fn direction(m: &Moment) -> DVec3 {
     let hours = m.hours - m.timezone;
     let days = days_since_2000(m.year, m.month, m.day) + hours / 24.0;
@@ -45,13 +45,13 @@ pub(crate) fn direction(m: &Moment) -> DVec3 {
     let cos_zenith = cos_lat * hour_angle.cos() * declination.cos() + declination.sin() * sin_lat;
     let azimuth =
         (-hour_angle.sin()).atan2(declination.tan() * cos_lat - sin_lat * hour_angle.cos());
-    const PARALLAX: f64 = 6371.01 / 149_597_890.0; // radius of the earth over distance of the sun
+    const PARALLAX: f64 = 6371.01 / 149_597_890.0; // earth's radius / distance of the sun
     let zenith = cos_zenith.acos();
     let (sin, cos) = (zenith + PARALLAX * zenith.sin()).sin_cos();
     DVec3::new(-azimuth.cos() * sin, -azimuth.sin() * sin, cos)
 }
 
-/// Days from noon of 1 January 2000 to the midnight that begins a day of the Gregorian calendar \[Fliegel68\].
+/// Days from noon of 1 January 2000 to the preceding midnight of a day in the Gregorian calendar \[Fliegel68\].
 fn days_since_2000(year: i64, month: i64, day: i64) -> f64 {
     let a = (month - 14) / 12;
     let julian = (1461 * (year + 4800 + a)) / 4 + (367 * (month - 2 - 12 * a)) / 12
@@ -61,14 +61,14 @@ fn days_since_2000(year: i64, month: i64, day: i64) -> f64 {
     julian as f64 - 0.5 - 2_451_545.0
 }
 
-/// Radiance of the sun outside of the atmosphere in the fit below, linear Rec. 709, W / (m^2 sr nm).
+/// Radiance of the sun outside the atmosphere, from the fit below; linear Rec. 709, W / (m^2 sr nm).
 const OUTSIDE: [f32; 3] = [24388.0, 22190.0, 20857.0];
 
-/// Optical depth of the whole atmosphere, straight up, for turbidity 1 to 10.
+/// Vertical optical depth of the whole atmosphere, for turbidity 1 to 10.
 ///
-/// Fitted to the solar radiance of \[Hosek13\] as Mitsuba 3.9.1 computes it in RGB: within 1.1 % from
-/// 10 degrees of elevation upward for turbidities up to 6, within 3.5 % up to 10; a few degrees over the
-/// horizon, where one number a channel no longer describes the absorption, it is only of the right order.
+/// Fitted to the solar radiance of \[Hosek13\] as Mitsuba 3.9.1 computes it in RGB. Above 10 degrees of elevation, the
+/// error is at most 1.1 % for turbidities up to 6, and 3.5 % up to 10. Within a few degrees of the horizon, one number
+/// per channel no longer describes the absorption, and only the order of magnitude is right.
 const DEPTH: [[f32; 3]; 10] = [
     [0.0685, 0.1385, 0.3127],
     [0.0779, 0.1488, 0.3225],
@@ -87,7 +87,7 @@ const DEPTH: [[f32; 3]; 10] = [
 /// `elevation` in radians above the horizon, `turbidity` from 1 to 10.
 pub(crate) fn radiance(elevation: f32, turbidity: f32) -> Rgb {
     let degrees = elevation.to_degrees().clamp(0.0, 90.0);
-    // Air on the way, in multiples of what lies straight up [Kasten89].
+    // Air mass: the length of the path through the air, relative to the vertical [Kasten89].
     let mass = 1.0 / (elevation.max(0.0).sin() + 0.505_72 * (degrees + 6.079_95).powf(-1.6364));
     let t = (turbidity - 1.0).clamp(0.0, 8.999);
     let (below, above) = (DEPTH[t as usize], DEPTH[t as usize + 1]);
@@ -103,7 +103,7 @@ mod tests {
 
     #[test]
     fn the_sun_stands_south_at_noon_and_in_the_west_later() {
-        // Tokyo, 10 July 2010: computed once with Mitsuba 3.9.1, whose algorithm is the same one.
+        // Tokyo, 10 July 2010. Reference values from Mitsuba 3.9.1, which uses the same algorithm.
         let tokyo = |hours| Moment {
             year: 2010,
             month: 7,
@@ -121,7 +121,7 @@ mod tests {
         ];
         for (hours, want) in expected {
             let got = direction(&tokyo(hours));
-            // Mitsuba computes in single precision: the days since 2000 then have steps of half a minute.
+            // Mitsuba computes in single precision, in which the days since 2000 have steps of half a minute.
             assert!((got - DVec3::from(want)).length() < 5e-3, "{hours}: {got} {want:?}");
         }
     }

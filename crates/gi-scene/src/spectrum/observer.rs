@@ -2,10 +2,10 @@
 
 /// The wavelength of the first entry of [`TABLE`], nanometres.
 const FIRST: f32 = 360.0;
-/// From one entry to the next, nanometres.
+/// Step between entries, nanometres.
 const STEP: f32 = 5.0;
 
-/// x, y and z at a wavelength in nanometres, linear between the entries of the table and zero outside of it.
+/// x, y and z at a wavelength in nanometres; linear between the table's entries, zero outside.
 pub(super) fn matching(nm: f32) -> [f32; 3] {
     let t = (nm - FIRST) / STEP;
     if !(0.0..=(TABLE.len() - 1) as f32).contains(&t) {

@@ -1,4 +1,4 @@
-//! Small scenes in a folder of their own.
+//! Small scenes, each in its own folder.
 #![allow(dead_code)] // each test file uses what it needs
 
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use gi_core::material::Material;
 use gi_scene::{Diagnostics, Loaded, Options, load};
 use tempfile::TempDir;
 
-/// A folder that goes away with its files.
+/// A temporary folder, removed with its files when dropped.
 pub(crate) struct Folder(TempDir);
 
 impl Folder {
@@ -26,13 +26,13 @@ impl Folder {
         path
     }
 
-    /// Load `body` as a scene of a version.
+    /// Load `body` as a scene in a version of the format.
     pub(crate) fn scene(&self, version: &str, body: &str) -> Result<Loaded, Diagnostics> {
         let text = format!("<scene version=\"{version}\">\n{body}\n</scene>\n");
         load(&self.write("scene.xml", text), &Options::default())
     }
 
-    /// The problems of `body`, the folder's name left out.
+    /// The errors of `body`, without the folder's name.
     pub(crate) fn problems(&self, body: &str) -> String {
         let shown = self.scene("3.0.0", body).expect_err("a scene with problems").to_string();
         self.strip(&shown)
@@ -44,12 +44,12 @@ impl Folder {
     }
 }
 
-/// Load a scene of Mitsuba 3 that must be right.
+/// Load a valid scene in the format of Mitsuba 3.
 pub(crate) fn scene(body: &str) -> Loaded {
     Folder::new().scene("3.0.0", body).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Load a scene of Mitsuba 0.6 that must be right.
+/// Load a valid scene in the format of Mitsuba 0.6.
 pub(crate) fn old_scene(body: &str) -> Loaded {
     Folder::new().scene("0.6.0", body).unwrap_or_else(|e| panic!("{e}"))
 }
@@ -64,13 +64,13 @@ pub(crate) fn of_only_shape(loaded: &Loaded) -> Material {
     loaded.parts.materials[loaded.parts.shapes[0].material].clone()
 }
 
-/// All that a scene says, as text.
+/// Everything in a loaded scene, as text.
 pub(crate) fn describe(loaded: &Loaded) -> String {
     let Loaded { parts, camera, filter, presets, integrator_max_depth, .. } = loaded;
     format!("{parts:#?}\n{camera:#?}\n{filter:?}\n{presets:?}\n{integrator_max_depth:?}")
 }
 
-/// Compare two descriptions and show where they part.
+/// Compare two descriptions and show the first difference.
 pub(crate) fn assert_same(a: &str, b: &str) {
     if let Some(n) = a.lines().zip(b.lines()).position(|(x, y)| x != y) {
         let part =

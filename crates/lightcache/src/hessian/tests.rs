@@ -32,14 +32,14 @@ fn edge_derivatives_are_finite_differences() {
     }
 }
 
-/// A smooth ceiling at height 1 whose radiance grows with x^2: what both Hessians should agree on.
+/// A smooth ceiling at height 1 whose radiance grows with x^2, for which both Hessians should agree.
 fn bowl(w: Vec3) -> (Rgb, f32, Vec3) {
     let q = w / w.z;
     let bright = (-(q.x - 0.3).powi(2) - 0.5 * q.y * q.y).exp();
     (Rgb::grey(bright), q.length(), -Vec3::Z)
 }
 
-/// E of the bowl at a moved point, by brute force over the ceiling.
+/// E of this ceiling at a moved point, by brute force.
 fn bowl_irradiance(x: f64, y: f64) -> f64 {
     let (n, reach) = (800, 5.0);
     let step = 2.0 * reach / f64::from(n);
@@ -62,7 +62,7 @@ fn both_hessians_and_the_mesh_gradient_are_those_of_a_smooth_ceiling() {
     let xx = (e(d, 0.0) - 2.0 * e(0.0, 0.0) + e(-d, 0.0)) / (d * d);
     let yy = (e(0.0, d) - 2.0 * e(0.0, 0.0) + e(0.0, -d)) / (d * d);
     let gx = (e(d, 0.0) - e(-d, 0.0)) / (2.0 * d);
-    // Many rays, since both are compared with the exact value: the mesh is coarse otherwise.
+    // Use many rays: both are compared with the exact value, and the mesh must be fine.
     let runs: Vec<_> = (0..8).map(|s| hemisphere(Strata::of(20_000), s, bowl)).collect();
     let mean = |f: &dyn Fn(&Hemisphere) -> f64| runs.iter().map(f).sum::<f64>() / 8.0;
     for (name, found, exact) in [
@@ -77,7 +77,7 @@ fn both_hessians_and_the_mesh_gradient_are_those_of_a_smooth_ceiling() {
 }
 
 #[test]
-fn under_a_constant_sky_nothing_changes() {
+fn under_a_constant_sky_all_derivatives_are_zero() {
     let h = hemisphere(Strata::of(500), 4, |w| (Rgb::WHITE, 1.0 + w.z, -w));
     let (gradient, hessian) = occlusion(&h);
     assert!(gradient.0[1].length() < 1e-6 && hessian.x_axis.length() < 1e-6);

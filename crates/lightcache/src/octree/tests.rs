@@ -1,7 +1,7 @@
 use super::*;
 use gi_core::rng::Pcg;
 
-/// Points of a few clusters with radii, and a tree of them.
+/// Points in a few clusters, with radii, and a tree of them.
 fn tree(n: usize, seed: u64) -> (Octree, Vec<(Vec3, f32)>) {
     let mut rng = Pcg::new(seed, 0);
     let mut point = || Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32());
@@ -21,12 +21,12 @@ fn tree(n: usize, seed: u64) -> (Octree, Vec<(Vec3, f32)>) {
 }
 
 #[test]
-fn a_lookup_finds_what_a_scan_finds() {
+fn a_lookup_finds_the_same_items_as_a_scan() {
     let (tree, items) = tree(3000, 1);
     let mut rng = Pcg::new(2, 0);
     let mut found_some = 0;
     for _ in 0..2000 {
-        // Within the box and beyond.
+        // Points inside the box and beyond it.
         let p = Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32()) * 1.2 - 0.1;
         for slack in [1.0, 2.0] {
             let mut found = Vec::new();
@@ -40,11 +40,11 @@ fn a_lookup_finds_what_a_scan_finds() {
             found_some += usize::from(!found.is_empty());
         }
     }
-    assert!(found_some > 1000, "lookups that find nothing test nothing: {found_some}");
+    assert!(found_some > 1000, "only {found_some} lookups found an item");
 }
 
 #[test]
-fn every_cell_holds_fewer_than_three_but_where_items_coincide() {
+fn every_cell_has_fewer_than_three_items_unless_items_coincide() {
     let (tree, _) = tree(3000, 3);
     let mut cells = 0;
     for cell in tree.cells() {

@@ -7,7 +7,7 @@ use gi_core::bsdf::Transport;
 use gi_core::rng::Pcg;
 use vpl::{LitSurface, Prepared, Receiver};
 
-/// What a light brings with nothing in between.
+/// The unshadowed light from one virtual light.
 fn unshadowed(lights: &Lights, at: &At, k: u32, direct: bool) -> Rgb {
     let power = lights.prepared.set().lights[k as usize].power;
     lights
@@ -16,24 +16,24 @@ fn unshadowed(lights: &Lights, at: &At, k: u32, direct: bool) -> Rgb {
         .map_or(Rgb::BLACK, |c| c.radiance * power * at.kept(c.geometry, direct))
 }
 
-/// What was checked of one kind of surface.
+/// Counts of the checks for one kind of surface.
 #[derive(Clone, Copy, Default)]
 struct Checked {
     cases: u32,
-    /// Those that bring something.
+    /// Cases with some light.
     lit: u32,
-    /// Those with more than 0.3 of the bound.
+    /// Cases with more than 0.3 of the bound.
     tight: u32,
-    /// Those whose bound is nothing.
+    /// Cases whose bound is zero.
     dark: u32,
 }
 
 impl Checked {
-    /// Check a value, channel by channel; nothing at all may come where the bound is nothing. (Not a number: infinite.)
+    /// Check a value in each channel. If the bound is zero, the value must be zero. A NaN bound counts as infinite.
     fn check(&mut self, value: Rgb, bound: Rgb, what: &dyn std::fmt::Debug) {
         let pairs = value.to_array().into_iter().zip(bound.to_array());
         let holds = pairs.into_iter().all(|(v, b)| v <= b || b.is_nan());
-        assert!(holds, "{what:?}: {value:?} above {bound:?}");
+        assert!(holds, "{what:?}: {value:?} is above the bound {bound:?}");
         self.cases += 1;
         self.lit += u32::from(!value.is_black());
         self.tight += u32::from(value.luminance() > 0.3 * bound.luminance());
@@ -41,11 +41,11 @@ impl Checked {
     }
 }
 
-/// Check every node of a tree at a point: what its lights bring, and what its representative says of them.
+/// Check every node of a tree at a point: the light from its lights, and the error bound given its representative.
 fn check_tree(lights: &Lights, at: &At, tree: &Tree, checked: &mut Checked) {
     let n = tree.nodes().len();
     let light = |k: u32| unshadowed(lights, at, k, tree.is_direct());
-    // What every node's lights bring, from below.
+    // The light from each node, computed bottom-up.
     let mut brings = vec![Rgb::BLACK; n];
     for k in (0..n as u32).rev() {
         let node = tree.node(k);
@@ -64,14 +64,14 @@ fn check_tree(lights: &Lights, at: &At, tree: &Tree, checked: &mut Checked) {
         }
         let far = (estimate.luminance() - truth.luminance()).abs();
         let said = error(estimate, bound);
-        assert!(far <= said || bound.is_black(), "{far} apart, at most {said} said");
-        // Where something stands before the representative, and where it stands before all others.
+        assert!(far <= said || bound.is_black(), "the error is {far}, but its bound is {said}");
+        // The error if only the representative is occluded, and if all other lights are occluded.
         assert!(truth.luminance() <= error(Rgb::BLACK, bound));
         assert!(estimate.luminance() <= error(estimate, bound));
     }
 }
 
-/// Check all nodes at points of many scenes; by material, and by whether its normals are bent.
+/// Check all nodes at points of many scenes, grouped by material and by whether shading normals differ.
 fn check_scenes(seeds: std::ops::Range<u64>) -> Vec<[Checked; 2]> {
     let mut rng = Pcg::new(21, seeds.start);
     let mut of = vec![[Checked::default(); 2]; materials().len()];
@@ -100,12 +100,12 @@ fn check_scenes(seeds: std::ops::Range<u64>) -> Vec<[Checked; 2]> {
 }
 
 #[test]
-fn no_cluster_brings_more_than_its_bound() {
+fn no_cluster_exceeds_its_bound() {
     let of = check_scenes(0..16);
     let sum = |f: fn(&Checked) -> u32| of.iter().flatten().map(f).sum::<u32>();
     let (cases, tight, dark) = (sum(|c| c.cases), sum(|c| c.tight), sum(|c| c.dark));
     assert!(cases > 1_000_000, "{cases} cases");
-    // A bound that is never near would hold too.
+    // A bound that is far too large would pass too, so require cases near the bound.
     assert!(tight > cases / 20 && dark > cases / 20, "{tight} tight, {dark} dark of {cases}");
     for (k, of) in of.iter().enumerate() {
         for (bent, c) in of.iter().enumerate() {
@@ -116,14 +116,14 @@ fn no_cluster_brings_more_than_its_bound() {
 
 #[test]
 #[ignore = "a minute: a hundred million cases"]
-fn no_cluster_of_very_many_brings_more_than_its_bound() {
+fn no_cluster_of_very_many_exceeds_its_bound() {
     let of = check_scenes(100..900);
     assert!(of.iter().flatten().all(|c| c.lit > 50_000));
     assert!(of.iter().flatten().map(|c| c.cases).sum::<u32>() > 100_000_000);
 }
 
 #[test]
-fn a_glossy_light_never_sends_more_than_its_gain() {
+fn a_glossy_light_never_scatters_more_than_its_gain() {
     let mut rng = Pcg::new(22, 0);
     let mut largest = 0.0f32;
     for seed in 0..6 {

@@ -16,7 +16,8 @@ use crate::light::At;
 pub(super) struct Checked {
     pixel: [usize; 2],
     lights: usize,
-    /// Luminances of the whole point, of the estimate and of the truth, and the bound of the error.
+    /// Luminances of the point's total light, of the cluster's estimate and of its true light, and the bound of the
+    /// error.
     total: f32,
     estimate: f32,
     truth: f32,
@@ -70,7 +71,8 @@ pub(super) fn bounds_csv(subject: &Subject) -> Vec<u8> {
 /// Decades of relative error that the plot shows, up to one.
 const DECADES: f32 = 7.0;
 
-/// Errors (horizontal) against bounds (vertical), relative to the whole, in decades. Above the diagonal, bounds hold.
+/// Errors (horizontal) against bounds (vertical), relative to the point's total light, in decades. Above the diagonal,
+/// bounds hold.
 pub(super) fn picture(subject: &Subject, film: &Film) -> Picture {
     let [w, h] = film.size();
     let mut canvas = Canvas::over([w, h], vec![Rgb::BLACK; w * h]);

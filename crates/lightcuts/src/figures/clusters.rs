@@ -44,7 +44,7 @@ fn seen(subject: &Subject, light: &Vpl) -> Option<Vec2> {
     let (scene, camera) = (subject.view.setting.scene, subject.view.setting.camera);
     match light.kind {
         Kind::Directional => None,
-        // Points have no side.
+        // Lights without a surface have no side.
         Kind::Omni | Kind::Spot(_) => {
             let c = camera.connect(light.p, [0.5; 2], 0.0)?;
             seen_at(scene, camera, light.p, c.wi)

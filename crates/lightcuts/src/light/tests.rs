@@ -5,7 +5,7 @@ use crate::{choose, light_by_cut};
 use gi_core::bsdf::Transport;
 use gi_core::rng::Pcg;
 
-/// Call `test` with points of rubble, lights and a bound of the geometric term.
+/// Call `test` with random points of test scenes, lights and a bound of the geometry term.
 pub(crate) fn at_points(count: u32, each: u32, mut test: impl FnMut(&Lights, &At)) {
     let mut rng = Pcg::new(31, 0);
     for seed in 0..4 {
@@ -32,13 +32,13 @@ pub(crate) fn at_points(count: u32, each: u32, mut test: impl FnMut(&Lights, &At
 }
 
 fn close(a: Rgb, b: Rgb) -> bool {
-    // Sums of some hundred terms in another order.
+    // Equal except for the rounding of sums of some hundred terms in a different order.
     let near = |(a, b): (f32, f32)| (a - b).abs() <= 1e-4 * (a.abs() + b.abs()) + 1e-9;
     a.to_array().into_iter().zip(b.to_array()).all(near)
 }
 
 #[test]
-fn without_error_it_is_brute_force() {
+fn with_error_zero_the_result_is_that_of_all_lights() {
     let mut some = 0;
     at_points(300, 150, |lights, at| {
         let exact = lights.light_by_all(at);
@@ -58,7 +58,7 @@ fn without_error_it_is_brute_force() {
 }
 
 #[test]
-fn every_cut_partitions_the_lights_that_can_bring_something() {
+fn every_cut_partitions_the_lights_that_can_contribute() {
     at_points(300, 20, |lights, at| {
         for max_cut in [1, 7, 40, u32::MAX] {
             let mut cut = Cut::default();
@@ -71,17 +71,17 @@ fn every_cut_partitions_the_lights_that_can_bring_something() {
             }
             for (k, n) in seen.into_iter().enumerate() {
                 let brings = !lights.one(at, k as u32).is_black();
-                assert!(n == 1 || n == 0 && !brings, "light {k} stands {n} times");
+                assert!(n == 1 || n == 0 && !brings, "light {k} is in {n} clusters");
             }
             let roots = lights.forest.trees.len();
-            // Roots that are two lights count as two.
+            // Roots that are pairs of lights count as two clusters.
             assert!(cut.clusters().len() <= (max_cut as usize).max(2 * roots));
         }
     });
 }
 
 #[test]
-fn no_cluster_of_a_finished_cut_is_farther_off_than_allowed_and_cuts_shrink_with_the_error() {
+fn no_cluster_of_a_finished_cut_exceeds_the_allowed_error_and_larger_errors_give_smaller_cuts() {
     let (mut sizes, mut clusters, mut far) = ([0u32; 3], 0u32, 0u32);
     at_points(500, 60, |lights, at| {
         for (k, error) in [0.005, 0.02, 0.1].into_iter().enumerate() {
@@ -104,11 +104,11 @@ fn no_cluster_of_a_finished_cut_is_farther_off_than_allowed_and_cuts_shrink_with
         }
     });
     assert!(sizes[0] > sizes[1] && sizes[1] > sizes[2], "{sizes:?}");
-    assert!(clusters > 1000 && far > 10, "{far} of {clusters} clusters are off at all");
+    assert!(clusters > 1000 && far > 10, "only {far} of {clusters} clusters have an error");
 }
 
 #[test]
-fn a_limit_of_clusters_is_kept_and_said() {
+fn the_maximum_number_of_clusters_is_kept_and_reported() {
     let mut at_most = 0;
     at_points(300, 30, |lights, at| {
         let lit = light_by_cut(

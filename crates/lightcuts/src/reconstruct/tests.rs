@@ -12,7 +12,7 @@ fn close(a: f32, b: f32) -> bool {
 }
 
 #[test]
-fn between_four_times_the_same_sample_is_that_sample() {
+fn between_four_equal_samples_is_that_sample() {
     let mut some = 0;
     at_points(300, 60, |lights, at| {
         let surface = at.receiver.surface;
@@ -27,21 +27,21 @@ fn between_four_times_the_same_sample_is_that_sample() {
             close(lit.indirect.luminance(), cut.indirect.luminance()),
             "{lit:?} is not {cut:?}"
         );
-        assert_eq!(lit.rays, 0, "they agree on everything");
+        assert_eq!(lit.rays, 0, "the samples agree on everything");
         some += u32::from(!cut.all().is_black());
     });
     assert!(some > 100);
 }
 
 #[test]
-fn near_samples_bring_nearly_what_all_lights_bring_with_fewer_rays() {
+fn near_samples_give_nearly_the_light_of_all_lights_with_fewer_rays() {
     let mut rng = gi_core::rng::Pcg::new(9, 9);
     let (mut errors, mut rays) = (Vec::new(), [0u32; 2]);
     at_points(600, 60, |lights, at| {
         let (surface, wo) = (at.receiver.surface, at.site.wo);
         let mut samples = Vec::new();
         for _ in 0..40 {
-            // Seen from the same place, a little beside.
+            // Nearby points, seen from the same eye position.
             let eye = surface.p + 0.3 * wo;
             let beside = gi_core::warp::sphere(rng.next_2d()) * 0.004;
             let ray = Ray::new(eye, (beside - wo).normalize());
@@ -70,7 +70,7 @@ fn near_samples_bring_nearly_what_all_lights_bring_with_fewer_rays() {
         }
     });
     errors.sort_unstable_by(f32::total_cmp);
-    // Shadow edges and sharp lobes between the samples apart.
+    // Percentiles are used because shadow edges and sharp lobes between the samples cause larger errors.
     let of = |share: f32| errors[(share * errors.len() as f32) as usize];
     assert!(
         errors.len() > 100 && of(0.5) < 0.01 && of(0.8) < 0.03,
@@ -83,7 +83,7 @@ fn near_samples_bring_nearly_what_all_lights_bring_with_fewer_rays() {
 }
 
 #[test]
-fn samples_of_another_surface_or_round_a_corner_do_not_serve() {
+fn samples_on_another_surface_or_around_a_corner_are_not_used() {
     at_points(50, 10, |lights, at| {
         let surface = at.receiver.surface;
         let sample = record_cut(lights, at, &LIMITS);

@@ -1,7 +1,8 @@
 use super::*;
 use crate::light::tests::at_points;
 
-/// Of every light that brings something, what it brings and the probability of drawing it, by walking down all branches.
+/// For each light that contributes: its light at the point, and the probability of sampling it, found by visiting all
+/// branches.
 fn all_walks(lights: &Lights, at: &At) -> Vec<[f64; 2]> {
     let roots = lights.forest.trees.iter().map(|t| importance(t, 0, &at.site));
     let roots: Vec<f64> = roots.map(f64::from).collect();
@@ -27,21 +28,21 @@ fn all_walks(lights: &Lights, at: &At) -> Vec<[f64; 2]> {
 }
 
 #[test]
-fn drawn_lights_bring_what_all_bring_in_the_mean() {
+fn the_mean_over_sampled_lights_is_the_light_of_all_lights() {
     const DRAWS: u32 = 4000;
     let n = f64::from(DRAWS);
     let (mut cases, mut stream) = (0, 0);
     at_points(120, 80, |lights, at| {
         let exact = f64::from(lights.light_by_all(at).all().luminance());
         let walks = all_walks(lights, at);
-        // No light that brings something is left out: then brings / p has the right mean.
+        // Every light that contributes has a positive probability, so the estimate contribution / p has the right mean.
         assert!(walks.iter().all(|[_, p]| *p > 0.0));
         let mean: f64 = walks.iter().map(|[brings, _]| brings).sum();
         assert!((mean - exact).abs() <= 1e-4 * exact);
         let variance =
             walks.iter().map(|[brings, p]| brings * brings / p).sum::<f64>() - mean * mean;
         let largest = walks.iter().map(|[brings, p]| brings / p).fold(0.0, f64::max);
-        // A mean of so many draws is normal unless single draws can move it.
+        // The mean of this many samples is normally distributed, unless single samples dominate it.
         if walks.is_empty() || largest > 0.1 * (variance * n).sqrt() {
             return;
         }
@@ -64,7 +65,7 @@ fn drawn_lights_bring_what_all_bring_in_the_mean() {
             let sampled = (squares / n - mean * mean).max(0.0);
             let error = (if stochastic { sampled } else { variance } / n).sqrt();
             let z = (mean - exact).abs() / error.max(1e-4 * exact);
-            // Beyond 4.5 by chance: once in a thousand for the hundred cases.
+            // Beyond 4.5 standard deviations by chance: about once in a thousand runs of these hundred cases.
             assert!(z < 4.5, "stochastic {stochastic}: {mean} +- {error} is not {exact}");
         }
     });

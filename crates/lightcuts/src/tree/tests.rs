@@ -15,7 +15,7 @@ fn a_node_is_small() {
 }
 
 #[test]
-fn every_node_holds_its_lights_and_every_light_stands_once() {
+fn every_node_contains_its_lights_and_every_light_occurs_once() {
     for by_depth in [false, true] {
         let (set, forest) = forest(3000, by_depth, 1);
         let mut seen = vec![0; set.lights.len()];
@@ -48,7 +48,7 @@ fn every_node_holds_its_lights_and_every_light_stands_once() {
 }
 
 #[test]
-fn a_light_represents_as_often_as_its_share_of_the_power() {
+fn a_light_is_the_representative_in_proportion_to_its_power() {
     let trials = 4000u32;
     let (set, first) = forest(24, false, 0);
     let mut counts = vec![vec![0u32; set.lights.len()]; first.trees.len()];
@@ -66,7 +66,8 @@ fn a_light_represents_as_often_as_its_share_of_the_power() {
             let share = f64::from(light / tree.node(0).power.luminance());
             let z = (f64::from(counts[k as usize]) - n * share)
                 / (n * share * (1.0 - share)).max(1.0).sqrt();
-            // One of so many beyond 4.5 by chance: less than once in five thousand.
+            // One of this many cases is beyond 4.5 standard deviations by chance in fewer than one of five thousand
+            // runs.
             assert!(z.abs() < 4.5, "light {k} of {cases}: {z} standard deviations off {share}");
         }
     }

@@ -7,7 +7,7 @@ use gi_core::ray::Ray;
 use gi_core::scene::SceneParts;
 use gi_core::texture::Texture;
 
-/// The square from -1 to 1 in the plane y = 0, normal upward.
+/// The square from -1 to 1 in the plane y = 0, with its normal up.
 fn floor(material: Material) -> Scene {
     let at = |x, z| Vec3::new(x, 0.0, z);
     let positions = vec![at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)];
@@ -22,7 +22,7 @@ fn grey(albedo: f32) -> Material {
     Material::Diffuse { reflectance: Texture::grey(albedo) }
 }
 
-/// What the eye above the origin gathers of `photons`.
+/// The result of gathering `photons` at the point that an eye above the origin sees.
 fn seen(scene: &Scene, photons: Vec<Photon>, max_segments: Option<u32>) -> Gathered {
     let ray = Ray::new(Vec3::new(0.1, 1.0, 0.0), Vec3::new(-0.1, -1.0, 0.0).normalize());
     let (surface, _) = scene.intersect(&ray).expect("the floor");
@@ -35,7 +35,7 @@ fn seen(scene: &Scene, photons: Vec<Photon>, max_segments: Option<u32>) -> Gathe
     gather(&Grid::build(&[photons], 0.5), &point, discs)
 }
 
-/// A photon of power 2 that came from `wi` and lies on a surface of normal `ng`.
+/// A photon of power 2 from `wi` on a surface with normal `ng`.
 fn photon(p: Vec3, wi: Vec3, ng: Vec3, kind: PhotonKind) -> Photon {
     let wi = wi.normalize();
     let normal = (ng * 127f32.copysign(wi.dot(ng))).to_array().map(|v| v.round() as i8);
@@ -57,10 +57,10 @@ fn photons_count_by_their_kind_with_the_brdf() {
 }
 
 #[test]
-fn photons_from_behind_change_neither_number_nor_flux() {
+fn photons_from_behind_change_neither_count_nor_flux() {
     let below =
         |x: f32, y: f32| photon(Vec3::new(x, y, 0.0), -Vec3::Y, Vec3::Y, PhotonKind::Indirect);
-    // On the other side of a sheet without thickness, and on the far side of a thin slab.
+    // On the other side of a sheet without thickness, and on the far side of a thin plate.
     let behind = vec![below(0.1, 0.0), below(-0.2, 0.0), below(0.0, -0.01)];
     for material in [grey(0.5), plastic()] {
         let found = seen(&floor(material), behind.clone(), None);
@@ -70,10 +70,10 @@ fn photons_from_behind_change_neither_number_nor_flux() {
 }
 
 #[test]
-fn photons_that_the_surface_swallows_or_of_another_one_do_not_count() {
+fn photons_that_are_absorbed_or_on_another_surface_do_not_count() {
     let up = |p, ng| photon(p, Vec3::new(0.4, 1.0, 0.0), ng, PhotonKind::Indirect);
     assert_eq!(seen(&floor(grey(0.0)), vec![up(Vec3::X * 0.2, Vec3::Y)], None).photons, 0);
-    // Of a wall that stands on the floor; out of reach; of too long a path.
+    // Photons on a wall that stands on the floor, outside the radius, or on a path that is too long.
     let wall = up(Vec3::new(0.1, 0.1, 0.0), Vec3::X);
     assert_eq!(seen(&floor(grey(0.5)), vec![wall], None).photons, 0);
     let far = up(Vec3::X * 0.51, Vec3::Y);
@@ -95,7 +95,7 @@ fn plastic() -> Material {
 }
 
 #[test]
-fn no_number_of_photons_is_too_many() {
+fn any_number_of_photons_can_be_gathered() {
     let mut rng = gi_core::rng::Pcg::new(1, 1);
     let photons: Vec<Photon> = (0..100_000)
         .map(|_| {

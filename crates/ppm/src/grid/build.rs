@@ -1,16 +1,16 @@
-//! Sorting photons into buckets, in parallel, to an order that does not depend on threads.
+//! Sorts photons into buckets in parallel. The order does not depend on the number of threads.
 
 use rayon::prelude::*;
 
 use super::Grid;
 use crate::photons::{Arrival, Photon};
 
-/// Pieces that the buckets are dealt out in.
+/// Number of pieces that the buckets are divided into.
 const PIECES: usize = 256;
 
 impl Grid {
-    /// Put the photons into the order of their buckets: every chunk deals its photons out to pieces, each a range of
-    /// buckets, then every piece counts and places its own.
+    /// Put the photons into the order of their buckets. Each chunk distributes its photons to pieces, which are ranges
+    /// of buckets. Then each piece counts and places its own photons.
     pub(super) fn sort(&mut self, chunks: &[Vec<Photon>]) {
         let buckets = self.layout.buckets();
         let width = buckets.div_ceil(PIECES);
@@ -21,7 +21,7 @@ impl Grid {
         *self.start.last_mut().expect("one entry more than buckets") = n;
     }
 
-    /// A chunk's photons, those of a piece after those of the piece before.
+    /// Distribute the photons of a chunk: sorted by piece, in order within a piece.
     fn deal(&self, chunk: &[Photon], width: usize) -> Dealt {
         let buckets: Vec<u32> =
             chunk.iter().map(|p| self.layout.bucket(self.cell_of(p.p)) as u32).collect();
@@ -38,7 +38,7 @@ impl Grid {
         Dealt { entries, ends }
     }
 
-    /// The pieces with their shares of the arrays.
+    /// The pieces with their parts of the arrays.
     fn pieces(&mut self, dealt: &[Dealt], width: usize) -> Vec<Piece<'_>> {
         let [mut x, mut y, mut z] = self.columns.each_mut().map(Vec::as_mut_slice);
         let mut arrivals = self.arrivals.as_mut_slice();
@@ -70,10 +70,10 @@ struct Entry {
     place: u32,
 }
 
-/// A chunk, dealt out to pieces.
+/// A chunk, distributed to pieces.
 struct Dealt {
     entries: Vec<Entry>,
-    /// Where each piece's entries begin, and the last end.
+    /// The start of each piece's entries, and the end of the last.
     ends: Vec<u32>,
 }
 
@@ -83,12 +83,12 @@ impl Dealt {
     }
 }
 
-/// A range of buckets, with its shares of the grid's arrays.
+/// A range of buckets, with its parts of the grid's arrays.
 struct Piece<'a> {
     index: usize,
-    /// Buckets in a piece; the last may have fewer.
+    /// Number of buckets per piece; the last piece may have fewer.
     width: usize,
-    /// Number of the first photon.
+    /// Index of the first photon.
     first: u32,
     start: &'a mut [u32],
     columns: [&'a mut [f32]; 3],
@@ -96,7 +96,7 @@ struct Piece<'a> {
 }
 
 impl Piece<'_> {
-    /// Count the photons of each bucket, then put them into their places, chunk after chunk.
+    /// Count the photons of each bucket, then place them, chunk by chunk.
     fn place(&mut self, chunks: &[Vec<Photon>], dealt: &[Dealt]) {
         let base = self.index * self.width;
         let mut next = vec![0u32; self.start.len() + 1];

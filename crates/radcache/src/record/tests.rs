@@ -64,7 +64,7 @@ fn mean_and_error(values: &[f64]) -> (f64, f64) {
 #[test]
 fn coefficients_and_gradients_are_those_of_a_rectangle_and_its_finite_differences() {
     let own = Frame::from_normal(Vec3::Z);
-    // Records are not limited here: their reach is small.
+    // The gradients are not limited here, because the reach is small.
     let record = |basis, seed| {
         let h = see(2000, seed, rectangle);
         RadianceRecord::new(irradiance(Rgb::WHITE, 1e-9), &own, &h, basis, ORDER)
@@ -86,7 +86,8 @@ fn coefficients_and_gradients_are_those_of_a_rectangle_and_its_finite_difference
         for (k, exact) in all.iter().enumerate() {
             let found: Vec<f64> = records.iter().map(|r| f64::from(r.light[k].x)).collect();
             let (found, error) = mean_and_error(&found);
-            // Walls stand at strata's borders and not at the rectangle's: half of one of 25 rings.
+            // The bias of gradients: walls move at the borders of strata, not at the edge of the rectangle, which is
+            // off by half of one of 25 rings.
             let bias = if k < count { 0.0 } else { 0.5 / 25.0 * largest(k / count) };
             assert!(
                 (found - exact).abs() < bias + 4.5 * error + 1e-4,
@@ -97,7 +98,7 @@ fn coefficients_and_gradients_are_those_of_a_rectangle_and_its_finite_difference
 }
 
 #[test]
-fn with_the_cosine_for_a_brdf_the_dot_product_is_the_irradiance() {
+fn with_the_cosine_as_brdf_the_dot_product_is_the_irradiance() {
     // The cosine in both bases, by quadrature over the upper half.
     let order = 10;
     let (own, mut y) = (Frame::from_normal(Vec3::Z), [0.0; MAX_FUNCTIONS]);
@@ -118,13 +119,13 @@ fn with_the_cosine_for_a_brdf_the_dot_product_is_the_irradiance() {
             (0..order * order).map(dot).sum::<f64>() / f64::from(e.r) - 1.0
         };
         let (mean, error) = mean_and_error(&(0..50).map(off).collect::<Vec<_>>());
-        // Bands from 10 on hold 3e-4 of the cosine's energy; hemispherical ones hold it whole.
+        // Bands from 10 on contain 3e-4 of the cosine's energy. Hemispherical harmonics represent the cosine exactly.
         assert!(mean.abs() < 2e-3 + 4.5 * error, "{basis:?}: {mean} +- {error}");
     }
 }
 
 #[test]
-fn at_home_a_record_gives_its_light_whichever_way_the_query_looks() {
+fn at_its_own_point_a_record_gives_its_light_in_any_frame_of_the_query() {
     let h = see(500, 3, |w| (w.x.max(0.0) + 0.2, 1.0));
     let own = Frame::from_normal(Vec3::Z);
     let q = Query { p: Vec3::ZERO, n: Vec3::Z };

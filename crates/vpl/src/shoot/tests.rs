@@ -10,7 +10,7 @@ use gi_core::scene::SceneParts;
 use gi_core::texture::Texture;
 use std::f32::consts::PI;
 
-/// The inside of a unit sphere of this albedo, a point light of intensity 1 somewhere in it.
+/// The inside of a unit sphere with this albedo, with a point light of intensity 1 at some point inside.
 fn sphere(albedo: f32) -> Scene {
     let axes = Frame::from_normal(Vec3::Z);
     let geometry = Geometry::Sphere { center: Vec3::ZERO, radius: 1.0, axes };
@@ -34,13 +34,14 @@ fn powers_add_up_to_the_geometric_series() {
     let scene = sphere(albedo);
     for termination in [Termination::Fractional, Termination::Roulette] {
         let how = shooting(&scene, termination);
-        // The pilot's reflectance is a frequency over some 5000 scatterings.
+        // The pilot's reflectance is estimated from some 5000 scatterings.
         assert!((how.pilot.reflectance - albedo).abs() < 0.03, "{:?}", how.pilot);
         let set = shoot(&scene, &how);
         let emitted = 4.0 * PI;
         assert!((set.emitted.g / emitted - 1.0).abs() < 1e-4);
-        // Lights leave rho Phi, rho^2 Phi, ... : rho / (1 - rho) Phi in all. By roulette every survivor has the power
-        // of its path, and their number has a standard deviation of sqrt(rho) / (1 - rho) a path.
+        // The lights have the powers rho Phi, rho^2 Phi, ... : in total rho / (1 - rho) Phi. With Russian roulette,
+        // each survivor has the power of its path, and their number per path has a standard deviation of sqrt(rho) / (1
+        // - rho).
         let left: f32 = set.lights.iter().map(|v| v.power.g * PI).sum();
         let expected = albedo / (1.0 - albedo) * emitted;
         let sigma = albedo.sqrt() / (1.0 - albedo) / 64.0 * albedo;
@@ -54,7 +55,7 @@ fn powers_add_up_to_the_geometric_series() {
             let power: f32 = first.iter().map(|v| v.power.g * PI).sum();
             assert!(
                 (power / (albedo * emitted) - 1.0).abs() < 1e-4,
-                "every path leaves its first light"
+                "every path leaves at least one light"
             );
             assert_eq!(first.len(), 4096);
         }
@@ -69,7 +70,7 @@ fn one_light_by_hand() {
     let power = Rgb::new(1.0, 2.0, 3.0);
     let vpl = Vpl { p, n: -Vec3::Z, ns: -Vec3::Z, power, kind: Kind::Oriented, depth: 1, on: None };
     let set = Vpls::default();
-    // The sphere's lowest point, seen from its middle: cosines 1, distance 2, f = 0.5 / pi.
+    // The sphere's lowest point, seen from its centre: cosines 1, distance 2, f = 0.5 / pi.
     let ray = Ray::new(Vec3::ZERO, -Vec3::Z);
     let (surface, _) = scene.intersect(&ray).expect("the sphere");
     let wo = Vec3::Z;
@@ -78,14 +79,14 @@ fn one_light_by_hand() {
     let c = set.connect(&scene, &vpl, &at).expect("they face each other");
     assert!((c.radiance.g - 2.0 * 0.5 / PI / 4.0).abs() < 1e-6 && (c.geometry - 0.25).abs() < 1e-6);
     assert!(!scene.tree().occluded(&c.shadow));
-    // From the side: on a unit sphere cos cos' / d^2 is 1/4 wherever the points lie.
+    // A point at the side: on a unit sphere, cos cos' / d^2 is 1/4 for any two points.
     let ray = Ray::new(Vec3::ZERO, Vec3::X);
-    let (surface, _) = scene.intersect(&ray).expect("the sphere");
+    let (surface, _) = scene.intersect(&ray).expect("hits the sphere");
     let bsdf = scene.bsdf(&surface, -Vec3::X, Transport::Radiance);
     let at = Receiver::new(&surface, -Vec3::X, &bsdf);
     let c = set.connect(&scene, &vpl, &at).expect("they see each other");
     assert!((c.geometry - 0.25).abs() < 1e-6);
-    // One that shines away lights nothing; parallel light does not fall off.
+    // A light that faces away illuminates nothing; parallel light does not fall off.
     assert!(set.connect(&scene, &Vpl { n: Vec3::Z, ns: Vec3::Z, ..vpl }, &at).is_none());
     let sun = Vpl { n: Vec3::X, kind: Kind::Directional, ..vpl };
     let c = set.connect(&scene, &sun, &at).expect("it shines on it");

@@ -7,19 +7,19 @@ use glam::Vec3;
 use super::schlick_weight;
 use crate::math::{INV_PI, Rgb, safe_sqrt, sqr};
 
-/// What is reflected diffusely. Both directions stand above.
+/// The diffuse base. Both directions are above.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Base {
-    /// Colour, already times the share of the base.
+    /// Colour, already multiplied by the fraction of the base.
     pub(super) color: Rgb,
-    /// Colour of the sheen, already times its share.
+    /// Colour of the sheen, already multiplied by its strength.
     pub(super) sheen: Rgb,
     pub(super) roughness: f32,
-    /// Share of the flattened form.
+    /// Fraction of the flattened form.
     pub(super) flatness: f32,
 }
 
-/// Nodes and weights of Gauss and Legendre's rule of five points on [0, 1]: exact for the mean of the unflattened base.
+/// Nodes and weights of the Gauss-Legendre rule with five points on [0, 1]: exact for the mean of the unflattened base.
 const NODES: [[f32; 2]; 5] = [
     [0.046_910_077, 0.118_463_44],
     [0.230_765_34, 0.239_314_34],
@@ -28,7 +28,7 @@ const NODES: [[f32; 2]; 5] = [
     [0.953_089_9, 0.118_463_44],
 ];
 
-/// The largest c (1 - c)^5, at c = 1/6.
+/// The maximum of c (1 - c)^5, at c = 1/6.
 const MOST_GRAZING: f32 = 0.066_98;
 
 impl Base {
@@ -39,8 +39,8 @@ impl Base {
         self.diffuse_f(wo, wi) + self.color * (INV_PI * retro) + self.sheen_f(wo, wi)
     }
 
-    /// f of the diffuse part: all but the sheen and the directional part of the retro-reflection, which depend on direction too
-    /// strongly. The constant part of the retro-reflection is included.
+    /// f of the diffuse part: everything except the sheen and the directional part of the retro-reflection, which
+    /// depend on direction too strongly. The constant part of the retro-reflection is included.
     #[inline]
     pub(super) fn diffuse_f(&self, wo: Vec3, wi: Vec3) -> Rgb {
         self.color * (INV_PI * self.smooth(wo.z, wi.z, cos_d_sq(wo, wi)))
@@ -55,8 +55,8 @@ impl Base {
         self.sheen * schlick_weight(safe_sqrt(cos_d_sq(wo, wi)))
     }
 
-    /// pi times [`Base::diffuse_f`] over the colour; `cos_d_sq` is the squared cosine of half the angle between the
-    /// directions.
+    /// pi times [`Base::diffuse_f`], divided by the colour; `cos_d_sq` is the squared cosine of half the angle between
+    /// the directions.
     #[inline]
     fn smooth(&self, cos_o: f32, cos_i: f32, cos_d_sq: f32) -> f32 {
         let (fo, fi) = (schlick_weight(cos_o), schlick_weight(cos_i));
@@ -73,13 +73,13 @@ impl Base {
         diffuse + (flat - diffuse) * self.flatness
     }
 
-    /// Least factor of the retro-reflection over all `wi` above.
+    /// Smallest factor of the retro-reflection over all `wi` above.
     #[inline]
     fn least_retro(&self, cos_o: f32) -> f32 {
         self.roughness * (1.0 - safe_sqrt(1.0 - sqr(cos_o)))
     }
 
-    /// What of the retro-reflection depends on `wi`, never negative.
+    /// The part of the retro-reflection that depends on `wi`; it is never negative.
     #[inline]
     fn directed_retro(&self, cos_o: f32, cos_i: f32, cos_d_sq: f32) -> f32 {
         let (fo, fi) = (schlick_weight(cos_o), schlick_weight(cos_i));
@@ -93,7 +93,8 @@ impl Base {
         let sin_o = safe_sqrt(1.0 - sqr(wo.z));
         let mut sum = 0.0;
         for [cos_i, weight] in NODES {
-            // Two azimuths are exact, because the squared cosine of the half angle is linear in that of the azimuth.
+            // Two azimuths are enough for an exact mean, because the squared cosine of half the angle between the
+            // directions is linear in the cosine of the azimuth.
             let across = sin_o * safe_sqrt(1.0 - sqr(cos_i)) * (0.25 * PI).cos();
             for across in [across, -across] {
                 let cos_d_sq = 0.5 * (1.0 + wo.z * cos_i + across);
@@ -103,18 +104,18 @@ impl Base {
         self.color * sum
     }
 
-    /// Weight of the base when a direction is drawn.
+    /// Sampling weight of the base.
     pub(super) fn importance(&self) -> f32 {
-        // The sheen's albedo at normal incidence is pi times 0.01 of its colour, and more toward the side.
+        // The sheen's albedo at normal incidence is 0.01 pi times its colour, and larger at grazing angles.
         self.color.mean() + 0.2 * self.sheen.mean()
     }
 
-    /// Upper bounds of f and f times cosine for `wi` with cosines up to `cos` whose angle to `wo` has a cosine from
-    /// `cos_between[0]` to `cos_between[1]`.
+    /// Upper bounds of f, and of f times the cosine, for `wi` with cosines up to `cos` and with the cosine of the angle
+    /// to `wo` between `cos_between[0]` and `cos_between[1]`.
     pub(super) fn bound(&self, cos_o: f32, cos: f32, cos_between: [f32; 2]) -> [Rgb; 2] {
         let fo = schlick_weight(cos_o);
         let retro = self.roughness * (1.0 + cos_between[1]);
-        // Linear in the weight of `wi`, and both coefficients rise with the retro-reflection.
+        // Linear in the Schlick weight of `wi`; both coefficients rise with the retro-reflection.
         let level = 1.0 - 0.5 * fo + retro * fo;
         let slope = retro * (1.0 + fo * (retro - 1.0)) - 0.5 * (1.0 - 0.5 * fo);
         let least = schlick_weight(cos);
@@ -123,7 +124,7 @@ impl Base {
             let grazing = if cos < 1.0 / 6.0 { cos * least } else { MOST_GRAZING };
             level * cos + slope * grazing
         } else {
-            // Falls from c = 0 on in the weight only, so that level and weight are largest at the largest cosine.
+            // This is largest at the largest cosine, because it falls only with the Schlick weight.
             (level + slope * least) * cos
         };
         let flat = 1.25 / (cos_o + cos);
@@ -154,13 +155,13 @@ mod tests {
     }
 
     #[test]
-    fn the_mean_albedo_of_the_base_is_what_a_fine_grid_finds() {
+    fn the_mean_albedo_of_the_base_agrees_with_a_fine_grid() {
         for (roughness, flatness, tolerance) in
             [(0.0, 0.0, 5e-4), (0.5, 0.0, 5e-4), (1.0, 0.0, 5e-4), (0.7, 0.6, 4e-3)]
         {
             let base = Base { color: Rgb::grey(0.8), sheen: Rgb::BLACK, roughness, flatness };
             for wo in [Vec3::Z, Vec3::new(0.8, 0.0, 0.6), Vec3::new(0.98, 0.0, 0.199)] {
-                let n = 400; // good to 2e-4
+                let n = 400; // accurate to 2e-4
                 let mut sum = 0.0f64;
                 for i in 0..n * n {
                     let u = [((i % n) as f32 + 0.5) / n as f32, ((i / n) as f32 + 0.5) / n as f32];

@@ -8,7 +8,7 @@ use crate::bsdf::microfacet::least_tangent;
 use crate::math::{INV_PI, Rgb, sqr};
 
 impl Solid {
-    /// Bound what is scattered toward a cap; `max_cos_wo` is the largest cosine between `wo` and a direction of it.
+    /// Bound the scattering toward a cap; `max_cos_wo` is the largest cosine between `wo` and a direction in it.
     pub(in crate::bsdf) fn bound(
         &self,
         cap: &Cap,
@@ -20,7 +20,7 @@ impl Solid {
             bound += self.reflected_bound(cap, max_cos_wo);
         }
         if self.glass > 0.0 {
-            // From either side: no cosine is left out.
+            // Use the cap without its limit on the cosine, because the light may come from either side.
             let both = Cap { cos: 1.0, ..*cap };
             if cap.wo.z < 0.0 {
                 let cos = both.min_cos_half().copysign(cap.wo.z);
@@ -32,7 +32,7 @@ impl Solid {
         bound
     }
 
-    /// All that stays on the side of the normal.
+    /// All scattering that stays on the side of the normal.
     fn reflected_bound(&self, cap: &Cap, max_cos_wo: f32) -> ScatterBound {
         let min_cos = cap.min_cos_half();
         let mut bound = cap.reflected(&self.facets, self.front.bound(min_cos));
@@ -45,14 +45,14 @@ impl Solid {
 }
 
 impl Thin {
-    /// Bound what is scattered toward a cap above, with the largest cosine between `wo` and a direction of it.
+    /// Bound the scattering toward a cap above; `max_cos_wo` is the largest cosine between `wo` and a direction in it.
     pub(in crate::bsdf) fn reflected_bound(&self, cap: &Cap, max_cos_wo: f32) -> ScatterBound {
         let [f, f_cos] = self.base.bound(cap.wo.z, cap.cos, [cap.min_cos_wo, max_cos_wo]);
         let fresnel = self.front.bound(cap.min_cos_half()) * self.specular;
         cap.reflected(&self.facets, fresnel) + ScatterBound { f, f_cos }
     }
 
-    /// Bound what passes to the other side, toward a cap that was turned above.
+    /// Bound the transmission to the other side, toward a cap that was mirrored to above.
     pub(in crate::bsdf) fn passing_bound(&self, cap: &Cap) -> ScatterBound {
         let diffuse = self.behind * INV_PI;
         let most = 1.0 - fresnel::dielectric(1.0, self.front.eta).reflectance;

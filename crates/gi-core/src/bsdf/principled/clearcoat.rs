@@ -11,11 +11,11 @@ use crate::math::{safe_sqrt, sqr};
 /// Width of the shadowing term [Burley12, 5.4].
 const SHADOW_ALPHA: f32 = 0.25;
 
-/// A clearcoat over a body. Both directions stand above. As in Mitsuba 3, shadowing is Smith's G and not divided by
-/// 4 cos cos', which Burley's own code folds into it.
+/// A clearcoat over a body. Both directions are above. As in Mitsuba 3, shadowing is Smith's G, and the lobe is not
+/// divided by 4 cos cos', which Burley's own code includes in its G.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Clearcoat {
-    /// Already times the quarter that Burley gives the lobe.
+    /// Weight, already multiplied by the quarter that Burley gives the lobe.
     weight: f32,
     /// Width of the distribution.
     alpha: f32,
@@ -46,7 +46,7 @@ impl Clearcoat {
         self.d(m) * m.z / (4.0 * wo.dot(m))
     }
 
-    /// Mirror `wo` at a facet drawn by D cos.
+    /// Mirror `wo` at a facet that is sampled by D cos.
     pub(super) fn sample(&self, wo: Vec3, u: [f32; 2]) -> Option<Vec3> {
         // [Burley12, B.2, eq. 2]
         let a2 = sqr(self.alpha);
@@ -57,9 +57,9 @@ impl Clearcoat {
         (wo.dot(m) > 0.0 && wi.z > 0.0).then_some(wi)
     }
 
-    /// Weight of the lobe when a direction is drawn.
+    /// Sampling weight of the lobe.
     pub(super) fn importance(&self, wo: Vec3, eta: f32) -> f32 {
-        // Mirrored at the normal, f cos over the density is 4 cos^2 F.
+        // For a reflection at the normal, f cos divided by the density is 4 cos^2 F.
         self.weight * 4.0 * sqr(wo.z) * schlick(wo.z, eta).max(0.05)
     }
 
@@ -75,8 +75,8 @@ impl Clearcoat {
         (a2 - 1.0) / (PI * a2.ln() * (sin_sq + a2 * cos_sq))
     }
 
-    /// Upper bound of f: of facets whose tangent is at least the root of `tan_sq` and that meet the directions at cosines
-    /// of at least `min_cos`, for `wi` with cosines up to `cos`.
+    /// Upper bound of f for `wi` with cosines up to `cos`, over facets whose squared tangent is at least `tan_sq` and
+    /// whose cosine with the directions is at least `min_cos`.
     pub(super) fn bound(&self, cos_o: f32, cos: f32, tan_sq: f32, min_cos: f32, eta: f32) -> f32 {
         if self.weight == 0.0 {
             return 0.0;
@@ -90,7 +90,8 @@ impl Clearcoat {
     }
 }
 
-/// Schlick's term for polyurethane, of index 1.5. Toward a thinner medium the refracted angle counts.
+/// Schlick's term for polyurethane, with index 1.5. Toward a thinner medium, the angle of the refracted direction is
+/// used.
 fn schlick(cos: f32, eta: f32) -> f32 {
     let cos = if eta > 1.0 { cos } else { fresnel::dielectric(cos, eta).cos_t.abs() };
     0.04 + 0.96 * schlick_weight(cos)

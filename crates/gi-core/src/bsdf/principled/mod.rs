@@ -1,7 +1,7 @@
 //! The principled model [Burley12, Burley15], with the parameters and conventions of Mitsuba 3.
 //!
-//! `solid` is the surface of a body and `thin` a sheet without thickness. Both have the diffuse `base` and facets whose
-//! Fresnel term blends a dielectric with a tinted Schlick term.
+//! `solid` is the surface of a body, and `thin` a sheet without thickness. Both have the diffuse `base`, and facets
+//! whose Fresnel term blends that of a dielectric with a tinted Schlick term.
 
 mod base;
 mod bound;
@@ -23,7 +23,8 @@ pub(crate) use thin::Thin;
 /// Smallest width of the facets, as in Mitsuba.
 const MIN_ALPHA: f32 = 1e-3;
 
-/// A direction that was drawn, still to be weighed, and the index of the medium entered over that of the medium left.
+/// A sampled direction whose weight is still to be computed, and the index of the medium entered over that of the
+/// medium left.
 pub(crate) struct Drawn {
     pub(crate) wi: Vec3,
     pub(crate) eta: f32,
@@ -42,20 +43,20 @@ pub(super) fn facets(roughness: f32, anisotropic: f32) -> Microfacets {
     Microfacets::new(Distribution::Ggx, alpha.max(Vec2::splat(MIN_ALPHA)))
 }
 
-/// The mirror image of a vector at the plane of the surface.
+/// A vector mirrored at the plane of the surface.
 #[inline]
 pub(super) fn mirrored(w: Vec3) -> Vec3 {
     Vec3::new(w.x, w.y, -w.z)
 }
 
-/// Schlick's weight of grazing reflection.
+/// Schlick's weight (1 - cos)^5 of grazing reflection.
 #[inline]
 fn schlick_weight(cos: f32) -> f32 {
     let m = (1.0 - cos).clamp(0.0, 1.0);
     sqr(sqr(m)) * m
 }
 
-/// The hue of a colour: its luminance is one, and that of black is white.
+/// The hue of a colour: the colour scaled to luminance one; white for black.
 fn hue(color: Rgb) -> Rgb {
     let luminance = color.luminance();
     if luminance > 0.0 { color * (1.0 / luminance) } else { Rgb::WHITE }
@@ -66,19 +67,19 @@ fn normal_reflectance(eta: f32) -> f32 {
     sqr((eta - 1.0) / (eta + 1.0))
 }
 
-/// A dielectric's Fresnel term blended with Schlick's.
+/// The Fresnel term of a dielectric, blended with Schlick's.
 #[derive(Clone, Copy, Debug)]
 struct Blended {
     /// Index inside over index outside.
     eta: f32,
-    /// Share of Schlick's term.
+    /// Fraction of Schlick's term.
     schlick: f32,
-    /// Schlick's reflectance at normal incidence, already times that share.
+    /// Schlick's reflectance at normal incidence, already multiplied by that fraction.
     f0: Rgb,
 }
 
 impl Blended {
-    /// Reflected share for a facet seen from outside at this cosine.
+    /// Reflectance of a facet that is hit from outside at this cosine.
     #[inline]
     fn reflectance(&self, cos: f32) -> Rgb {
         let interface = fresnel::dielectric(cos, self.eta);
@@ -86,14 +87,14 @@ impl Blended {
         if self.schlick == 0.0 {
             return Rgb::grey(dielectric);
         }
-        // Toward the thinner medium the angle of the refracted direction counts.
+        // Toward the thinner medium, the angle of the refracted direction is used.
         let w = schlick_weight(if self.eta > 1.0 { cos } else { interface.cos_t.abs() });
         Rgb::grey(dielectric + self.schlick * w) + self.f0 * (1.0 - w)
     }
 
     /// Upper bound of the reflectance for cosines from `cos` to 1.
     fn bound(&self, cos: f32) -> Rgb {
-        // The dielectric's share rises toward grazing angles. Schlick's runs from `f0` to its value at `cos`.
+        // The dielectric's reflectance rises toward grazing angles. Schlick's goes from `f0` to its value at `cos`.
         let dielectric = (1.0 - self.schlick) * fresnel::dielectric(cos, self.eta).reflectance;
         (self.reflectance(cos) - Rgb::grey(dielectric)).zip(self.f0, f32::max)
             + Rgb::grey(dielectric)

@@ -15,24 +15,25 @@ use crate::warp;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Solid {
     pub(super) base: Base,
-    /// What facets reflect outside.
+    /// Reflection by facets, outside.
     pub(super) front: Blended,
-    /// Share of the glass: what facets reflect inside is this times the dielectric's reflectance.
+    /// Fraction of glass. The reflection by facets inside is this times the dielectric's reflectance.
     pub(super) glass: f32,
-    /// Colour of what is refracted, already times the share of the glass.
+    /// Colour of refracted light, already multiplied by the fraction of glass.
     pub(super) transmit: Rgb,
     pub(super) facets: Microfacets,
     pub(super) coat: Clearcoat,
 }
 
-/// Shares of the samples.
+/// Fractions of the samples.
 struct Shares {
     base: f32,
     coat: f32,
     facets: f32,
 }
 
-/// Least share of the samples that the facets get: their reflection is strong at grazing angles, however weak elsewhere.
+/// Smallest fraction of samples for the facets: their reflection is strong at grazing angles, even if it is weak
+/// elsewhere.
 const MIN_FACETS: f32 = 0.25;
 
 impl Solid {
@@ -58,7 +59,7 @@ impl Solid {
                 f0: color * metallic + hue(color) * (tint * normal_reflectance(material.eta)),
             },
             glass,
-            // Passed twice, the surfaces of a body have its colour [Burley15, 2].
+            // Light passes two surfaces of a body; together they have its colour [Burley15, 2].
             transmit: color.map(f32::sqrt) * glass,
             facets: facets(roughness, share(&material.anisotropic)),
             coat: Clearcoat::new(share(&material.clearcoat), share(&material.clearcoat_gloss)),
@@ -101,7 +102,7 @@ impl Solid {
         pdf_w
     }
 
-    /// Draw a direction.
+    /// Sample a direction.
     pub(crate) fn sample(&self, wo: Vec3, u_choice: f32, u: [f32; 2]) -> Option<Drawn> {
         let shares = self.shares(wo)?;
         if u_choice < shares.base {
@@ -112,7 +113,7 @@ impl Solid {
         }
         let u_facet = (u_choice - shares.base - shares.coat) / shares.facets;
         let m = self.facets.sample_visible(wo * 1f32.copysign(wo.z), u);
-        // What shadowing facets throw to the wrong side is lost.
+        // Light that facets send to the wrong side is lost, because other facets shadow it.
         if u_facet < self.reflected_share(wo, m) {
             let wi = reflect(wo, m);
             return (wi.z * wo.z > 0.0).then(|| Drawn::unrefracted(wi));
@@ -174,7 +175,7 @@ impl Solid {
         self.base.color + self.front.reflectance(1.0) + self.transmit
     }
 
-    /// Whether nothing passes to the other side.
+    /// Whether no light passes to the other side.
     pub(crate) fn is_opaque(&self) -> bool {
         self.glass == 0.0
     }

@@ -1,4 +1,4 @@
-//! A sheet without thickness: both sides are alike, and nothing is bent.
+//! A sheet without thickness: both sides are the same, and light is not refracted.
 
 use glam::{Vec2, Vec3};
 
@@ -15,21 +15,21 @@ use crate::warp;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Thin {
     pub(super) base: Base,
-    /// Albedo of what passes diffusely.
+    /// Albedo of diffuse transmission.
     pub(super) behind: Rgb,
-    /// Share of the facets.
+    /// Fraction of the facets.
     pub(super) specular: f32,
-    /// What facets reflect, without that share.
+    /// Reflection by facets, without that fraction.
     pub(super) front: Blended,
-    /// Colour of what passes the facets, already times their share.
+    /// Colour of the transmission by facets, already multiplied by their fraction.
     pub(super) transmit: Rgb,
-    /// Facets that reflect.
+    /// Facets for reflection.
     pub(super) facets: Microfacets,
-    /// Facets that let light pass: narrower for a small index [Burley15, fig. 15].
+    /// Facets for transmission: narrower for a small index [Burley15, fig. 15].
     pub(super) passing: Microfacets,
 }
 
-/// Shares of the samples.
+/// Fractions of the samples.
 struct Shares {
     base: f32,
     behind: f32,
@@ -37,7 +37,7 @@ struct Shares {
     pass: f32,
 }
 
-/// Least share of the samples of the facets that go to either side.
+/// Smallest fraction of the facets' samples for either side.
 const MIN_SIDE: f32 = 0.25;
 
 impl Thin {
@@ -92,11 +92,12 @@ impl Thin {
         f
     }
 
-    /// f of what passes the facets: reflected to `up` and turned to the other side [Burley15, 5.2]. Both directions above.
+    /// f of the transmission by facets: reflected to `up` and mirrored to the other side [Burley15, 5.2]. Both
+    /// directions are above.
     fn passing_f(&self, wo: Vec3, up: Vec3, transport: Transport) -> Rgb {
         let m = (wo + up).normalize();
-        // As in Mitsuba 3, a facet that does not see the turned direction from behind lets nothing pass: the direction
-        // where the light comes from.
+        // As in Mitsuba 3, a facet transmits nothing if it faces away from the mirrored direction. That is the
+        // direction in which the light arrives.
         let from = if transport == Transport::Radiance { up } else { wo };
         if mirrored(from).dot(m) >= 0.0 {
             return Rgb::BLACK;
@@ -126,7 +127,7 @@ impl Thin {
         pdf_w
     }
 
-    /// Draw a direction.
+    /// Sample a direction.
     pub(crate) fn sample(&self, wo: Vec3, u_choice: f32, u: [f32; 2]) -> Option<Drawn> {
         let Shares { base, behind, reflect: reflected, .. } = self.shares(wo)?;
         if u_choice < base {
@@ -138,7 +139,7 @@ impl Thin {
         let passes = u_choice >= base + behind + reflected;
         let facets = if passes { &self.passing } else { &self.facets };
         let up = reflect(wo, facets.sample_visible(wo, u));
-        // What shadowing facets throw to the wrong side is lost.
+        // Light that facets send to the wrong side is lost, because other facets shadow it.
         (up.z > 0.0).then(|| Drawn::unrefracted(if passes { mirrored(up) } else { up }))
     }
 
@@ -183,7 +184,7 @@ impl Thin {
         self.base.color + self.behind + self.transmit + reflected
     }
 
-    /// Whether nothing passes to the other side.
+    /// Whether no light passes to the other side.
     pub(crate) fn is_opaque(&self) -> bool {
         self.behind.is_black() && self.transmit.is_black()
     }

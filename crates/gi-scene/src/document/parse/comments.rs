@@ -1,8 +1,8 @@
-//! Comments with two dashes in them, which XML forbids and people write: command lines, rulers.
+//! Accepts comments that contain `--`. XML forbids this, but scenes contain it in command lines and rulers.
 
 use std::borrow::Cow;
 
-/// The text with the dashes inside of comments replaced by underscores, byte by byte, so that all places stay the same.
+/// Replace the dashes inside comments by underscores. No byte moves, so all positions stay valid.
 pub(super) fn without_dashes(text: &str) -> Cow<'_, str> {
     let mut out = String::new();
     let mut at = 0;
@@ -21,12 +21,12 @@ pub(super) fn without_dashes(text: &str) -> Cow<'_, str> {
     Cow::Owned(out)
 }
 
-/// What stands inside of the next comment after byte `at`. A comment without an end is left to the parser.
+/// Byte range of the contents of the next comment after `at`. An unterminated comment is left to the parser to report.
 fn next_comment(text: &str, mut at: usize) -> Option<std::ops::Range<usize>> {
     loop {
         at += text[at..].find('<')?;
         let rest = &text[at..];
-        // What looks like a comment in these is none.
+        // Inside these, `<!--` does not start a comment.
         let skipped = [("<![CDATA[", "]]>"), ("<?", "?>")];
         if let Some((open, close)) = skipped.iter().find(|(open, _)| rest.starts_with(open)) {
             at += open.len() + rest[open.len()..].find(close)? + close.len();
@@ -44,7 +44,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn dashes_vanish_inside_of_comments_only_and_no_byte_moves() {
+    fn only_dashes_inside_comments_are_replaced_and_no_byte_moves() {
         let text = "<?a --?><!-- \u{e4} --spp 64 ---><a b='--'/><!-- fine --><![CDATA[<!-- -- -->]]><!--->-->";
         let clean = without_dashes(text);
         assert_eq!(clean.len(), text.len());

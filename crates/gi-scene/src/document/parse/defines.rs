@@ -1,4 +1,4 @@
-//! Names and values that stand for `$name`.
+//! Names (`$name`) and the values that replace them.
 
 use std::cell::Cell;
 use std::collections::{BTreeMap, HashMap};
@@ -6,22 +6,22 @@ use std::collections::{BTreeMap, HashMap};
 pub(super) struct Define {
     pub(super) name: String,
     pub(super) value: String,
-    /// Given with `-D`: wins over `<default>`, and is missed if nobody asks for it.
+    /// Whether it comes from `-D`. Then it overrides `<default>`, and it is reported if the scene never uses it.
     pub(super) forced: bool,
     pub(super) used: Cell<bool>,
 }
 
-/// All names, found in a time that does not grow with their number.
+/// All names. The time to find one does not depend on their number.
 #[derive(Default)]
 pub(super) struct Defines {
     all: Vec<Define>,
     index_of: HashMap<String, usize>,
-    /// How many names have a length.
+    /// Number of names per length.
     lengths: BTreeMap<usize, usize>,
 }
 
 impl Defines {
-    /// Add a name; one that is there already stays as it is.
+    /// Add a name, unless it is defined already.
     pub(super) fn add(&mut self, define: Define) {
         if !self.index_of.contains_key(&define.name) {
             *self.lengths.entry(define.name.len()).or_default() += 1;
@@ -34,7 +34,7 @@ impl Defines {
         self.index_of.get(name).map(|k| &self.all[*k])
     }
 
-    /// The longest name that `text` begins with.
+    /// The longest defined name that is a prefix of `text`.
     pub(super) fn at_start_of(&self, text: &str) -> Option<&Define> {
         let lengths = self.lengths.range(..=text.len()).rev();
         lengths.filter_map(|(length, _)| text.get(..*length)).find_map(|name| self.get(name))
@@ -50,7 +50,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_longest_name_counts_and_the_first_value() {
+    fn the_longest_name_and_the_first_value_win() {
         let mut defines = Defines::default();
         for (name, value) in [("r", "1"), ("rad", "2"), ("rad", "3"), ("\u{e4}", "4")] {
             let (name, value) = (name.to_owned(), value.to_owned());

@@ -10,7 +10,7 @@ use crate::files;
 use crate::spectrum::Spectrum;
 use crate::{transform, value};
 
-/// The tags of plain values.
+/// Tags of plain values.
 const TAGS: [&str; 12] = [
     "boolean",
     "integer",
@@ -57,7 +57,7 @@ impl Parser<'_> {
         self.add(element, parent, Value::Transform(m));
     }
 
-    /// A plain value; other tags are noted and dropped.
+    /// Read a plain value; warn about other tags and ignore them.
     pub(super) fn property(&mut self, element: &Element, parent: ObjectId) {
         if !TAGS.contains(&element.tag.as_str()) {
             self.note_unknown(element, parent);
@@ -74,7 +74,7 @@ impl Parser<'_> {
         }
     }
 
-    /// Remember a tag of the scene itself that is of no known dialect.
+    /// Remember an unknown tag that is directly inside the scene.
     fn note_unknown(&mut self, element: &Element, parent: ObjectId) {
         const MAX_NAMED: usize = 8;
         if parent != 0 {
@@ -143,7 +143,7 @@ impl Parser<'_> {
 
     fn add(&mut self, element: &Element, parent: ObjectId, value: Value) {
         let Some(name) = element.get("name") else {
-            // Nameless values are the children of `<spectrum>` and the like in no dialect that we know.
+            // No known Mitsuba format has values without a name, except as children of `<spectrum>` and similar tags.
             return self.report.error(
                 element.span,
                 format!("`{}` without a name", element.tag),
@@ -160,7 +160,7 @@ impl Parser<'_> {
     }
 }
 
-/// What a tag's value must look like.
+/// The form of a tag's value, for messages.
 fn expectation(tag: &str) -> &'static str {
     match tag {
         "boolean" => "`true` or `false`",

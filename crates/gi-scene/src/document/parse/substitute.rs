@@ -5,7 +5,7 @@ use super::{Parser, XmlNode};
 use crate::diagnostics::{Span, suggestion};
 use crate::value;
 
-/// How long an attribute may grow by substitution: `$a` = `$b$b`, `$b` = `$c$c`, ... doubles each time.
+/// Longest attribute after substitution: with `$a` = `$b$b`, `$b` = `$c$c`, ... the length doubles at each level.
 const MAX_ATTRIBUTE: usize = 1 << 16;
 
 pub(super) struct Attribute {
@@ -29,7 +29,7 @@ impl Element {
         self.get(name).map(|a| a.value.as_str())
     }
 
-    /// Where an attribute's value stands, or the tag.
+    /// Place of an attribute's value, or of the tag if the attribute is missing.
     pub(super) fn span_of(&self, name: &str) -> Span {
         self.get(name).map_or(self.span, |a| a.span)
     }
@@ -51,7 +51,7 @@ impl Parser<'_> {
         }
     }
 
-    /// An element's tag and attributes, `$name`s substituted.
+    /// An element's tag and attributes, with all `$name`s substituted.
     pub(super) fn element(&self, node: XmlNode<'_, '_>, file: usize) -> Element {
         let start = node.range().start + 1; // past the angle bracket
         let tag = node.tag_name().name();
@@ -95,14 +95,16 @@ impl Parser<'_> {
         out
     }
 
-    /// A `-D` that nothing asks for is a misspelling.
+    /// Warn about each `-D` that the scene does not use: it is probably misspelt.
     pub(super) fn check_defines(&self) {
         for define in self.defines.iter().filter(|d| d.forced && !d.used.get()) {
             let names = self.defines.iter().filter(|d| d.used.get()).map(|d| d.name.as_str());
             let hint =
                 suggestion(&define.name, names).map(|s| format!(", {s}")).unwrap_or_default();
-            self.report
-                .warn_nowhere(format!("-D {}: the scene has no such name{hint}", define.name));
+            self.report.warn_nowhere(format!(
+                "-D {}: the scene does not use this name{hint}",
+                define.name
+            ));
         }
     }
 }

@@ -1,6 +1,9 @@
-//! What each plugin means, and its defaults.
+//! The meaning of each plugin, and its defaults.
 
+#[path = "../common/mod.rs"]
 mod common;
+mod lights;
+mod shapes;
 
 use common::{material, of_only_shape, old_scene, scene};
 use gi_core::camera::Projection;
@@ -52,7 +55,7 @@ fn diffuse_takes_colours_numbers_and_spectra() {
 
 #[test]
 fn a_measured_reflectance_has_mitsubas_colour() {
-    // Mitsuba 3.9.1: the same pairs under D65.
+    // Values from Mitsuba 3.9.1: the same pairs under D65.
     let inner = "<spectrum name='reflectance' value='400:0.2, 500:0.5, 600:0.9, 700:0.1'/>";
     let Material::Diffuse { reflectance } =
         material(&format!("<bsdf type='diffuse'>{inner}</bsdf>"))
@@ -66,7 +69,7 @@ fn a_measured_reflectance_has_mitsubas_colour() {
 }
 
 #[test]
-fn dielectrics_are_bk7_in_air_unless_said() {
+fn dielectrics_are_bk7_in_air_by_default() {
     let eta = |inner: &str| match material(&format!("<bsdf type='dielectric'>{inner}</bsdf>")) {
         Material::Dielectric { eta, roughness: None, .. } => eta,
         other => panic!("{other:?}"),
@@ -88,7 +91,7 @@ fn dielectrics_are_bk7_in_air_unless_said() {
 }
 
 #[test]
-fn a_conductor_without_a_material_is_a_mirror_now_and_was_copper_before() {
+fn a_conductor_without_a_material_is_a_mirror_or_copper_in_the_old_format() {
     let body = "<shape type='sphere'><bsdf type='conductor'/></shape>";
     let Material::Conductor { eta, k, .. } = of_only_shape(&scene(body)) else { panic!() };
     assert_eq!((eta, k), (Rgb::BLACK, Rgb::WHITE));
@@ -102,7 +105,7 @@ fn a_conductor_without_a_material_is_a_mirror_now_and_was_copper_before() {
 }
 
 #[test]
-fn plastics_are_polypropylene_and_linear_unless_said() {
+fn plastics_are_polypropylene_and_linear_by_default() {
     let Material::Plastic { eta, diffuse, specular, nonlinear, roughness: None } =
         material("<bsdf type='plastic'/>")
     else {
@@ -139,14 +142,14 @@ fn wrappers_hold_their_children() {
     assert_ne!(front, back);
     for (i, material) in loaded.parts.materials.iter().enumerate() {
         if let Material::Blend { first, second, .. } = material {
-            assert!(*first < i && *second < i, "children stand before their parents");
+            assert!(*first < i && *second < i, "children come before their parents");
         }
     }
     assert!(matches!(loaded.parts.materials[second], Material::TwoSided { .. }));
 }
 
 #[test]
-fn twosided_round_a_mask_changes_places_with_it() {
+fn twosided_around_a_mask_swaps_places_with_it() {
     let inside = "<bsdf type='twosided'><bsdf type='mask'><bsdf type='diffuse'/></bsdf></bsdf>";
     assert!(matches!(material(inside), Material::Mask { .. }));
     let glass = "<bsdf type='twosided'><bsdf type='dielectric'/></bsdf>";
@@ -154,7 +157,7 @@ fn twosided_round_a_mask_changes_places_with_it() {
 }
 
 #[test]
-fn a_mixture_is_a_nest_of_blends_whose_shares_are_the_weights() {
+fn a_mixture_becomes_nested_blends_with_the_same_weights() {
     let loaded = scene(
         "<shape type='cube'><bsdf type='mixturebsdf'><string name='weights' value='0.2, 0.3, 0.1'/>
          <bsdf type='diffuse'><rgb name='reflectance' value='1 0 0'/></bsdf>
@@ -178,168 +181,14 @@ fn a_mixture_is_a_nest_of_blends_whose_shares_are_the_weights() {
 }
 
 #[test]
-fn transforms_apply_in_written_order() {
-    let loaded = scene(
-        "<shape type='sphere'><float name='radius' value='2'/><transform name='to_world'>
-         <scale value='3'/><translate x='1'/><rotate z='1' angle='90'/></transform></shape>",
-    );
-    let Geometry::Sphere { center, radius, .. } = loaded.parts.shapes[0].geometry else { panic!() };
-    assert!((center - Vec3::Y).length() < 1e-6, "scaled, moved to +x, turned to +y: {center}");
-    assert!((radius - 6.0).abs() < 1e-5);
-}
-
-#[test]
-fn a_rectangle_faces_where_its_normal_goes_even_if_mirrored() {
-    for scale in ["1 1 1", "-1 1 1", "2 3 1"] {
-        let loaded = scene(&format!(
-            "<shape type='rectangle'><transform name='to_world'><scale value='{scale}'/></transform></shape>"
-        ));
-        let Geometry::Mesh(mesh) = &loaded.parts.shapes[0].geometry else { panic!() };
-        assert!(mesh.area_vector(0).z > 0.0 && mesh.area_vector(1).z > 0.0, "{scale}");
-        let corner = mesh.uvs.iter().position(|uv| *uv == Vec2::ZERO).unwrap();
-        assert_eq!(mesh.positions[corner].y, if scale == "2 3 1" { -3.0 } else { -1.0 });
-    }
-}
-
-#[test]
-fn a_cube_is_closed_and_faces_outward() {
-    let loaded = scene("<shape type='cube'/>");
-    let Geometry::Mesh(mesh) = &loaded.parts.shapes[0].geometry else { panic!() };
-    let volume: f32 = (0..12)
-        .map(|k| {
-            let [a, b, c] = mesh.corners(k);
-            a.dot(b.cross(c)) / 6.0
-        })
-        .sum();
-    assert!((volume - 8.0).abs() < 1e-5);
-    for k in 0..12 {
-        let [a, b, c] = mesh.corners(k);
-        assert!(mesh.area_vector(k).dot(a + b + c) > 0.0);
-    }
-}
-
-#[test]
-fn mirrored_spheres_and_disks_have_mitsubas_normals() {
-    // Mitsuba 3.9.1: a mirrored sphere is turned inside out, a mirrored disk is not.
-    let flipped = |kind: &str| {
-        let body = format!(
-            "<shape type='{kind}'><transform name='to_world'><scale x='-1'/></transform></shape>"
-        );
-        let loaded = scene(&body);
-        match loaded.parts.shapes[0].geometry {
-            Geometry::Disk { du, dv, .. } => {
-                (du.cross(dv).z < 0.0) == loaded.parts.shapes[0].flip_normals
-            }
-            _ => loaded.parts.shapes[0].flip_normals,
-        }
-    };
-    assert!(flipped("sphere"));
-    assert!(flipped("disk"), "the disk still faces +z");
-}
-
-#[test]
-fn a_squeezed_sphere_becomes_a_closed_mesh() {
-    let body = "<shape type='sphere'><transform name='to_world'><scale x='2'/></transform></shape>";
-    let loaded = scene(body);
-    let Geometry::Mesh(mesh) = &loaded.parts.shapes[0].geometry else { panic!() };
-    let volume: f32 = (0..mesh.triangles.len())
-        .map(|k| {
-            let [a, b, c] = mesh.corners(k);
-            a.dot(b.cross(c)) / 6.0
-        })
-        .sum();
-    let exact = 2.0 * 4.0 / 3.0 * std::f32::consts::PI;
-    assert!((volume / exact - 1.0).abs() < 1e-3, "{volume} {exact}");
-    assert!(!loaded.warnings.is_empty());
-}
-
-#[test]
-fn media_have_their_defaults_and_either_parametrisation() {
-    let medium = |inner: &str| {
-        let body = format!(
-            "<medium type='homogeneous' id='m'>{inner}</medium>
-            <shape type='sphere'><bsdf type='null'/><ref name='interior' id='m'/></shape>"
-        );
-        let loaded = scene(&body);
-        assert_eq!(
-            (loaded.parts.shapes[0].interior, loaded.parts.shapes[0].exterior),
-            (Some(MediumId::new(0)), None)
-        );
-        loaded.parts.media[0].clone()
-    };
-    let plain = Medium { sigma_t: Rgb::WHITE, albedo: Rgb::grey(0.75), phase: Phase::Isotropic };
-    assert_eq!(medium(""), plain);
-    let split = medium(
-        "<rgb name='sigmaS' value='1 2 3'/><rgb name='sigmaA' value='1 0 1'/><float name='scale' value='2'/>
-         <phase type='hg'><float name='g' value='0.3'/></phase>",
-    );
-    assert_eq!(split.sigma_t, Rgb::new(4.0, 4.0, 8.0));
-    assert_eq!(split.albedo, Rgb::new(0.5, 1.0, 0.75));
-    assert_eq!(split.phase, Phase::HenyeyGreenstein { g: 0.3 });
-}
-
-#[test]
-fn a_boundary_of_media_without_a_bsdf_was_invisible_in_the_old_dialect() {
-    let body = "<shape type='sphere'><medium type='homogeneous' name='interior'/></shape>";
-    assert!(matches!(of_only_shape(&old_scene(body)), Material::Null));
-    assert!(matches!(of_only_shape(&scene(body)), Material::Diffuse { .. }));
-}
-
-#[test]
-fn lights_have_their_defaults() {
-    let light = |inner: &str| scene(inner).parts.lights[0].clone();
-    let LightSource::Spot { cutoff, beam, direction, intensity, .. } =
-        light("<emitter type='spot'/>")
-    else {
-        panic!()
-    };
-    assert!((cutoff.to_degrees() - 20.0).abs() < 1e-4 && (beam.to_degrees() - 15.0).abs() < 1e-4);
-    assert_eq!((direction, intensity), (Vec3::Z, Rgb::WHITE));
-    let moved =
-        "<emitter type='point'><transform name='to_world'><translate y='2'/></transform></emitter>";
-    let LightSource::Point { position, .. } = light(moved) else { panic!() };
-    assert_eq!(position, Vec3::new(0.0, 2.0, 0.0));
-    let sunny = "<emitter type='directional'><vector name='direction' x='0' y='-2'/></emitter>";
-    let LightSource::Directional { direction, .. } = light(sunny) else { panic!() };
-    assert_eq!(direction, -Vec3::Y);
-    assert!(matches!(
-        light("<emitter type='constant'/>"),
-        LightSource::Constant { radiance: Rgb::WHITE }
-    ));
-    let old = old_scene("<emitter type='constant'><spectrum name='radiance' value='2'/></emitter>");
-    assert!(
-        matches!(old.parts.lights[0], LightSource::Constant { radiance } if radiance == Rgb::grey(2.0))
-    );
-    let new = light("<emitter type='constant'><spectrum name='radiance' value='1'/></emitter>");
-    let LightSource::Constant { radiance } = new else { panic!() };
-    assert!((radiance.r - 1.204_794).abs() < 1e-6, "one number is equal energy in Mitsuba 3");
-}
-
-#[test]
-fn sunsky_is_a_picture_and_a_disc() {
-    let loaded = scene("<emitter type='sunsky'/>");
-    let [LightSource::Environment { .. }, LightSource::DistantDisc { direction, .. }] =
-        loaded.parts.lights.as_slice()
-    else {
-        panic!()
-    };
-    let mitsuba = Vec3::new(0.051_385, 0.691_748, 0.720_308);
-    assert!((*direction - mitsuba).length() < 5e-3, "{direction}");
-    assert_eq!(scene("<emitter type='sun'/>").parts.lights.len(), 1);
-    assert_eq!(scene("<emitter type='sky'/>").parts.lights.len(), 1);
-    let night = scene("<emitter type='sunsky'><float name='hour' value='1'/></emitter>");
-    assert!(night.parts.lights.is_empty() && !night.warnings.is_empty());
-}
-
-#[test]
-fn sensors_see_what_mitsubas_see() {
+fn sensors_see_the_same_as_in_mitsuba() {
     let fov = |inner: &str| {
         let film = "<film type='hdrfilm'><integer name='width' value='300'/><integer name='height' value='200'/></film>";
         let loaded = scene(&format!("<sensor type='perspective'>{inner}{film}</sensor>"));
         let Projection::Perspective { fov_x, .. } = loaded.camera.projection else { panic!() };
         fov_x.to_degrees()
     };
-    // Figures of Mitsuba 3.9.1.
+    // Values from Mitsuba 3.9.1.
     let along = |axis: &str| {
         fov(&format!("<float name='fov' value='40'/><string name='fov_axis' value='{axis}'/>"))
     };
@@ -358,19 +207,7 @@ fn sensors_see_what_mitsubas_see() {
 }
 
 #[test]
-fn groups_appear_through_instances() {
-    let loaded = scene(
-        "<shape type='shapegroup' id='g'><shape type='cube'/></shape>
-         <shape type='instance'><ref id='g'/><transform name='to_world'><translate x='5'/></transform></shape>
-         <shape type='instance'><ref id='g'/></shape>",
-    );
-    assert_eq!((loaded.parts.shapes.len(), loaded.parts.groups.len()), (0, 1));
-    assert_eq!(loaded.parts.instances.iter().map(|i| i.group).collect::<Vec<_>>(), [0, 0]);
-    assert_eq!(loaded.parts.instances[0].to_world.translation.x, 5.0);
-}
-
-#[test]
-fn the_identity_of_the_world_is_that_of_its_things_not_of_its_camera() {
+fn the_hash_of_the_world_ignores_the_camera() {
     let world = |camera: &str, radius: f32, preset: &str| {
         let text = format!(
             "<scene version=\"3.0.0\">{preset}<integrator type=\"path\"/><sensor type=\"perspective\">{camera}</sensor>\
@@ -394,18 +231,6 @@ fn the_identity_of_the_world_is_that_of_its_things_not_of_its_camera() {
 }
 
 #[test]
-fn a_shape_may_refer_to_an_area_light_of_the_scene() {
-    let loaded = scene(
-        "<sensor type='perspective'/><emitter type='area' id='e'><rgb name='radiance' value='2'/></emitter>
-         <shape type='rectangle'><ref id='e'/></shape>",
-    );
-    assert_eq!(constant(loaded.parts.shapes[0].emission.as_ref().unwrap()), Rgb::grey(2.0));
-    assert!(loaded.warnings.is_empty() && loaded.parts.lights.is_empty());
-    let lost = scene("<emitter type='area'/><shape type='cube'/>");
-    assert!(lost.warnings[0].contains("belongs to no shape: ignored"), "{:?}", lost.warnings);
-}
-
-#[test]
 fn a_spectrum_may_be_a_bitmap() {
     let folder = common::Folder::new();
     let half = [0.5f32; 3].map(f32::to_le_bytes).concat();
@@ -418,24 +243,7 @@ fn a_spectrum_may_be_a_bitmap() {
 }
 
 #[test]
-fn a_spot_with_a_picture_is_a_projector() {
-    let light = |inner: &str| {
-        scene(&format!("<sensor type='perspective'/><emitter type='spot'>{inner}</emitter>"))
-    };
-    let board = "<texture type='checkerboard' name='texture'><rgb name='color0' value='0.5'/>
-        <rgb name='color1' value='4'/></texture><rgb name='intensity' value='3'/>";
-    let LightSource::Projector { axes, intensity, picture, .. } =
-        light(board).parts.lights[0].clone()
-    else {
-        panic!()
-    };
-    assert_eq!((axes, intensity), ([Vec3::X, Vec3::Y, Vec3::Z], Rgb::grey(12.0)));
-    assert_eq!(picture.mean(), Rgb::grey((0.5 + 4.0) / 2.0 / 4.0), "at most one");
-    assert!(light(board).warnings.is_empty());
-}
-
-#[test]
-fn principled_has_mitsubas_parameters() {
+fn principled_has_the_parameters_of_mitsuba() {
     let of = |kind: &str, inner: &str| material(&format!("<bsdf type='{kind}'>{inner}</bsdf>"));
     let Material::Principled(p) = of("principled", "") else { panic!() };
     assert!((p.eta - 1.5).abs() < 1e-6, "specular 0.5 is an index of 1.5: {}", p.eta);
@@ -460,7 +268,7 @@ fn principled_has_mitsubas_parameters() {
 }
 
 #[test]
-fn parameters_that_change_the_picture_and_are_ignored_are_named() {
+fn ignored_parameters_that_change_the_picture_give_a_warning() {
     let named = |body: &str, name: &str| {
         let shown = old_scene(body).warnings.join("\n");
         assert!(shown.contains(name), "{name}: {shown}");

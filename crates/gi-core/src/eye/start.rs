@@ -1,0 +1,95 @@
+//! The start of eye paths: at the camera, or with a gather ray at a surface.
+
+use super::remainder::Remainder;
+use super::{EyeWalk, PathLimits};
+use crate::film::{Sample, Show};
+use crate::math::Rgb;
+use crate::options::SurfaceLayers;
+use crate::ray::Ray;
+use crate::sampler::Sampler;
+use crate::scene::Scene;
+use crate::technique::Setting;
+
+/// The start of a gather ray, that is, of a path that does not begin at the camera.
+#[derive(Clone, Copy)]
+pub struct GatherRay {
+    /// The ray; its origin is offset from the surface.
+    pub ray: Ray,
+    /// Number of segments from the camera, this one included.
+    pub segments: u32,
+    /// Length of the path from the camera up to the ray's start, world units.
+    pub length: f32,
+}
+
+impl<'a> EyeWalk<'a> {
+    /// A path through a random point of a pixel: sample number `index` of that pixel.
+    #[inline(always)]
+    pub fn through_pixel(
+        setting: &Setting<'a>,
+        limits: PathLimits,
+        [x, y]: [usize; 2],
+        index: u32,
+    ) -> Self {
+        let camera = setting.camera;
+        let stream = (y * camera.size()[0] + x) as u32;
+        let mut sampler = Sampler::new(setting.seed, stream, index);
+        let [u, v] = sampler.next_2d();
+        let lens = if camera.has_lens() { sampler.next_2d() } else { [0.5; 2] };
+        let ray = camera.ray([x as f32 + u, y as f32 + v], lens);
+        let mut walk = Self::new(setting.scene, limits, ray, sampler);
+        walk.show = setting.show;
+        walk.surface_layers = setting.surface_layers;
+        walk.sample.offset = [u - 0.5, v - 0.5];
+        walk
+    }
+
+    /// Path number `path` through a random pixel, without Russian roulette. Prepasses use it to find the points that
+    /// matter for the picture. `stream` separates the random numbers of one use from those of another.
+    pub fn through_picture(setting: &Setting<'a>, stream: u32, path: u32) -> Self {
+        let mut sampler = Sampler::new(setting.seed ^ stream, 0, path);
+        let [w, h] = setting.camera.size().map(|n| n as f32);
+        let [x, y] = sampler.next_2d();
+        let ray = setting.camera.ray([x * w, y * h], sampler.next_2d());
+        let limits = PathLimits { max_depth: None, rr_depth: u32::MAX };
+        Self::new(setting.scene, limits, ray, sampler)
+    }
+
+    /// A path along a gather ray. Only light that was scattered at least once more, not by a delta lobe, counts: it is
+    /// stored in [`crate::film::Components::indirect`] of the sample. The sample's depth is the distance to the first
+    /// surface.
+    #[inline]
+    pub fn along(scene: &'a Scene, limits: PathLimits, start: GatherRay, sampler: Sampler) -> Self {
+        let mut walk = Self::new(scene, limits, start.ray, sampler);
+        walk.show = Show::Indirect;
+        walk.non_delta = 1;
+        (walk.segments, walk.length) = (start.segments, start.length);
+        walk
+    }
+
+    #[inline(always)]
+    pub(super) fn new(scene: &'a Scene, limits: PathLimits, ray: Ray, sampler: Sampler) -> Self {
+        EyeWalk {
+            sampler,
+            scene,
+            limits,
+            show: Show::All,
+            surface_layers: SurfaceLayers::First,
+            ray,
+            throughput: Rgb::WHITE,
+            remainder: Remainder::ALL,
+            last: None,
+            non_delta: 0,
+            after_delta: false,
+            eta_sq: 1.0,
+            segments: 1,
+            length: 0.0,
+            knows_media: false,
+            medium: None,
+            entered: None,
+            ahead: None,
+            estimate: None,
+            sample: Sample::default(),
+            is_described: false,
+        }
+    }
+}

@@ -1,0 +1,41 @@
+use super::*;
+
+#[test]
+fn distance_counts_edits_and_swapped_neighbours() {
+    assert_eq!(edit_distance("kitten", "sitting"), 3);
+    assert_eq!(edit_distance("dielectirc", "dielectric"), 1);
+    assert_eq!(edit_distance("", "abc"), 3);
+}
+
+#[test]
+fn only_near_words_are_proposed() {
+    let names = ["diffuse", "dielectric", "conductor"];
+    assert_eq!(did_you_mean("difuse", names), Some("diffuse"));
+    assert_eq!(did_you_mean("dielectirc", names), Some("dielectric"));
+    assert_eq!(did_you_mean("hair", names), None);
+}
+
+#[test]
+fn an_error_is_shown_with_place_line_caret_expectation_and_suggestion() {
+    let report = Report::default();
+    let text = "<scene>\n  <bsdf type=\"difuse\"/>\n</scene>\n";
+    let file = report.add_file(Path::new("a.xml"), text);
+    let start = text.find("difuse").unwrap();
+    report.error_help(
+        Span { file, start, end: start + 6 },
+        "unknown bsdf `difuse`",
+        "expected a bsdf plugin",
+        suggestion("difuse", ["diffuse"]),
+    );
+    let shown = report.finish().unwrap_err().to_string();
+    let expected = [
+        "error: unknown bsdf `difuse`",
+        " --> a.xml:2:15",
+        "  |",
+        "2 |   <bsdf type=\"difuse\"/>",
+        "  |               ^^^^^^ expected a bsdf plugin",
+        "  |",
+        "help: did you mean `diffuse`?",
+    ];
+    assert_eq!(shown.trim_end(), expected.join("\n"));
+}
