@@ -213,18 +213,18 @@ fn overlapping_open_and_unbounded_media_are_reported() {
     let outer = || named("outer", ball(Vec3::ZERO, 2.0, 0, 1));
     let inner = || named("inner", ball(Vec3::ZERO, 0.5, 0, 0));
     let said = warnings(vec![outer(), inner()]);
-    assert!(said.contains("\"inner\" and \"outer\" do not say the same"), "{said}");
+    assert!(said.contains("\"inner\" and \"outer\" do not name the same medium"), "{said}");
     assert_eq!(warnings(vec![outer(), Shape { exterior: Some(MediumId::new(2)), ..inner() }]), "");
     // Two balls that overlap.
     let other = named("other", ball(Vec3::new(1.5, 0.0, 0.0), 1.0, 0, 0));
     let said = warnings(vec![named("one", ball(Vec3::ZERO, 1.0, 0, 1)), other]);
-    assert!(said.contains("\"one\" and \"other\" do not say the same"), "{said}");
+    assert!(said.contains("\"one\" and \"other\" do not name the same medium"), "{said}");
     // A single square has an unbounded inside, and open edges.
     let square = [[-1.0, 0.0, -1.0], [-1.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, -1.0]];
     let square = Shape::new("square", polygon(&square.map(Vec3::from_array)), 0);
     let said = warnings(vec![Shape { interior: Some(MediumId::new(0)), ..square }]);
     assert!(said.contains("not closed at \"square\""), "{said}");
-    assert!(said.contains("medium at \"square\" has no end"), "{said}");
+    assert!(said.contains("medium at \"square\" is unbounded"), "{said}");
 }
 
 #[test]

@@ -21,6 +21,23 @@ fn rgb(path: &str) -> Vec<f32> {
     layers.interleaved(["R", "G", "B"]).expect("its channels")
 }
 
+/// Check that the numbers are those of the pictures that the runs wrote to the folder `out`.
+fn assert_errors_are_those_of_the_pictures(entries: &[Value], out: &str) {
+    let hash = entries[0]["command"].as_str().map(|_| json(&format!("{out}/pathtrace.json")));
+    let hash = hash.expect("a command")["scene_hash"].as_str().expect("a hash").to_string();
+    let halves = ["a", "b"].map(|half| rgb(&format!("{out}/reference-{hash}-16x12.{half}.exr")));
+    let truth: Vec<f32> = halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * (a + b)).collect();
+    for (entry, file) in entries.iter().zip(["pathtrace", "photonmap", "photonmap-none"]) {
+        let metrics = gi_stats::metrics::compare(&rgb(&format!("{out}/{file}.exr")), &truth)
+            .expect("comparable");
+        let mse = entry["errors"]["mse"].as_f64().expect("a number");
+        assert!((mse / metrics.mse - 1.0).abs() < 1e-6, "{file}: {mse} is not {}", metrics.mse);
+        assert_eq!(entry["run"]["passes"], 4);
+        assert_eq!(entry["ladder"].as_array().map(Vec::len), Some(3));
+        assert!(entry["split"]["variance"].as_f64().is_some_and(|v| v > 0.0));
+    }
+}
+
 #[test]
 fn runs_at_equal_passes_are_measured_against_a_reference_that_is_kept() {
     build_programs();
@@ -57,20 +74,7 @@ fn runs_at_equal_passes_are_measured_against_a_reference_that_is_kept() {
     let labels: Vec<&str> = entries.iter().filter_map(|e| e["label"].as_str()).collect();
     assert_eq!(labels, ["pathtrace", "photonmap", "photonmap/none"]);
 
-    // The numbers must be those of the pictures that the runs wrote.
-    let hash = entries[0]["command"].as_str().map(|_| json(&format!("{out}/pathtrace.json")));
-    let hash = hash.expect("a command")["scene_hash"].as_str().expect("a hash").to_string();
-    let halves = ["a", "b"].map(|half| rgb(&format!("{out}/reference-{hash}-16x12.{half}.exr")));
-    let truth: Vec<f32> = halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * (a + b)).collect();
-    for (entry, file) in entries.iter().zip(["pathtrace", "photonmap", "photonmap-none"]) {
-        let metrics = gi_stats::metrics::compare(&rgb(&format!("{out}/{file}.exr")), &truth)
-            .expect("comparable");
-        let mse = entry["errors"]["mse"].as_f64().expect("a number");
-        assert!((mse / metrics.mse - 1.0).abs() < 1e-6, "{file}: {mse} is not {}", metrics.mse);
-        assert_eq!(entry["run"]["passes"], 4);
-        assert_eq!(entry["ladder"].as_array().map(Vec::len), Some(3));
-        assert!(entry["split"]["variance"].as_f64().is_some_and(|v| v > 0.0));
-    }
+    assert_errors_are_those_of_the_pictures(entries, &out);
     assert!(
         entries[1]["command"]
             .as_str()

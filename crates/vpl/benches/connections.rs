@@ -70,50 +70,54 @@ fn main() {
         scenes.push(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/cornell-box.xml").into());
     }
     for name in scenes {
-        let loaded = gi_scene::load(Path::new(&name), &gi_scene::Options::default());
-        let Ok(loaded) = loaded.inspect_err(|problems| eprintln!("{problems}")) else {
-            std::process::exit(2)
-        };
-        let (scene, camera) =
-            (Scene::new(loaded.parts).expect("a scene"), Camera::new(&loaded.camera));
-        let pilot = Pilot::of(&scene, 0);
-        let how = |vpls| Shooting {
-            seed: 0,
-            first_path: 0,
-            paths: pilot.paths_for(vpls),
-            termination: Termination::Roulette,
-            max_scatterings: None,
-            lights: false,
-            pilot,
-        };
-        let set = shoot(&scene, &how(vpls));
-        let size = camera.size().map(|n| n as f32 / POINTS as f32);
-        let points: Vec<(Surface, Vec3, Bsdf)> = (0..POINTS * POINTS)
-            .filter_map(|i| {
-                let film = [(i % POINTS) as f32 + 0.5, (i / POINTS) as f32 + 0.5];
-                let ray = camera.ray([film[0] * size[0], film[1] * size[1]], [0.5; 2]);
-                let (surface, _) = scene.intersect(&ray)?;
-                let bsdf = scene.bsdf(&surface, -ray.d, Transport::Radiance);
-                Some((surface, -ray.d, bsdf))
-            })
-            .collect();
-        let ([connected, bare], count) = race(&scene, &points, &set);
-        let rate = |seconds: f64| count as f64 / seconds * 1e-6;
-        println!(
-            "{name}: {} lights, {} points: {:.2} M connections/s, {:.2} M bare shadow rays/s: {:.0} %",
-            set.lights.len(),
-            points.len(),
-            rate(connected),
-            rate(bare),
-            100.0 * bare / connected,
-        );
-        let clock = Instant::now();
-        let million = shoot(&scene, &how(1_000_000));
-        println!(
-            "{name}: {} lights shot in {:.2} s, {:.1} bytes each",
-            million.lights.len(),
-            clock.elapsed().as_secs_f64(),
-            million.memory_bytes() as f64 / million.lights.len() as f64
-        );
+        measure(&name, vpls);
     }
+}
+
+/// Measure a scene, and print the results.
+fn measure(name: &str, vpls: u32) {
+    let loaded = gi_scene::load(Path::new(name), &gi_scene::Options::default());
+    let Ok(loaded) = loaded.inspect_err(|problems| eprintln!("{problems}")) else {
+        std::process::exit(2)
+    };
+    let (scene, camera) = (Scene::new(loaded.parts).expect("a scene"), Camera::new(&loaded.camera));
+    let pilot = Pilot::of(&scene, 0);
+    let how = |vpls| Shooting {
+        seed: 0,
+        first_path: 0,
+        paths: pilot.paths_for(vpls),
+        termination: Termination::Roulette,
+        max_scatterings: None,
+        lights: false,
+        pilot,
+    };
+    let set = shoot(&scene, &how(vpls));
+    let size = camera.size().map(|n| n as f32 / POINTS as f32);
+    let points: Vec<(Surface, Vec3, Bsdf)> = (0..POINTS * POINTS)
+        .filter_map(|i| {
+            let film = [(i % POINTS) as f32 + 0.5, (i / POINTS) as f32 + 0.5];
+            let ray = camera.ray([film[0] * size[0], film[1] * size[1]], [0.5; 2]);
+            let (surface, _) = scene.intersect(&ray)?;
+            let bsdf = scene.bsdf(&surface, -ray.d, Transport::Radiance);
+            Some((surface, -ray.d, bsdf))
+        })
+        .collect();
+    let ([connected, bare], count) = race(&scene, &points, &set);
+    let rate = |seconds: f64| count as f64 / seconds * 1e-6;
+    println!(
+        "{name}: {} lights, {} points: {:.2} M connections/s, {:.2} M bare shadow rays/s: {:.0} %",
+        set.lights.len(),
+        points.len(),
+        rate(connected),
+        rate(bare),
+        100.0 * bare / connected,
+    );
+    let clock = Instant::now();
+    let million = shoot(&scene, &how(1_000_000));
+    println!(
+        "{name}: {} lights shot in {:.2} s, {:.1} bytes each",
+        million.lights.len(),
+        clock.elapsed().as_secs_f64(),
+        million.memory_bytes() as f64 / million.lights.len() as f64
+    );
 }

@@ -130,6 +130,7 @@ impl Component<'_> {
         ScatterBound { f, f_cos: f * cos[0].max(cos[1]).max(0.0) }
     }
 
+    /// One match over all kinds of lobe, therefore long.
     #[inline]
     fn bound_of_lobe(
         &self,

@@ -201,7 +201,7 @@ fn check(parts: &SceneParts) -> Result<(), SceneError> {
             let fits = |len: usize| len == 0 || len == n;
             let inside = mesh.triangles.iter().flatten().all(|&i| (i as usize) < n);
             if !inside || !fits(mesh.normals.len()) || !fits(mesh.uvs.len()) {
-                let cause = "its arrays have different lengths".to_string();
+                let cause = "its arrays differ in length, or an index is out of range".to_string();
                 return Err(SceneError::Shape { name: name.clone(), cause });
             }
         }

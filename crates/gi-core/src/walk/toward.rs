@@ -64,8 +64,8 @@ mod tests {
     use gi_stats::{Running, welch_t_test};
     use glam::Vec3;
 
-    #[test]
-    fn aimed_scattering_has_the_power_and_the_directions_of_usual_scattering() {
+    /// A patch ten metres from the origin, diffuse (0) or plastic (1), under a sun.
+    fn patch(material: usize) -> Scene {
         let at = |x, z| Vec3::new(x, 0.0, z);
         let positions = vec![at(9.0, -1.0), at(9.0, 1.0), at(11.0, 1.0), at(11.0, -1.0)];
         let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() };
@@ -79,15 +79,20 @@ mod tests {
                 roughness: None,
             },
         ];
+        let sun = LightSource::Directional { direction: -Vec3::Y, irradiance: Rgb::WHITE };
+        let parts = SceneParts {
+            shapes: vec![Shape::new("patch", Geometry::Mesh(mesh), material)],
+            materials,
+            lights: vec![sun],
+            ..SceneParts::default()
+        };
+        Scene::new(parts).expect("a scene")
+    }
+
+    #[test]
+    fn aimed_scattering_has_the_power_and_the_directions_of_usual_scattering() {
         for material in 0..2 {
-            let sun = LightSource::Directional { direction: -Vec3::Y, irradiance: Rgb::WHITE };
-            let parts = SceneParts {
-                shapes: vec![Shape::new("patch", Geometry::Mesh(mesh.clone()), material)],
-                materials: materials.clone(),
-                lights: vec![sun],
-                ..SceneParts::default()
-            };
-            let scene = Scene::new(parts).expect("a scene");
+            let scene = patch(material);
             // Light falls on the patch, and should end near a point ten metres away.
             let ends = [0.0, 0.5, 1.0].map(|x| (Vec3::new(x, 1.0, 0.0), 1.0)).to_vec();
             let targets =

@@ -120,7 +120,7 @@ const DIRECTIONS: [[[f32; 3]; 2]; 5] = [
 ];
 const BLACK: [f32; 3] = [0.0; 3];
 
-/// Materials, and f times cosine for each of the pairs, from Mitsuba 3.9.1.
+/// Materials, and f times cosine for each of the pairs, from Mitsuba 3.9.1. It is long because it is a table.
 fn mitsuba() -> Vec<(Material, [[f32; 3]; 5])> {
     let grey = Texture::grey;
     let specular = |s: f32| 2.0 / (1.0 - (0.08 * s).sqrt()) - 1.0;
