@@ -21,11 +21,12 @@ allow() { # crate allowed...: in its dependencies, whatever its tests name
     done
 }
 allow gi-stats
+allow gi-page
 allow gi-bvh
 [ -z "$(names crates/gi-bvh/Cargo.toml dev-dependencies)" ] || complain "tests of gi-bvh may name nothing of the project"
 allow gi-core gi-bvh
 allow gi-scene gi-core
-allow gi-cli gi-core gi-scene
+allow gi-cli gi-core gi-page gi-scene
 allow vpl gi-core
 allow lightcache gi-core
 for technique in $techniques; do
@@ -40,7 +41,7 @@ for technique in $techniques; do
     fi
 done
 # It runs the techniques as programs and names none of them.
-allow compare gi-core gi-stats gi-cli
+allow compare gi-core gi-page gi-stats gi-cli
 if grep -rlE '\bgi_cli\b' crates/compare/src | grep -v '/main\.rs$'; then
     complain "compare: only main.rs may name gi_cli"
 fi
@@ -70,10 +71,10 @@ only clap_mangen 'gi-cli/src/help'
 # Statistics are written by gi-cli and read by compare, whose page and --json are JSON as well.
 only serde_json 'gi-cli/src/|compare/src/'
 # Pictures are coloured in Rust by canvas, in a page by a table that it carries.
-only colorous 'gi-core/src/canvas|compare/src/page/'
+only colorous 'gi-core/src/canvas|gi-page/src/lib'
 only flate2 'gi-scene/src/|compare/src/planes'
 only base64 'compare/src/planes'
-only half 'compare/src/planes'
+only half 'gi-page/src/halves'
 
 # Unsafe code is in gi-bvh alone. The compiler forbids it elsewhere, in every crate that takes the workspace's lints.
 if grep -rnw unsafe crates tests scripts --include='*.rs' | grep -v '^crates/gi-bvh/'; then
