@@ -1,5 +1,6 @@
 //! Helpers of the tests that cross crates: scenes with known answers and rendering them, programs and running them.
 
+pub mod browser;
 pub mod pictures;
 pub mod program;
 

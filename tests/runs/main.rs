@@ -7,9 +7,13 @@ mod faults;
 mod help;
 /// Inputs that are named as outputs.
 mod inputs;
+/// The live page in a browser.
+mod page;
 /// Previews.
 mod previews;
 /// The programs, and runs that are under way.
 mod running;
+/// The live page's server.
+mod serve;
 /// Signals.
 mod signals;
