@@ -56,6 +56,7 @@ async function checkRun() {
   seen.unlabelled = [...document.querySelectorAll("input, select, button, progress")].filter((e) => !named(e)).map((e) => e.id);
   seen.overflow = document.documentElement.scrollWidth - window.innerWidth;
   check("it says what the run does", byId("state").textContent === "Rendering", byId("state").textContent);
+  check("a line says how far it is", /^passes made \d+ of 100000000; elapsed [\d.]+ s; remaining .*; picture after \d+ pass/.test(byId("line").textContent), byId("line").textContent);
   const passes = () => parseInt(tableOf("facts")["passes made"]), first = passes();
   await until("passes are counted", () => passes() > first);
   const before = downloads().length;
@@ -69,6 +70,15 @@ async function checkRun() {
   await put("a", layer("Normal"));
   await until("the normals are downloaded", () => row("Normal")[0] !== "");
   check("normals are directions", isNear(colour(), row("Normal").slice(0, 3).map((v) => 127.5 + 127.5 * Number(v))), [colour(), row("Normal")]);
+  await put("a", layer("Standard error"));
+  await until("the error is downloaded", () => row("Standard error")[0] !== "");
+  const errors = row("Standard error").map(Number), mean = Math.sqrt((errors[0] ** 2 + errors[1] ** 2 + errors[2] ** 2) / 3);
+  check("the error of the channels makes the error of the pixel", Math.abs(errors[3] / mean - 1) < 0.02, errors);
+  check("the control is named after the scale", byId("exposure-name").textContent === "Scale", "");
+  document.querySelector("input[value=split]").click();
+  await put("b", layer("Picture"));
+  check("beside a picture it is the exposure", byId("exposure-value").textContent === "0.0 stops", byId("exposure-value").textContent);
+  document.querySelector("input[value=one]").click();
   await put("a", layer("Depth"));
   await until("the depth is downloaded", () => row("Depth")[3] !== "");
   check("depth has a legend", !byId("legend").hidden && row("Depth")[0] === "", row("Depth"));

@@ -16,7 +16,7 @@ use crate::{Common, Failure};
 /// Time between two pictures of a viewer, unless they cost too much.
 const EVERY: Duration = Duration::from_millis(500);
 /// Guess of the time to copy a pixel with all layers, before a picture has been copied.
-const SECONDS_PER_PIXEL: f64 = 2e-7;
+const SECONDS_PER_PIXEL: f64 = 1e-6;
 
 /// Who watches.
 pub(crate) struct Views {

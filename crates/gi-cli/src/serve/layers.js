@@ -1,9 +1,11 @@
 // The layers of the run as pictures of the viewer. A layer is downloaded when it is shown and its version has changed.
 
-/** Layers that are shown in false colours: the number of pixel i. Layers of one channel are shown by that channel. */
+/** Layers that are shown in false colours, by the number of pixel i; what the table shows of a channel. Layers of one channel are shown
+ * by that channel. */
 const SCALES = {
   Variance: {
     name: "Standard error", unit: "radiance, root mean square of the channels",
+    channel: Math.sqrt,
     of: (rgb, i) => Math.sqrt((value(rgb, 0, i) + value(rgb, 1, i) + value(rgb, 2, i)) / 3),
   },
 };
@@ -35,7 +37,7 @@ function scaleFor({ scale, rgb, end }) {
 function numbersOf({ scale, rgb, channels }, _, i) {
   if (!rgb) return null;
   const numbers = [];
-  if (channels === 3) for (let k = 0; k < 3; k++) numbers[k] = value(rgb, k, i);
+  if (channels === 3) for (let k = 0; k < 3; k++) numbers[k] = (scale?.channel ?? Number)(value(rgb, k, i));
   if (scale) numbers[3] = scale.of(rgb, i);
   return numbers;
 }

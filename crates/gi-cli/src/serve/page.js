@@ -21,7 +21,8 @@ function numberInFull(v) {
 /** What the run is doing, in words that change seldom: they are read aloud. */
 function phaseOf(state) {
   return {
-    reading: "Reading the scene", preparing: "Preparing", passes: "Rendering", saving: "Saving",
+    reading: "Reading the scene", preparing: "Preparing", saving: "Saving",
+    passes: state.picture ? "Rendering" : "Rendering. The first picture comes when a pass ends.",
     ended: `The run has ended: ${state.outcome}. This is its last picture.`,
   }[state.phase] ?? state.phase;
 }
@@ -42,12 +43,19 @@ function factsOf(state) {
     ["time limit", state.time && span(state.time)],
     ["elapsed", span(state.elapsed)],
     ["remaining", Number.isFinite(state.remaining) && span(state.remaining)],
-    ["samples per second", state.samples_per_second && digits(state.samples_per_second)],
+    ["samples per second", state.samples_per_second && `${digits(state.samples_per_second / 1e6)} million`],
     ["picture after", picture && `${picture.passes} ${picture.passes === 1 ? "pass" : "passes"}`],
     ["standard error of the picture, relative to its mean", picture?.noise && digits(picture.noise)],
     ["error estimate", Number.isFinite(picture?.error) && digits(picture.error)],
   ];
   return facts.filter(([, v]) => v);
+}
+
+/** The same that matters most, in a line. */
+function lineOf(facts) {
+  const known = Object.fromEntries(facts);
+  const line = ["preparing", "passes made", "elapsed", "remaining", "picture after"].map((name) => known[name] && `${name} ${known[name]}`);
+  return line.filter(Boolean).join("; ");
 }
 
 /** Fill a table with names and values, and hide its section if there are none. */
@@ -77,13 +85,15 @@ function fractionOf({ phase, step, fraction }) {
 function showState(state) {
   document.title = `${state.pass === undefined ? state.phase : `pass ${state.pass}`}: ${state.program} ${state.scene}`;
   setText("title", `${state.program} ${state.scene}`);
-  setText("summary", state.size ? `${state.size[0]} x ${state.size[1]} pixels; ${state.version}` : state.version);
+  setText("summary", state.size ? `${state.size[0]} x ${state.size[1]} pixels; version ${state.version}` : `version ${state.version}`);
   setText("state", phaseOf(state));
   const fraction = fractionOf(state);
   $("progress").hidden = false;
   if (fraction === undefined) $("progress").removeAttribute("value");
   else $("progress").value = fraction;
-  fillTable("facts", factsOf(state));
+  const facts = factsOf(state);
+  setText("line", lineOf(facts));
+  fillTable("facts", facts);
   fillTable("numbers", (state.picture?.technique ?? []).map(([name, v]) => [name.replaceAll("_", " "), numberInFull(v)]));
 }
 

@@ -47,7 +47,6 @@ function set(change) {
   for (const label of document.querySelectorAll("#controls .a")) label.hidden = view.layout === "all";
   for (const label of document.querySelectorAll("#controls .b")) label.hidden = view.layout !== "split";
   document.querySelector("#controls .a").firstChild.textContent = view.layout === "one" ? "Picture " : "Left ";
-  $("exposure-name").textContent = shownScale() ? "Scale" : "Exposure";
   arrange();
 }
 

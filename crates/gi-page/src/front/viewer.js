@@ -122,15 +122,17 @@ function draw() {
     legend();
     inspect();
     $("zoom").textContent = `${digits(view.zoom)}x`;
-    $("exposure-value").textContent = exposureText();
+    nameExposure();
     document.documentElement.dataset.drawn = String(Number(document.documentElement.dataset.drawn || 0) + 1);
   });
 }
 
-function exposureText() {
+/** What the exposure's control changes: where the scale ends if there are only false colours, else the brightness. */
+function nameExposure() {
   const sign = view.stops > 0 ? "+" : "";
-  const scale = shownScale();
-  return scale ? `to ${digits(scale.end)}` : `${sign}${view.stops.toFixed(1)} stops`;
+  const isScale = shownByPane().flat().every((k) => scaleFor(pictures[k]));
+  $("exposure-name").textContent = isScale ? "Scale" : "Exposure";
+  $("exposure-value").textContent = isScale ? `to ${digits(shownScale().end)}` : `${sign}${view.stops.toFixed(1)} stops`;
 }
 
 /** The colour scale with its ends, in its unit. */
