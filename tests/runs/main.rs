@@ -15,5 +15,7 @@ mod previews;
 mod running;
 /// The live page's server.
 mod serve;
+/// Runs whose live page is served, and a client of it.
+mod served;
 /// Signals.
 mod signals;

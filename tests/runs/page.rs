@@ -7,7 +7,7 @@ use gi_tests::program::Folder;
 use serde_json::{Value, json};
 
 use crate::running::{PROGRAMS, picture, says};
-use crate::serve::Served;
+use crate::served::Served;
 
 /// What the page's scripts share.
 const CHECKS: &str = include_str!("page.js");
