@@ -22,11 +22,12 @@ allow() { # crate allowed...: in its dependencies, whatever its tests name
     done
 }
 allow gi-stats
+allow gi-page
 allow gi-bvh
 [ -z "$(names crates/gi-bvh/Cargo.toml dev-dependencies)" ] || complain "tests of gi-bvh may name nothing of the project"
 allow gi-core gi-bvh
 allow gi-scene gi-core
-allow gi-cli gi-core gi-scene
+allow gi-cli gi-core gi-page gi-scene
 allow vpl gi-core
 allow lightcache gi-core
 for technique in $techniques; do
@@ -41,7 +42,7 @@ for technique in $techniques; do
     fi
 done
 # compare runs the techniques as programs and names none of their crates.
-allow compare gi-core gi-stats gi-cli
+allow compare gi-core gi-page gi-stats gi-cli
 if grep -rlE '\bgi_cli\b' crates/compare/src | grep -v '/main\.rs$'; then
     complain "compare: only main.rs may name gi_cli"
 fi
@@ -70,11 +71,11 @@ only clap_complete 'gi-cli/src/help'
 only clap_mangen 'gi-cli/src/help'
 # gi-cli writes statistics as JSON, and compare reads them; compare's page and --json are JSON too.
 only serde_json 'gi-cli/src/|compare/src/'
-# Pictures are coloured in Rust by canvas, and on compare's page by a table.
-only colorous 'gi-core/src/canvas|compare/src/page/'
+# Pictures are coloured in Rust by canvas, and on web pages by a table.
+only colorous 'gi-core/src/canvas|gi-page/src/lib'
 only flate2 'gi-scene/src/|compare/src/planes'
 only base64 'compare/src/planes'
-only half 'compare/src/planes'
+only half 'gi-page/src/halves'
 
 # Only gi-bvh may contain unsafe code. The workspace's lints make the compiler forbid it in all other crates.
 if grep -rnw unsafe crates tests scripts --include='*.rs' | grep -v '^crates/gi-bvh/'; then

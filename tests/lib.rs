@@ -1,5 +1,6 @@
 //! Helpers of the tests that involve several crates: scenes with known answers, rendering them, and running programs.
 
+pub mod browser;
 pub mod pictures;
 pub mod program;
 

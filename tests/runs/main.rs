@@ -8,9 +8,15 @@ mod faults;
 mod help;
 /// Inputs that are also named as outputs.
 mod inputs;
+/// The live page in a browser.
+mod page;
 /// Previews.
 mod previews;
 /// The programs, and helpers for running programs.
 mod running;
+/// The live page's server.
+mod serve;
+/// Runs whose live page is served, and a client of it.
+mod served;
 /// Signals.
 mod signals;

@@ -145,6 +145,11 @@ impl Running {
         }
     }
 
+    /// All that it has said so far, as far as somebody has waited for it.
+    pub(crate) fn said(&self) -> &str {
+        &self.said
+    }
+
     /// Send a signal, such as INT.
     pub(crate) fn signal(&self, name: &str) {
         let kill = format!("kill -{name} {}", self.child.id());

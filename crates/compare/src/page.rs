@@ -7,19 +7,13 @@ use crate::text::{command_line, escape, number};
 use crate::{Budget, Entry, Failure, Report};
 
 const PAGE: &str = include_str!("page/page.html");
-const STYLE: &str = include_str!("page/page.css");
-/// In the order in which they build on each other.
-const SCRIPT: [&str; 4] = [
-    include_str!("page/data.js"),
-    include_str!("page/colour.js"),
-    include_str!("page/viewer.js"),
-    include_str!("page/controls.js"),
-];
+const SCRIPT: &str = include_str!("page/data.js");
 
 /// The page.
 pub(crate) fn page(report: &Report) -> Result<String, Failure> {
     let (data, planes) = data::data(report);
-    let script = format!("\"use strict\";\n{}", SCRIPT.concat());
+    let script = format!("\"use strict\";\n{}{SCRIPT}", gi_page::SCRIPT.concat());
+    let viewer = gi_page::fill(gi_page::VIEWER, &[("state", "Unpacking pictures")]);
     let parts = [
         ("title", escape(&report.title)),
         ("summary", escape(&summary(report))),
@@ -30,24 +24,20 @@ pub(crate) fn page(report: &Report) -> Result<String, Failure> {
         ("reference", reference(report)),
         ("runs", report.entries.iter().map(run).collect()),
         ("command", escape(&report.command)),
-        ("style", STYLE.to_string()),
+        ("style", gi_page::STYLE.to_string()),
+        ("viewer", viewer.map_err(unknown)?),
         // A script's data must not end the script.
         ("data", data.to_string().replace('<', "\\u003c")),
         ("planes", planes),
         ("script", script),
     ];
-    // Every part once, in the template's order: what a part holds is never looked through for another.
-    let (mut out, mut rest) = (String::new(), PAGE);
-    while let Some((before, after)) = rest.split_once("{{") {
-        let (name, after) = after.split_once("}}").unwrap_or((after, ""));
-        let part = parts.iter().find(|p| p.0 == name).map(|p| p.1.as_str());
-        out += before;
-        out +=
-            part.ok_or_else(|| Failure::Other(format!("the page's template asks for {name}")))?;
-        rest = after;
-    }
-    out += rest;
-    Ok(out)
+    let parts = parts.each_ref().map(|(name, text)| (*name, text.as_str()));
+    gi_page::fill(PAGE, &parts).map_err(unknown)
+}
+
+/// A template has a place that nothing is written for.
+fn unknown(name: String) -> Failure {
+    Failure::Other(format!("the page's template asks for {name}"))
 }
 
 fn summary(report: &Report) -> String {

@@ -8,6 +8,7 @@ use gi_core::options::{Show, SurfaceLayers};
 use glam::Vec3;
 
 use crate::budget::{Budget, parse_time};
+use crate::serve::Address;
 
 /// Headings of the help.
 const SCENE: &str = "Scene";
@@ -88,6 +89,10 @@ pub struct Common {
     /// Send the picture with all layers to the viewer tev, or to another program with its protocol, while it is made
     #[arg(help_heading = RUN, long, value_name = "HOST[:PORT]")]
     pub display_server: Option<String>,
+    /// Serve a web page with the picture so far and the progress of the run, at PORT or HOST:PORT; without a host only to this machine.
+    /// No ADDRESS is 127.0.0.1:8008
+    #[arg(help_heading = RUN, long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = SERVE)]
+    pub serve: Option<Address>,
     /// Print errors only
     #[arg(help_heading = RUN, short, long)]
     pub quiet: bool,
@@ -125,6 +130,9 @@ impl Common {
         gi_scene::Options { defines: self.define.clone(), size: self.size, camera }
     }
 }
+
+/// Where the live page is served, if no address is given: only programs on this machine reach it.
+const SERVE: &str = "127.0.0.1:8008";
 
 /// Time between two previews on a terminal.
 const DEFAULT_PREVIEW: Duration = Duration::from_secs(10);

@@ -21,7 +21,9 @@ mod record;
 mod run;
 mod save;
 mod say;
+mod serve;
 mod stop;
+mod views;
 mod warnings;
 
 use std::process::ExitCode;
@@ -35,6 +37,7 @@ pub use common::Common;
 pub use help::generate;
 pub use identity::VERSION;
 pub use say::{print, say};
+pub use serve::Address;
 pub use stop::{Signal, on_signal, send};
 
 /// A command line: the flags that all programs have, and the parameters of a technique.

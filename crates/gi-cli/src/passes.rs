@@ -15,6 +15,7 @@ use crate::checkpoint::{Checkpoint, Identity, Keeper, no_state};
 use crate::preview::Preview;
 use crate::progress::{Part, Passes, Progress};
 use crate::say::say;
+use crate::serve::{Page, Stage};
 use crate::stop;
 use crate::{Common, Failure, Program};
 
@@ -80,12 +81,14 @@ impl<'a> Making<'a> {
         Ok(Making { common, made, start, keeper, abandoned: false })
     }
 
-    /// Make passes until the budget is spent, the technique says that it is enough, or a signal comes.
+    /// Make passes until the budget is spent, the technique says that it is enough, or a signal comes. `page` tells how far they
+    /// are.
     pub(crate) fn run<'t, T: Technique<'t>>(
         &mut self,
         technique: &mut T,
         film: &mut Film,
         mut previews: Vec<Preview<T>>,
+        page: Option<&Page>,
     ) {
         let budget = self.common.budget();
         let before = self.made.len() as u32;
@@ -97,6 +100,9 @@ impl<'a> Making<'a> {
             samples: film.size().iter().product::<usize>() as f64,
             spent: self.start.elapsed(),
         };
+        if let Some(page) = page {
+            page.enter(Stage::Passes(shown.clone(), Instant::now()));
+        }
         let _progress = Progress::show(Part::Passes(shown), self.common.quiet);
         while budget.goes_on(self.made.len() as u32, self.start.elapsed())
             && self.made.end < u32::MAX - 1

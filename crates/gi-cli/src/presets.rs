@@ -5,7 +5,7 @@ use gi_scene::Loaded;
 use crate::{Failure, Program};
 
 /// Flags that a scene cannot set: they are needed before it is read, or say where files go.
-const NOT_PRESETS: [&str; 20] = [
+const NOT_PRESETS: [&str; 21] = [
     "size",
     "threads",
     "define",
@@ -26,6 +26,7 @@ const NOT_PRESETS: [&str; 20] = [
     "checkpoint-interval",
     "preview",
     "display-server",
+    "serve",
 ];
 
 /// Whether a flag is one that a scene cannot set: files of techniques are named `--x-out` and `--x-in`.

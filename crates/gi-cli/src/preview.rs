@@ -15,11 +15,15 @@ const SECONDS_PER_PIXEL: f64 = 2e-6;
 /// What is done with a technique and its film some time after the run began.
 type Write<'a, T> = Box<dyn FnMut(&T, &Film, Duration) -> Result<(), Failure> + 'a>;
 
+/// Says whether somebody watches: the time that this has taken since it was asked last, besides the previews themselves.
+type Watched<'a> = Box<dyn Fn() -> Option<Duration> + 'a>;
+
 /// Writes previews, or sends them to a viewer.
 pub(crate) struct Preview<'a, T> {
     /// What a preview is called in messages.
     what: &'static str,
     schedule: Schedule,
+    watched: Watched<'a>,
     write: Write<'a, T>,
     /// Whether a failure was reported already.
     failed: bool,
@@ -35,11 +39,26 @@ impl<'a, T> Preview<'a, T> {
     ) -> Self {
         let cost = Duration::from_secs_f64((w * h) as f64 * SECONDS_PER_PIXEL);
         let schedule = Schedule { every, cost, last: Duration::ZERO };
-        Preview { what, schedule, write: Box::new(write), failed: false }
+        let watched = Box::new(|| Some(Duration::ZERO));
+        Preview { what, schedule, watched, write: Box::new(write), failed: false }
+    }
+
+    /// Only while somebody watches. `per_pixel` is a guess of the time per pixel.
+    pub(crate) fn while_watched(
+        mut self,
+        [w, h]: [usize; 2],
+        per_pixel: f64,
+        watched: impl Fn() -> Option<Duration> + 'a,
+    ) -> Self {
+        self.schedule.cost = Duration::from_secs_f64((w * h) as f64 * per_pixel);
+        self.watched = Box::new(watched);
+        self
     }
 
     /// Write the picture if it is time. `elapsed` is the time since the run began.
     pub(crate) fn show(&mut self, technique: &T, film: &Film, elapsed: Duration) {
+        let Some(besides) = (self.watched)() else { return };
+        self.schedule.cost += besides;
         if !self.schedule.is_due(elapsed) {
             return;
         }
@@ -75,6 +94,8 @@ impl Schedule {
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
+
     use super::*;
 
     /// The share of a run of an hour that previews take which cost `cost` seconds each.
@@ -107,5 +128,30 @@ mod tests {
     fn cheap_previews_come_at_their_interval() {
         let cost = 0.01;
         assert!((share(10.0, cost) - cost / 10.0).abs() < 0.1 * cost / 10.0);
+    }
+
+    #[test]
+    fn a_preview_for_a_page_waits_until_somebody_watches_and_pays_for_its_answers() {
+        let seconds = Duration::from_secs;
+        let film = Film::new([1, 1], gi_core::filter::Filter::Box, gi_core::options::Show::All);
+        let (watched, shown) = (Cell::new(None), Cell::new(0));
+        let show = |(): &_, _: &_, _| {
+            shown.set(shown.get() + 1);
+            Ok(())
+        };
+        let mut preview =
+            Preview::new("page", seconds(1), [1, 1], show)
+                .while_watched([1, 1], 0.0, || watched.take());
+        // After so many seconds, with so many seconds of answers since the last time.
+        let mut at = |time, answers: Option<u64>| {
+            watched.set(answers.map(seconds));
+            preview.show(&(), &film, seconds(time));
+            shown.get()
+        };
+        assert_eq!(at(10, None), 0);
+        assert_eq!(at(20, Some(0)), 1);
+        // Three seconds of answers are a hundredth of 300.
+        assert_eq!([at(30, Some(1)), at(310, Some(2)), at(330, Some(0))], [1, 1, 2]);
+        assert_eq!([at(332, Some(0)), at(340, None)], [3, 3]);
     }
 }

@@ -104,16 +104,9 @@ fn lines(part: &Part, ended: &Receiver<()>) {
 
 /// Which fraction of a part is done, and a line about it.
 fn describe(part: &Part, state: State, elapsed: Duration) -> (f64, String) {
-    let within = if state.total > 0 { state.done as f64 / state.total as f64 } else { 0.0 };
-    let within = within.min(1.0);
     match part {
-        Part::Preparation => (within, preparation(state, elapsed)),
-        Part::Passes(passes) => {
-            let made = passes.made.load(Relaxed);
-            let new =
-                f64::from(made - passes.before) + if state.step == PIXELS { within } else { 0.0 };
-            passes.describe(made, new, elapsed)
-        }
+        Part::Preparation => (within(state), preparation(state, elapsed)),
+        Part::Passes(passes) => passes.describe(&passes.estimate(state, elapsed), elapsed),
     }
 }
 
@@ -138,31 +131,61 @@ fn preparation(State { step, done, total, elapsed: since }: State, elapsed: Dura
     text
 }
 
+/// Which fraction of a step is done; zero if that is unknown.
+fn within(state: State) -> f64 {
+    let fraction = if state.total > 0 { state.done as f64 / state.total as f64 } else { 0.0 };
+    fraction.min(1.0)
+}
+
+/// How far passes are.
+pub(crate) struct Estimate {
+    /// Number of passes that are finished.
+    pub(crate) made: u32,
+    /// Which fraction of the budget is spent.
+    pub(crate) fraction: f64,
+    /// Rate of this run.
+    pub(crate) samples_per_second: f64,
+    /// Seconds until the last pass ends, if that is known.
+    pub(crate) remaining: Option<f64>,
+}
+
 impl Passes {
-    /// The same for passes: `made` in all, of which `new` are this run's, with the part of the current one.
-    fn describe(&self, made: u32, new: f64, elapsed: Duration) -> (f64, String) {
+    /// How far they are, `elapsed` after they began. Within a pass only the step over the pixels counts.
+    pub(crate) fn estimate(&self, state: State, elapsed: Duration) -> Estimate {
+        let made = self.made.load(Relaxed);
+        let part = if state.step == PIXELS { within(state) } else { 0.0 };
+        let new = f64::from(made - self.before) + part;
         let seconds = elapsed.as_secs_f64().max(1e-9);
-        let (fraction, of, remaining) = match self.budget {
+        let (fraction, remaining) = match self.budget {
             Budget::Passes(all) => {
                 let left = f64::from(all) - f64::from(self.before) - new;
                 let fraction = 1.0 - left / f64::from(all);
-                (fraction, format!(" of {all}"), (new > 0.0).then(|| left.max(0.0) * seconds / new))
+                (fraction, (new > 0.0).then(|| left.max(0.0) * seconds / new))
             }
             Budget::Time(time) => {
                 let spent = (self.spent + elapsed).as_secs_f64();
                 let left = (time.as_secs_f64() - spent).max(0.0);
-                ((spent / time.as_secs_f64()).min(1.0), String::new(), Some(left))
+                ((spent / time.as_secs_f64()).min(1.0), Some(left))
             }
         };
-        let rate = new * self.samples / seconds * 1e-6;
+        Estimate { made, fraction, samples_per_second: new * self.samples / seconds, remaining }
+    }
+
+    /// The same as a fraction and a line.
+    fn describe(&self, estimate: &Estimate, elapsed: Duration) -> (f64, String) {
+        let of = match self.budget {
+            Budget::Passes(all) => format!(" of {all}"),
+            Budget::Time(_) => String::new(),
+        };
+        let rate = estimate.samples_per_second * 1e-6;
         let remaining =
-            remaining.map_or("unknown time".into(), |s| span(Duration::from_secs_f64(s)));
+            estimate.remaining.map_or("unknown time".into(), |s| span(Duration::from_secs_f64(s)));
         let text = format!(
             "pass {}{of}, {rate:.3} M samples/s, {} elapsed, {remaining} remaining",
-            made + 1,
+            estimate.made + 1,
             span(elapsed)
         );
-        (fraction, text)
+        (estimate.fraction, text)
     }
 }
 

@@ -12,7 +12,6 @@ use gi_core::technique::{Setting, Technique};
 use gi_scene::{ExportError, Loaded};
 use glam::Vec3A;
 
-use crate::display::Display;
 use crate::passes::{Making, identity, merge};
 use crate::paths::{Files, check_export};
 use crate::presets::with_presets;
@@ -21,7 +20,9 @@ use crate::progress::{Part, Progress, span};
 use crate::record::{About, SoFar, add_layers, mean};
 use crate::save::{Output, save_bytes};
 use crate::say::say;
+use crate::serve::Stage;
 use crate::stop::{self, Phase, Signal};
+use crate::views::Views;
 use crate::{Args, Common, Failure, Program, parse, warnings};
 
 /// Run a program from its command line. Returns the signal that stopped it, if one did.
@@ -43,8 +44,7 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<Option<Signal>, Fa
     let mut files = Files::of(common, &output, (&command, &matches), &params.outputs());
     files.check()?;
     let name = output.path().display().to_string();
-    let display =
-        common.display_server.as_ref().map(|at| Display::connect(at, name)).transpose()?;
+    let mut views = Views::open(common, program, name)?;
     let date = crate::identity::date();
     let clock = Instant::now();
     let loaded = load(common)?;
@@ -68,11 +68,10 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<Option<Signal>, Fa
         build: Duration::ZERO,
         prepare: Duration::ZERO,
     };
-    render::<P>(about, params, loaded, &output, display)
+    let ended = render::<P>(about, params, loaded, &output, &mut views);
+    views.end(&ended);
+    ended
 }
-
-/// Time between two pictures of the live view, unless they cost too much.
-const DISPLAY_EVERY: Duration = Duration::from_millis(500);
 
 /// Render a scene that was read.
 fn render<P: Program>(
@@ -80,7 +79,7 @@ fn render<P: Program>(
     params: &P::Params,
     loaded: Loaded,
     output: &Output,
-    mut display: Option<Display>,
+    views: &mut Views,
 ) -> Result<Option<Signal>, Failure> {
     let common = about.common;
     let Loaded { mut parts, mut camera, filter, world, .. } = loaded;
@@ -101,6 +100,9 @@ fn render<P: Program>(
     say_warnings(common, &about_light);
     about.warnings.extend(about_light);
     let camera = Camera::new(&camera);
+    if let Some(page) = views.page() {
+        page.set_size(camera.size());
+    }
     say_scene(common, &scene, Film::memory(camera.size(), filter), camera.size());
     let setting = Setting {
         scene: &scene,
@@ -112,6 +114,7 @@ fn render<P: Program>(
     };
     let mut film = Film::new(camera.size(), filter, common.component);
     let clock = Instant::now();
+    views.enter(Stage::Preparing);
     let progress = Progress::show(Part::Preparation, common.quiet);
     let mut technique = P::Technique::prepare(setting, params).map_err(input_error)?;
     drop(progress);
@@ -132,11 +135,9 @@ fn render<P: Program>(
                 output.save(&layers(&about, film, &so_far))
             }));
         }
-        if let Some(display) = &mut display {
-            let send = |_: &_, film: &Film, _| display.send(film.layers());
-            previews.push(Preview::new("live view", DISPLAY_EVERY, film.size(), send));
-        }
-        passes.run(&mut technique, &mut film, previews);
+        let page = views.page().cloned();
+        previews.extend(views.previews(&about, film.size()));
+        passes.run(&mut technique, &mut film, previews, page.as_ref());
         making = Some(passes);
     } else {
         let spare = Film::new(camera.size(), filter, common.component);
@@ -145,17 +146,14 @@ fn render<P: Program>(
     let elapsed = clock.elapsed();
     stop::enter(Phase::Saving);
     film.end_passes();
+    views.enter(Stage::Saving);
     let stopped = stop::requested();
     if let (Some(signal), 0) = (stopped, film.passes()) {
         say(format!("stopped by {} in the first pass: no picture is written", signal.name()));
         return Ok(stopped);
     }
-    if let Some(display) = &mut display
-        && let Err(failure) = display.send(film.layers())
-    {
-        say(format!("warning: no live view: {}", failure.text()));
-    }
     let so_far = about.so_far(&technique, &film, elapsed, stopped);
+    views.finish(&film, &so_far);
     let finished = Finished { about: &about, so_far: &so_far, film: &film, output };
     finished.save(&technique, &params.outputs(), making)?;
     // A signal that came while files were written.
@@ -222,7 +220,7 @@ fn say_scene(common: &Common, scene: &Scene, film: u64, [w, h]: [usize; 2]) {
 
 impl About<'_> {
     /// What is known now. `elapsed` is the time since preparation began.
-    fn so_far<'t, T: Technique<'t>>(
+    pub(crate) fn so_far<'t, T: Technique<'t>>(
         &self,
         technique: &T,
         film: &Film,

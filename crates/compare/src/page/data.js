@@ -1,18 +1,4 @@
-// The data: planes of half floats, unpacked. A picture keeps the bits; tables turn them into numbers and colours.
-
-const DATA = JSON.parse(document.getElementById("data").textContent);
-const [WIDTH, HEIGHT] = DATA.size;
-const PIXELS = WIDTH * HEIGHT;
-
-/** The number that each of the 65536 half floats stands for. */
-const HALF = new Float32Array(65536);
-for (let bits = 0; bits < 65536; bits++) {
-  const exponent = (bits >> 10) & 31, fraction = bits & 1023;
-  const size = exponent === 31 ? (fraction ? NaN : Infinity)
-    : exponent === 0 ? fraction * 2 ** -24
-    : (1 + fraction / 1024) * 2 ** (exponent - 15);
-  HALF[bits] = bits >> 15 ? -size : size;
-}
+// The page's data: pictures in packed planes, and what can be shown of them.
 
 /** Bytes of a plane's element, which is emptied. */
 async function unpack(id) {
@@ -42,11 +28,6 @@ async function unpackAll() {
       [halves(p.rgb), halves(p.bias), halves(p.deviation), p.flip ? unpack(p.flip.id) : null]);
     return { label: p.label, rgb, bias, deviation, flip };
   }));
-}
-
-/** Value of channel k of pixel i. */
-function value(plane, k, i) {
-  return HALF[plane.bits[k * PIXELS + i]] * plane.scale;
 }
 
 // What can be shown besides the picture: for each a number a pixel, of picture p against reference r.
@@ -85,10 +66,36 @@ function quantities() {
   return Object.keys(QUANTITIES).filter((q) => split || !["bias", "deviation"].includes(q));
 }
 
-/** A number in three digits. */
-function digits(v) {
-  if (v === 0) return "0";
-  if (!Number.isFinite(v)) return String(v);
-  const size = Math.abs(v);
-  return size >= 1e-3 && size < 1e5 ? String(Number(v.toPrecision(3))) : v.toExponential(2);
+/** The colour scale of what is shown; stops shorten it. */
+function scaleFor(picture) {
+  if (view.quantity === "picture") return null;
+  const { of, ...scale } = QUANTITIES[view.quantity];
+  return { ...scale, end: DATA.ranges[view.quantity] * 2 ** -view.stops, of: (i) => of(picture, pictures[0], i) };
 }
+
+/** What the fourth number of a pixel is. */
+function inspected() {
+  return QUANTITIES[view.quantity === "picture" ? "error" : view.quantity];
+}
+
+function inspectedName() {
+  return inspected().name;
+}
+
+/** The numbers of a pixel: radiance, and what is inspected; the reference has none of it. */
+function numbersOf(picture, index, i) {
+  const rgb = [0, 1, 2].map((k) => value(picture.rgb, k, i));
+  return index ? [...rgb, inspected().of(picture, pictures[0], i)] : rgb;
+}
+
+async function start() {
+  setSize(DATA.size);
+  const all = await unpackAll();
+  $("state").hidden = true;
+  showViewer(all, {});
+}
+
+start().catch((error) => {
+  $("state").textContent = `The pictures cannot be shown: ${error.message}`;
+  console.error(error);
+});

@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
-use crate::planes::{Halves, halves, shares};
+use crate::planes::{pack_halves, shares};
 use crate::{Entry, Picture, Report};
 
 /// Packed numbers, each in an element of its own.
@@ -25,7 +25,7 @@ impl Planes {
     }
 
     fn halves(&mut self, values: &[f32], channels: usize) -> Value {
-        let Halves { scale, text } = halves(values, channels);
+        let (scale, text) = pack_halves(values, channels);
         json!({ "id": self.keep(&text), "scale": scale, "channels": channels })
     }
 }
@@ -57,15 +57,14 @@ pub(crate) fn data(report: &Report) -> (Value, String) {
         pictures.push(picture);
     }
     let ranges = ranges(&report.entries, truth, bias, deviation);
-    let map = |gradient: colorous::Gradient| -> String {
-        (0..256).map(|i| format!("{:x}", gradient.eval_rational(i, 256))).collect()
-    };
+    let maps: Map<String, Value> =
+        gi_page::maps().into_iter().map(|(name, map)| (name.into(), map.into())).collect();
     let data = json!({
         "size": truth.size,
         "pictures": pictures,
         "ranges": ranges,
         "floor": gi_stats::metrics::RELATIVE_FLOOR,
-        "maps": { "magma": map(colorous::MAGMA), "signed": map(colorous::PURPLE_ORANGE) },
+        "maps": maps,
     });
     (data, planes.html)
 }

@@ -1,34 +1,18 @@
 //! The page in a real browser: every control used, every number and colour that it shows checked. Where no browser is
 //! installed, the tests say that they were skipped.
 
-mod browser;
 // Not all of what tests share is used by each.
 #[allow(dead_code)]
 #[path = "../common/mod.rs"]
 mod common;
 
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use browser::Browser;
 use common::{build_programs, run, save_rgb};
 use gi_core::image_io::read_exr;
+use gi_tests::browser::{Browser, find_or_skip};
 use gi_tests::program::{Folder, assert_success, files, scene};
 use serde_json::{Value, json};
-
-/// The browser, or word that there is none.
-fn browser_or_skip() -> Option<PathBuf> {
-    let found = browser::find();
-    if found.is_none() {
-        // Not by eprintln, which the test runner keeps to itself.
-        let names = browser::NAMES.join(", ");
-        let _ = writeln!(
-            std::io::stderr(),
-            "SKIPPED, a page was not tested: no browser is installed ({names})"
-        );
-    }
-    found
-}
 
 /// The radiance of a file at a pixel.
 fn pixel(file: &str, [x, y]: [usize; 2]) -> [f64; 3] {
@@ -84,7 +68,7 @@ fn assert_maps(maps: &Value, seeds: [&str; 2], halves: [String; 2]) {
 
 #[test]
 fn every_control_works_on_wide_and_narrow_windows_without_errors_or_network() {
-    let Some(program) = browser_or_skip() else { return };
+    let Some(program) = find_or_skip() else { return };
     build_programs();
     let folder = Folder::make();
     let out = folder.at("out");
@@ -133,7 +117,7 @@ fn every_control_works_on_wide_and_narrow_windows_without_errors_or_network() {
 
 #[test]
 fn broken_pixels_and_awkward_names_are_shown_as_they_are() {
-    let Some(program) = browser_or_skip() else { return };
+    let Some(program) = find_or_skip() else { return };
     let folder = Folder::make();
     let path = |name: &str| folder.at(name);
     save_rgb(&path("truth.exr"), [6, 4], &|_| [0.5; 3]);

@@ -5,7 +5,7 @@ const $ = (id) => document.getElementById(id);
 /** All that the controls change. `zoom` is relative to the whole picture in a pane; `x`, `y` is what stands in its middle. */
 const view = {
   layout: "split", quantity: "picture", a: 1, b: 0, divider: 0.5, stops: 0,
-  zoom: 1, x: WIDTH / 2, y: HEIGHT / 2, pixel: [WIDTH >> 1, HEIGHT >> 1],
+  zoom: 1, x: 0, y: 0, pixel: [0, 0],
 };
 const MAX_ZOOM = 256;
 let pictures = [];
@@ -14,21 +14,31 @@ let painted = new Map();
 
 /** A picture in colours, painted when it is first seen. */
 function paint(index) {
-  const key = `${index} ${view.quantity} ${view.stops}`;
+  const key = `${index} ${pictures[index].version ?? 0} ${view.quantity} ${view.stops}`;
   if (!painted.has(key)) {
     // Other exposures are not kept: there are too many.
     if (painted.size > 2 * pictures.length) painted.clear();
     const canvas = document.createElement("canvas");
     [canvas.width, canvas.height] = [WIDTH, HEIGHT];
-    canvas.getContext("2d").putImageData(colours(pictures[index], pictures[0], view.quantity, view.stops), 0, 0);
+    canvas.getContext("2d").putImageData(colours(pictures[index], view.stops), 0, 0);
     painted.set(key, canvas);
   }
   return painted.get(key);
 }
 
-/** Panes for the layout: one of one or two pictures, or one for each. */
+/** Which pictures the panes show: one pane of one or two pictures, or one for each. */
+function shownByPane() {
+  return view.layout === "all" ? pictures.map((_, i) => [i]) : [view.layout === "one" ? [view.a] : [view.a, view.b]];
+}
+
+/** The scale of the first picture that is shown in false colours. */
+function shownScale() {
+  return shownByPane().flat().map((k) => scaleFor(pictures[k])).find((scale) => scale);
+}
+
+/** Panes for the layout. */
 function arrange() {
-  const shown = view.layout === "all" ? pictures.map((_, i) => [i]) : [view.layout === "one" ? [view.a] : [view.a, view.b]];
+  const shown = shownByPane();
   $("panes").className = view.layout;
   if (panes.length !== shown.length) {
     panes = shown.map(() => {
@@ -73,6 +83,7 @@ function drawPane(pane) {
   const place = [w / 2 - view.x * s, h / 2 - view.y * s, WIDTH * s, HEIGHT * s];
   const edge = pane.shows.length > 1 ? Math.round(view.divider * w) : w;
   const part = (index, from, to) => {
+    if (!pictures[index].rgb) return;
     context.save();
     context.beginPath();
     context.rect(from, 0, to - from, h);
@@ -111,23 +122,26 @@ function draw() {
     legend();
     inspect();
     $("zoom").textContent = `${digits(view.zoom)}x`;
-    $("exposure-value").textContent = exposureText();
+    nameExposure();
     document.documentElement.dataset.drawn = String(Number(document.documentElement.dataset.drawn || 0) + 1);
   });
 }
 
-function exposureText() {
+/** What the exposure's control changes: where the scale ends if there are only false colours, else the brightness. */
+function nameExposure() {
   const sign = view.stops > 0 ? "+" : "";
-  return view.quantity === "picture" ? `${sign}${view.stops.toFixed(1)} stops` : `to ${digits(scaleEnd(view.quantity, view.stops))}`;
+  const isScale = shownByPane().flat().every((k) => scaleFor(pictures[k]));
+  $("exposure-name").textContent = isScale ? "Scale" : "Exposure";
+  $("exposure-value").textContent = isScale ? `to ${digits(shownScale().end)}` : `${sign}${view.stops.toFixed(1)} stops`;
 }
 
 /** The colour scale with its ends, in its unit. */
 function legend() {
-  const { name, unit, map } = QUANTITIES[view.quantity];
-  $("legend").hidden = !map;
-  if (!map) return;
+  const scale = shownScale();
+  $("legend").hidden = !scale;
+  if (!scale) return;
+  const { name, unit, map, end } = scale;
   $("legend-name").textContent = `${name} (${unit})`;
-  const end = scaleEnd(view.quantity, view.stops);
   const bar = new ImageData(256, 1);
   MAPS[map].forEach((c, i) => bar.data.set([...c, 255], 4 * i));
   $("legend-bar").getContext("2d").putImageData(bar, 0, 0);
@@ -139,13 +153,13 @@ function legend() {
 function inspect() {
   const [x, y] = view.pixel;
   const i = y * WIDTH + x;
-  const quantity = view.quantity === "picture" ? "error" : view.quantity;
   $("pixel").textContent = `${x}, ${y}`;
-  $("inspected").textContent = QUANTITIES[quantity].name;
+  $("inspected").textContent = inspectedName();
   const rows = document.querySelectorAll("#inspector tbody tr");
   pictures.forEach((p, index) => {
-    const numbers = [0, 1, 2].map((k) => value(p.rgb, k, i)).concat(index ? [QUANTITIES[quantity].of(p, pictures[0], i)] : []);
-    [...rows[index].querySelectorAll("td")].forEach((cell, k) => { cell.textContent = k in numbers ? digits(numbers[k]) : ""; });
+    const numbers = numbersOf(p, index, i);
+    rows[index].hidden = !numbers;
+    [...rows[index].querySelectorAll("td")].forEach((cell, k) => { cell.textContent = numbers && k in numbers ? digits(numbers[k]) : ""; });
   });
 }
 

@@ -47,7 +47,6 @@ function set(change) {
   for (const label of document.querySelectorAll("#controls .a")) label.hidden = view.layout === "all";
   for (const label of document.querySelectorAll("#controls .b")) label.hidden = view.layout !== "split";
   document.querySelector("#controls .a").firstChild.textContent = view.layout === "one" ? "Picture " : "Left ";
-  $("exposure-name").textContent = view.quantity === "picture" ? "Exposure" : "Scale";
   arrange();
 }
 
@@ -108,6 +107,7 @@ function fillControls() {
   const options = (id, entries) => $(id).replaceChildren(...entries.map(([v, text]) => new Option(text, v)));
   const named = pictures.map((p, i) => [i, `${i + 1}  ${p.label}`]);
   options("quantity", quantities().map((q) => [q, QUANTITIES[q].name]));
+  $("quantity").parentElement.hidden = quantities().length < 2;
   options("a", named);
   options("b", named);
   const row = (p, i) => {
@@ -119,17 +119,14 @@ function fillControls() {
   document.querySelector("#inspector tbody").replaceChildren(...pictures.map(row));
 }
 
-async function start() {
-  pictures = await unpackAll();
+/** Show pictures in the viewer, beginning with a part of the view. */
+function showViewer(all, change) {
+  pictures = all;
   fillControls();
   watchControls();
   watchKeys();
   for (const id of ["controls", "inspector"]) $(id).hidden = false;
-  $("state").hidden = true;
-  set({});
+  view.pixel = [WIDTH >> 1, HEIGHT >> 1];
+  set(change);
+  fit();
 }
-
-start().catch((error) => {
-  $("state").textContent = `The pictures cannot be shown: ${error.message}`;
-  console.error(error);
-});
