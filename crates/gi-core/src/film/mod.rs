@@ -44,7 +44,7 @@ impl Film {
         Film { tiles, filter, show, pixels, kept, passes: 0 }
     }
 
-    /// Bytes that a film of this size needs during a pass. [`Film::layers`] needs up to 96 bytes more per pixel.
+    /// Bytes that a film of this size needs during a pass. [`Film::layers`] needs up to 88 bytes more per pixel.
     ///
     /// The sums of a pixel are 17 doubles: the weight, nine sums of radiance, and seven second moments for the variance. In
     /// single precision, the variance would be lost after some thousand passes, and merged runs would differ from a single one.
