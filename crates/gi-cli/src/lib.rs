@@ -10,6 +10,7 @@ mod budget;
 mod checkpoint;
 mod common;
 mod display;
+mod finish;
 mod help;
 mod identity;
 mod passes;

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use gi_core::film::Film;
 use gi_core::image_io::Layers;
-use gi_core::technique::Picture;
+use gi_core::technique::{Picture, Technique};
 use serde_json::{Map, Value, json};
 
 use crate::stop::Signal;
@@ -41,6 +41,23 @@ pub(crate) struct SoFar {
 }
 
 impl About<'_> {
+    /// What is known now. `elapsed` is the time since preparation began.
+    pub(crate) fn so_far<'t, T: Technique<'t>>(
+        &self,
+        technique: &T,
+        film: &Film,
+        elapsed: Duration,
+        stopped: Option<Signal>,
+    ) -> SoFar {
+        SoFar {
+            passes: film.passes(),
+            render: elapsed.saturating_sub(self.prepare),
+            stopped,
+            reach: technique.reach(),
+            technique: technique.statistics(),
+        }
+    }
+
     /// What an EXR says about how it came to be.
     pub(crate) fn metadata(&self, so_far: &SoFar) -> Vec<(String, String)> {
         let seconds = (self.prepare + so_far.render).as_secs_f64();

@@ -1,24 +1,25 @@
 //! A run from command line to picture.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use gi_core::camera::Camera;
 use gi_core::film::Film;
-use gi_core::image_io::Layers;
 use gi_core::options::Parameters;
-use gi_core::scene::Scene;
+use gi_core::scene::{Scene, SceneParts};
 use gi_core::technique::{Setting, Technique};
 use gi_scene::{ExportError, Loaded};
 use glam::Vec3A;
 
+use crate::checkpoint::Identity;
+use crate::finish::{Finished, layers};
 use crate::passes::{Making, identity, merge};
 use crate::paths::{Files, check_export};
 use crate::presets::with_presets;
 use crate::preview::Preview;
 use crate::progress::{Part, Progress, span};
-use crate::record::{About, SoFar, add_layers, mean};
-use crate::save::{Output, save_bytes};
+use crate::record::About;
+use crate::save::Output;
 use crate::say::say;
 use crate::serve::Stage;
 use crate::stop::{self, Phase, Signal};
@@ -83,26 +84,14 @@ fn render<P: Program>(
 ) -> Result<Option<Signal>, Failure> {
     let common = about.common;
     let Loaded { mut parts, mut camera, filter, world, .. } = loaded;
-    about.warnings = loaded.warnings;
+    about.warn(loaded.warnings);
     let depth = loaded.integrator_max_depth;
-    about.warnings.extend(warnings::of_depth(params.max_depth(), about.arguments, depth));
-    say_warnings(common, &about.warnings);
+    about.warn(warnings::of_depth(params.max_depth(), about.arguments, depth));
     camera.to_world.translation += Vec3A::from(parts.recentre());
     check_film(camera.size)?;
-    let clock = Instant::now();
-    let scene =
-        Scene::new(parts).map_err(|e| input_error(format!("{}: {e}", common.scene.display())))?;
-    about.build = clock.elapsed();
-    let mut about_light = warnings::of_media(&scene, params.simulates_media());
-    if !params.finds_focused_light() {
-        about_light.extend(warnings::of_focused_light(&scene, common.seed));
-    }
-    say_warnings(common, &about_light);
-    about.warnings.extend(about_light);
+    let scene = build(&mut about, params, parts)?;
     let camera = Camera::new(&camera);
-    if let Some(page) = views.page() {
-        page.set_size(camera.size());
-    }
+    views.set_size(camera.size());
     say_scene(common, &scene, Film::memory(camera.size(), filter), camera.size());
     let setting = Setting {
         scene: &scene,
@@ -113,37 +102,11 @@ fn render<P: Program>(
         surface_layers: common.surface_layers,
     };
     let mut film = Film::new(camera.size(), filter, common.component);
-    let clock = Instant::now();
-    views.enter(Stage::Preparing);
-    let progress = Progress::show(Part::Preparation, common.quiet);
-    let mut technique = P::Technique::prepare(setting, params).map_err(input_error)?;
-    drop(progress);
-    about.prepare = clock.elapsed();
-    stop::enter(Phase::Passes);
-    if !common.quiet {
-        say(format!("prepared in {}", span(about.prepare)));
-    }
+    let start = Instant::now();
+    let mut technique = prepare::<P>(&mut about, setting, params, views)?;
     let identity = identity::<P>(common, world, &camera, filter);
-    let mut making = None;
-    if common.merge.is_empty() {
-        let mut passes = Making::begin(&mut technique, common, &mut film, &identity, clock)?;
-        let mut previews = Vec::new();
-        if let Some(every) = common.preview() {
-            let size = film.size();
-            previews.push(Preview::new("preview", every, size, |technique, film, elapsed| {
-                let so_far = about.so_far::<P::Technique<'_>>(technique, film, elapsed, None);
-                output.save(&layers(&about, film, &so_far))
-            }));
-        }
-        let page = views.page().cloned();
-        previews.extend(views.previews(&about, film.size()));
-        passes.run(&mut technique, &mut film, previews, page.as_ref());
-        making = Some(passes);
-    } else {
-        let spare = Film::new(camera.size(), filter, common.component);
-        merge(&mut technique, common, [&mut film, &mut { spare }], &identity)?;
-    }
-    let elapsed = clock.elapsed();
+    let passes = make_passes(&about, &identity, start, &mut technique, &mut film, (output, views))?;
+    let elapsed = start.elapsed();
     stop::enter(Phase::Saving);
     film.end_passes();
     views.enter(Stage::Saving);
@@ -155,9 +118,71 @@ fn render<P: Program>(
     let so_far = about.so_far(&technique, &film, elapsed, stopped);
     views.finish(&film, &so_far);
     let finished = Finished { about: &about, so_far: &so_far, film: &film, output };
-    finished.save(&technique, &params.outputs(), making)?;
+    finished.save(&technique, &params.outputs(), passes)?;
     // A signal that came while files were written.
     Ok(stop::requested())
+}
+
+/// Build the scene and its tree, and warn of what the technique does not find in it.
+fn build(about: &mut About, params: &impl Parameters, parts: SceneParts) -> Result<Scene, Failure> {
+    let (common, clock) = (about.common, Instant::now());
+    let scene =
+        Scene::new(parts).map_err(|e| input_error(format!("{}: {e}", common.scene.display())))?;
+    about.build = clock.elapsed();
+    about.warn(warnings::of_media(&scene, params.simulates_media()));
+    if !params.finds_focused_light() {
+        about.warn(warnings::of_focused_light(&scene, common.seed));
+    }
+    Ok(scene)
+}
+
+/// Prepare the technique.
+fn prepare<'t, P: Program>(
+    about: &mut About,
+    setting: Setting<'t>,
+    params: &P::Params,
+    views: &Views,
+) -> Result<P::Technique<'t>, Failure> {
+    let clock = Instant::now();
+    views.enter(Stage::Preparing);
+    let progress = Progress::show(Part::Preparation, about.common.quiet);
+    let technique = P::Technique::prepare(setting, params).map_err(input_error)?;
+    drop(progress);
+    about.prepare = clock.elapsed();
+    stop::enter(Phase::Passes);
+    if !about.common.quiet {
+        say(format!("prepared in {}", span(about.prepare)));
+    }
+    Ok(technique)
+}
+
+/// Make the passes, or add up those of checkpoints. Returns what writes the last checkpoint.
+fn make_passes<'a, 't, T: Technique<'t>>(
+    about: &About<'a>,
+    identity: &'a Identity,
+    start: Instant,
+    technique: &mut T,
+    film: &mut Film,
+    (output, views): (&Output, &mut Views),
+) -> Result<Option<Making<'a>>, Failure> {
+    let common = about.common;
+    if !common.merge.is_empty() {
+        let mut spare = Film::new(film.size(), film.filter().filter(), common.component);
+        merge(technique, common, [film, &mut spare], identity)?;
+        return Ok(None);
+    }
+    let mut passes = Making::begin(technique, common, film, identity, start)?;
+    let mut previews = Vec::new();
+    if let Some(every) = common.preview() {
+        let save = |technique: &T, film: &Film, elapsed| {
+            output.save(&layers(about, film, &about.so_far(technique, film, elapsed, None)))
+        };
+        previews.push(Preview::new("preview", every, film.size(), save));
+    }
+    let page = views.page().cloned();
+    previews.extend(views.previews(about, film.size()));
+    passes.run(technique, film, previews, page.as_ref());
+    Ok(Some(passes))
 }
 
 /// A failure whose cause is what the user gave.
@@ -196,6 +221,15 @@ fn check_film([w, h]: [usize; 2]) -> Result<(), Failure> {
     Err(Failure::Input(format!("error: a film of {w} x {h} pixels is too large: {advice}")))
 }
 
+impl About<'_> {
+    /// Print warnings, and keep them for the statistics.
+    fn warn(&mut self, warnings: impl IntoIterator<Item = String>) {
+        let warnings: Vec<String> = warnings.into_iter().collect();
+        say_warnings(self.common, &warnings);
+        self.warnings.extend(warnings);
+    }
+}
+
 fn say_warnings(common: &Common, warnings: &[String]) {
     if !common.quiet {
         warnings.iter().for_each(|w| say(format!("warning: {w}")));
@@ -215,91 +249,5 @@ fn say_scene(common: &Common, scene: &Scene, film: u64, [w, h]: [usize; 2]) {
         if scene.lights().all().is_empty() {
             say("warning: nothing shines in this scene; the picture will be black");
         }
-    }
-}
-
-impl About<'_> {
-    /// What is known now. `elapsed` is the time since preparation began.
-    pub(crate) fn so_far<'t, T: Technique<'t>>(
-        &self,
-        technique: &T,
-        film: &Film,
-        elapsed: Duration,
-        stopped: Option<Signal>,
-    ) -> SoFar {
-        SoFar {
-            passes: film.passes(),
-            render: elapsed.saturating_sub(self.prepare),
-            stopped,
-            reach: technique.reach(),
-            technique: technique.statistics(),
-        }
-    }
-}
-
-/// The film's layers, with what they say about themselves.
-fn layers(about: &About, film: &Film, so_far: &SoFar) -> Layers {
-    Layers { metadata: about.metadata(so_far), ..film.layers() }
-}
-
-/// A run whose passes are made.
-struct Finished<'a> {
-    about: &'a About<'a>,
-    so_far: &'a SoFar,
-    film: &'a Film,
-    output: &'a Output,
-}
-
-impl Finished<'_> {
-    /// Write everything that was asked for, the picture first. What fails keeps nothing else from being written.
-    fn save<'t>(
-        &self,
-        technique: &impl Technique<'t>,
-        files: &[PathBuf],
-        making: Option<Making>,
-    ) -> Result<(), Failure> {
-        let (clock, common) = (Instant::now(), self.about.common);
-        let mut failures = Vec::new();
-        let pictures = technique.pictures(self.film);
-        let mut layers = layers(self.about, self.film, self.so_far);
-        pictures.iter().for_each(|picture| add_layers(&mut layers, picture));
-        failures.extend(self.output.save(&layers).err());
-        drop(layers);
-        for picture in &pictures {
-            failures.extend(self.output.save_view(picture, self.film.size()).err());
-        }
-        for path in files {
-            failures.extend(save_bytes(path, &technique.export(path)).err());
-        }
-        if let Some(mut making) = making {
-            failures.extend(making.end(technique, self.film).err());
-        }
-        if let Some(path) = &common.stats {
-            let json = self.about.statistics(self.so_far, mean(self.film), clock.elapsed());
-            failures.extend(save_bytes(path, format!("{json:#}\n").as_bytes()).err());
-        }
-        if !common.quiet {
-            self.say_times(clock.elapsed());
-        }
-        match failures.len() {
-            0 => Ok(()),
-            _ => {
-                let texts: Vec<&str> = failures.iter().map(Failure::text).collect();
-                Err(Failure::Other(texts.join("\nerror: ")))
-            }
-        }
-    }
-
-    fn say_times(&self, save: Duration) {
-        let About { load, build, prepare, .. } = *self.about;
-        let render = self.so_far.render;
-        let [load, build, prepare, render, save, total] =
-            [load, build, prepare, render, save, load + build + prepare + render + save].map(span);
-        say(format!(
-            "{}: {} passes in {total}: scene read in {load}, tree built in {build}, prepared in {prepare}, \
-             rendered in {render}, saved in {save}",
-            self.output.path().display(),
-            self.so_far.passes
-        ));
     }
 }

@@ -16,7 +16,7 @@ use crate::{Common, Failure};
 /// Time between two pictures of a viewer, unless they cost too much.
 const EVERY: Duration = Duration::from_millis(500);
 /// Guess of the time to copy a pixel with all layers, before a picture has been copied.
-const SECONDS_PER_PIXEL: f64 = 1e-6;
+const SECONDS_PER_PIXEL: f64 = 2e-7;
 
 /// Who watches.
 pub(crate) struct Views {
@@ -37,6 +37,13 @@ impl Views {
     /// The live page.
     pub(crate) fn page(&self) -> Option<&Page> {
         self.page.as_ref()
+    }
+
+    /// Tell the page the size of the picture.
+    pub(crate) fn set_size(&self, size: [usize; 2]) {
+        if let Some(page) = &self.page {
+            page.set_size(size);
+        }
     }
 
     /// Tell the page what the run does from now on.
