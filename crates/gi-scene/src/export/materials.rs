@@ -1,14 +1,15 @@
+//! Writes materials.
+
 use std::collections::HashSet;
 
-use gi_core::image_io::{ImageFile, Layers, write_file};
 use gi_core::material::{
     BentNormals, Distribution, Material, Principled, PrincipledThin, Roughness,
 };
 use gi_core::math::Rgb;
-use gi_core::texture::{Bitmap, Lookup, Texture, Wrap};
-use glam::{Affine2, Affine3A, Mat3, Vec2, Vec3};
+use gi_core::texture::Texture;
+use glam::Vec2;
 
-use super::{Exporter, channels, free_name};
+use super::{Exporter, free_name};
 use crate::options::Loaded;
 
 /// Names of the materials that are written at the top level: those named in the file and those used more than once.
@@ -242,82 +243,6 @@ impl Exporter<'_> {
         self.scalar("alpha_u", alpha_u)?;
         self.scalar("alpha_v", alpha_v)
     }
-
-    /// Write a factor whose default is one.
-    fn factor(&mut self, name: &str, texture: &Texture) -> Result<(), String> {
-        match texture {
-            Texture::Constant(c) if *c == Rgb::WHITE => Ok(()),
-            _ => self.texture(name, texture),
-        }
-    }
-
-    /// Write a parameter: a number if it is constant, a texture otherwise.
-    fn scalar(&mut self, name: &str, texture: &Texture) -> Result<(), String> {
-        match texture {
-            Texture::Constant(c) => {
-                let v = if c.r == c.g && c.g == c.b { c.r } else { c.luminance() };
-                self.xml.value("float", name, &v.to_string());
-                Ok(())
-            }
-            _ => self.texture(name, texture),
-        }
-    }
-
-    /// Write a parameter that must be a texture.
-    fn map(&mut self, name: &str, texture: &Texture) -> Result<(), String> {
-        let Texture::Constant(c) = texture else { return self.texture(name, texture) };
-        // Mitsuba has no plugin for a constant texture, so write a checkerboard of one colour.
-        self.xml.open("texture", &[("type", "checkerboard"), ("name", name)]);
-        self.xml.value("rgb", "color0", &channels(*c));
-        self.xml.value("rgb", "color1", &channels(*c));
-        self.xml.close();
-        Ok(())
-    }
-
-    /// Write a colour or a texture.
-    pub(super) fn texture(&mut self, name: &str, texture: &Texture) -> Result<(), String> {
-        match texture {
-            Texture::Constant(c) => self.xml.color(name, *c),
-            Texture::Checkerboard { color0, color1, to_uv } => {
-                self.xml.open("texture", &[("type", "checkerboard"), ("name", name)]);
-                self.texture("color0", color0)?;
-                self.texture("color1", color1)?;
-                self.xml.transform("to_uv", &spatial(to_uv));
-                self.xml.close();
-            }
-            Texture::Bitmap { bitmap, to_uv, scale } => {
-                let origin = self.loaded.origins.bitmap_file(bitmap);
-                let (file, raw) = match origin.filter(|_| *scale == Rgb::WHITE) {
-                    Some(file) => (self.file_name(&file.path), file.raw),
-                    None => (self.bake(bitmap, *scale)?, true),
-                };
-                self.xml.open("texture", &[("type", "bitmap"), ("name", name)]);
-                self.xml.value("string", "filename", &file);
-                if raw {
-                    self.xml.value("boolean", "raw", "true");
-                }
-                if origin.is_some_and(|o| o.lookup == Lookup::Nearest) {
-                    self.xml.value("string", "filter_type", "nearest");
-                }
-                match origin.map(|o| o.wrap) {
-                    Some(Wrap::Mirror) => self.xml.value("string", "wrap_mode", "mirror"),
-                    Some(Wrap::Clamp) => self.xml.value("string", "wrap_mode", "clamp"),
-                    Some(Wrap::Repeat) | None => {}
-                }
-                self.xml.transform("to_uv", &spatial(to_uv));
-                self.xml.close();
-            }
-        }
-        Ok(())
-    }
-
-    /// Write a picture times a factor to a file, because Mitsuba 3 cannot multiply pictures.
-    fn bake(&mut self, bitmap: &Bitmap, scale: Rgb) -> Result<String, String> {
-        let size = [bitmap.width(), bitmap.height()];
-        let texel = |i: usize| (bitmap.texel(i % size[0], i / size[0]) * scale).to_array();
-        let layers = Layers::of_rgb(size, (0..size[0] * size[1]).map(texel));
-        self.side_file("exr", |path| write_file(path, ImageFile::Exr, &layers))
-    }
 }
 
 fn distribution_name(distribution: Distribution) -> &'static str {
@@ -333,11 +258,4 @@ fn clamped(texture: Texture) -> Texture {
         Texture::Constant(c) => Texture::Constant(c.map(|v| v.clamp(0.0, 1.0))),
         other => other,
     }
-}
-
-/// A transform of texture coordinates as the 3D transform that Mitsuba expects.
-fn spatial(m: &Affine2) -> Affine3A {
-    let (x, y) = (m.matrix2.x_axis, m.matrix2.y_axis);
-    let linear = Mat3::from_cols(x.extend(0.0), y.extend(0.0), Vec3::Z);
-    Affine3A::from_mat3_translation(linear, m.translation.extend(0.0))
 }

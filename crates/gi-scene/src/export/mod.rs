@@ -4,6 +4,7 @@
 mod lights;
 mod materials;
 mod shapes;
+mod textures;
 mod xml;
 
 use std::collections::HashSet;
