@@ -8,6 +8,8 @@ mod faults;
 mod help;
 /// Inputs that are also named as outputs.
 mod inputs;
+/// Kernels for each instruction set.
+mod instruction_sets;
 /// The live page in a browser.
 mod page;
 /// Previews.

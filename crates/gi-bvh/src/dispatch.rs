@@ -1,5 +1,7 @@
 //! Chooses the kernel that traverses a tree, from the processor's instruction sets.
 
+use std::sync::OnceLock;
+
 #[cfg(target_arch = "x86_64")]
 use super::kernel_x86;
 use super::layout::Tree;
@@ -52,16 +54,63 @@ impl Isa {
     }
 }
 
-/// The instruction set used to trace rays on this processor: the fastest one that a kernel exists for.
+/// Environment variable that forces an instruction set: `avx512`, `avx2`, `sse2` or `portable`.
+pub const ISA_VARIABLE: &str = "GILAB_ISA";
+
+/// Check [`ISA_VARIABLE`]. Rays ignore a wrong value.
+///
+/// # Errors
+/// One line: the variable names an unknown instruction set, or one that this processor does not have.
+pub fn check_instruction_set() -> Result<(), String> {
+    chosen().as_ref().map(|_| ()).map_err(String::clone)
+}
+
+/// The name of the instruction set that rays are traced with: the one that [`ISA_VARIABLE`] names, or else the fastest
+/// that this processor has.
 pub fn instruction_set() -> &'static str {
-    match Isa::available().last() {
+    match best() {
+        Isa::Portable => "portable",
         #[cfg(target_arch = "x86_64")]
-        Some(Isa::Avx512) => "AVX-512",
+        Isa::Sse2 => "SSE2",
         #[cfg(target_arch = "x86_64")]
-        Some(Isa::Avx2) => "AVX2",
+        Isa::Avx2 => "AVX2",
         #[cfg(target_arch = "x86_64")]
-        Some(Isa::Sse2) => "SSE2",
-        _ => "portable",
+        Isa::Avx512 => "AVX-512",
+    }
+}
+
+fn best() -> Isa {
+    let fastest = || Isa::available().pop().unwrap_or(Isa::Portable);
+    chosen().as_ref().ok().copied().flatten().unwrap_or_else(fastest)
+}
+
+/// What [`ISA_VARIABLE`] names; `None` if it is not set. It is read once.
+fn chosen() -> &'static Result<Option<Isa>, String> {
+    static CHOSEN: OnceLock<Result<Option<Isa>, String>> = OnceLock::new();
+    let parse = |name: std::ffi::OsString| Isa::parse(&name.to_string_lossy());
+    CHOSEN.get_or_init(|| std::env::var_os(ISA_VARIABLE).map(parse).transpose())
+}
+
+impl Isa {
+    fn parse(name: &str) -> Result<Isa, String> {
+        let isa = match name {
+            "portable" => Isa::Portable,
+            #[cfg(target_arch = "x86_64")]
+            "sse2" => Isa::Sse2,
+            #[cfg(target_arch = "x86_64")]
+            "avx2" => Isa::Avx2,
+            #[cfg(target_arch = "x86_64")]
+            "avx512" => Isa::Avx512,
+            _ => {
+                let known = "use portable, or on x86-64 sse2, avx2 or avx512";
+                return Err(format!("{ISA_VARIABLE}={name} is no instruction set: {known}"));
+            }
+        };
+        if Isa::available().contains(&isa) {
+            Ok(isa)
+        } else {
+            Err(format!("{ISA_VARIABLE}={name}: this processor does not have these instructions"))
+        }
     }
 }
 
@@ -108,10 +157,9 @@ impl Kernel {
         Kernel { closest, any }
     }
 
-    /// The kernel for the best available instruction set.
+    /// The kernel for the instruction set that is used, see [`instruction_set`].
     pub(super) fn best(solids: bool) -> Self {
-        let isa = Isa::available().pop().unwrap_or(Isa::Portable);
-        Kernel::new(isa, solids)
+        Kernel::new(best(), solids)
     }
 
     #[inline]

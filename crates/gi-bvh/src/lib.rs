@@ -37,7 +37,7 @@ use std::fmt;
 use glam::Vec3;
 
 pub use bounds::Bounds;
-pub use dispatch::instruction_set;
+pub use dispatch::{ISA_VARIABLE, check_instruction_set, instruction_set};
 pub use solid::Solid;
 
 use dispatch::Kernel;

@@ -33,6 +33,7 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<Option<Signal>, Fa
     // Once for the scene's name and the -D; again with the presets of the scene in front.
     let (first, matches) = parse::<P>(arguments);
     stop::watch();
+    gi_core::check_instruction_set().map_err(input_error)?;
     let Args { common, params } = first.args();
     if let Some(threads) = common.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();

@@ -41,4 +41,4 @@ pub mod texture;
 pub mod walk;
 pub mod warp;
 
-pub use gi_bvh::{instruction_set, ray};
+pub use gi_bvh::{ISA_VARIABLE, check_instruction_set, instruction_set, ray};
