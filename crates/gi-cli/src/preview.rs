@@ -43,14 +43,9 @@ impl<'a, T> Preview<'a, T> {
         Preview { what, schedule, watched, write: Box::new(write), failed: false }
     }
 
-    /// Only while somebody watches. `per_pixel` is a guess of the time per pixel.
-    pub(crate) fn while_watched(
-        mut self,
-        [w, h]: [usize; 2],
-        per_pixel: f64,
-        watched: impl Fn() -> Option<Duration> + 'a,
-    ) -> Self {
-        self.schedule.cost = Duration::from_secs_f64((w * h) as f64 * per_pixel);
+    /// Only while somebody watches. The first one comes as soon as it can, whatever it costs: a viewer should not wait for it.
+    pub(crate) fn while_watched(mut self, watched: impl Fn() -> Option<Duration> + 'a) -> Self {
+        self.schedule.cost = Duration::ZERO;
         self.watched = Box::new(watched);
         self
     }
@@ -140,8 +135,7 @@ mod tests {
             Ok(())
         };
         let mut preview =
-            Preview::new("page", seconds(1), [1, 1], show)
-                .while_watched([1, 1], 0.0, || watched.take());
+            Preview::new("page", seconds(1), [1, 1], show).while_watched(|| watched.take());
         // After so many seconds, with so many seconds of answers since the last time.
         let mut at = |time, answers: Option<u64>| {
             watched.set(answers.map(seconds));

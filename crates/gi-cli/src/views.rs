@@ -15,8 +15,6 @@ use crate::{Common, Failure};
 
 /// Time between two pictures of a viewer, unless they cost too much.
 const EVERY: Duration = Duration::from_millis(500);
-/// Guess of the time to copy a pixel with all layers, before a picture has been copied.
-const SECONDS_PER_PIXEL: f64 = 2e-7;
 
 /// Who watches.
 pub(crate) struct Views {
@@ -70,7 +68,7 @@ impl Views {
                 Ok(())
             };
             let preview = Preview::new("live page", EVERY, size, show);
-            all.push(preview.while_watched(size, SECONDS_PER_PIXEL, || page.watched()));
+            all.push(preview.while_watched(|| page.watched()));
         }
         all
     }
