@@ -11,6 +11,7 @@ use gi_core::film::Film;
 use gi_core::filter::Filter;
 use gi_core::technique::Technique;
 
+use crate::budget::Budget;
 use crate::checkpoint::{Checkpoint, Identity, Keeper, no_state};
 use crate::preview::Preview;
 use crate::progress::{Part, Passes, Progress};
@@ -36,6 +37,9 @@ pub(crate) fn identity<P: Program>(
         ("surface layers", format!("{:?}", common.surface_layers)),
     ]
 }
+
+/// Largest index of a pass, plus one: sample numbers are 32-bit integers.
+const MOST_PASSES: u32 = u32::MAX - 1;
 
 /// The passes of a run, and what is done between them.
 pub(crate) struct Making<'a> {
@@ -63,6 +67,16 @@ impl<'a> Making<'a> {
             return Err(Failure::Input(
                 "error: --first-pass: the passes of this method build on each other".into(),
             ));
+        }
+        let wanted = match common.budget() {
+            Budget::Passes(passes) => passes,
+            Budget::Time(_) => 1,
+        };
+        if first.checked_add(wanted).is_none_or(|end| end > MOST_PASSES) {
+            let text = format!(
+                "error: --first-pass {first}: passes are numbered up to {MOST_PASSES}, and this run would go beyond; give a smaller number"
+            );
+            return Err(Failure::Input(text));
         }
         // Check this before rendering.
         if common.checkpoint.is_some() {
@@ -105,7 +119,7 @@ impl<'a> Making<'a> {
         }
         let _progress = Progress::show(Part::Passes(shown), self.common.quiet);
         while budget.goes_on(self.made.len() as u32, self.start.elapsed())
-            && self.made.end < u32::MAX - 1
+            && self.made.end < MOST_PASSES
             && !technique.is_done()
             && (stop::requested().is_none() || self.is_first_pass(film))
         {
