@@ -63,6 +63,9 @@ pub trait Program: Parser {
     /// Whether it can continue a run from a checkpoint; its help does not list those flags otherwise.
     const RESUMES: bool = true;
 
+    /// Default number of passes. Two processors should make them in less than two minutes for a picture of 512 x 512.
+    const PASSES: &str = "64";
+
     /// What was parsed.
     fn args(&self) -> &Args<Self::Params>;
 }
@@ -115,7 +118,8 @@ pub fn main<P: Program>() -> ExitCode {
 
 /// The command line of a program.
 fn command<P: Program>() -> clap::Command {
-    help::arranged(P::command(), P::RESUMES).args_override_self(true).version(VERSION)
+    let arranged = help::arranged(P::command(), P::RESUMES).args_override_self(true);
+    arranged.mut_arg("spp", |spp| spp.default_value(P::PASSES)).version(VERSION)
 }
 
 /// Parse a command line in which a later flag wins over an earlier one; `--help` and usage errors end the process

@@ -9,6 +9,9 @@ use lightcuts::{Lightcuts, Params};
 ///
 /// With few --lights or --vpls, each light shows as a hard shadow or a bright spot. A large --error shows as patches
 /// where cuts change. A small --max-cut shows in the dark and near many lights (at_max_cut in the statistics).
+///
+/// One pass takes up to a minute and a half on two processors. More passes (--spp) smooth edges, and average over new
+/// lights.
 #[derive(Parser)]
 #[command(name = "lightcuts", version)]
 struct Program {
@@ -19,6 +22,8 @@ struct Program {
 impl gi_cli::Program for Program {
     type Params = Params;
     type Technique<'a> = Lightcuts<'a>;
+
+    const PASSES: &str = "1";
 
     fn args(&self) -> &gi_cli::Args<Params> {
         &self.args
