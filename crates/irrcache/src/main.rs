@@ -19,6 +19,7 @@ struct Program {
 impl gi_cli::Program for Program {
     type Params = Params;
     type Technique<'a> = IrradianceCaching<'a>;
+    const PASSES: &str = "16";
     const RESUMES: bool = false;
 
     fn args(&self) -> &gi_cli::Args<Params> {
