@@ -37,12 +37,27 @@ impl Scene {
     /// Sample light that arrives at `p`, without visibility. `u` chooses the light and the point on it.
     #[inline]
     pub fn sample_light(&self, p: Vec3, u: [f32; 2]) -> Option<LightSample> {
+        let sample = self.aim_at_light(p, u)?;
+        let radiance = sample.radiance * self.looked_up(&sample);
+        Some(LightSample { radiance, map: None, ..sample })
+    }
+
+    /// [`Scene::sample_light`], but [`Scene::looked_up`] is still a factor on the radiance. Most light samples are
+    /// occluded, and a lookup in a large environment map waits for memory.
+    #[inline]
+    pub(crate) fn aim_at_light(&self, p: Vec3, u: [f32; 2]) -> Option<LightSample> {
         let (light, probability, u0) = self.lights.choose(u[0])?;
         let u = [u0, u[1]];
         let mut sample =
             self.lights.sample_light(light, p, u, |s, k, point| self.emission_at(s, k, point))?;
         sample.pdf_w *= probability;
         Some(sample)
+    }
+
+    /// Factor on the radiance of a sample from [`Scene::aim_at_light`].
+    #[inline]
+    pub(crate) fn looked_up(&self, sample: &LightSample) -> Rgb {
+        self.lights.looked_up(sample)
     }
 
     /// Density per solid angle at `p` with which [`Scene::sample_light`] samples the emitting point `surface`.
