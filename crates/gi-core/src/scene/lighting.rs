@@ -63,7 +63,7 @@ impl Scene {
     /// Density per solid angle at `p` with which [`Scene::sample_light`] samples the emitting point `surface`.
     #[inline]
     pub fn light_pdf_w(&self, p: Vec3, surface: &Surface) -> f32 {
-        let primitive = surface.prim - self.first_primitive[surface.shape as usize];
+        let primitive = surface.prim - self.first_primitive(surface.shape as usize);
         let Some(k) = self.lights.of_primitive(surface.shape, primitive) else { return 0.0 };
         match &self.lights.all()[k] {
             Light::Area { emitter, .. } => {
@@ -147,7 +147,8 @@ impl Scene {
 
     /// Whether light may pass straight through a primitive.
     pub(super) fn has_null_at(&self, prim: u32) -> bool {
-        self.materials[self.shapes[self.shape_of[prim as usize] as usize].material].has_null
+        self.materials[self.shapes[self.primitives.all[prim as usize].shape as usize].material]
+            .has_null
     }
 
     /// Whether a segment that ends on the primitive `end` continues past a hit of `prim`.
@@ -167,7 +168,7 @@ impl Scene {
     #[inline]
     fn flat_primitive(&self, shape: u32, primitive: u32) -> Option<u32> {
         let flat = matches!(self.shapes[shape as usize].geometry, Geometry::Mesh(_));
-        flat.then(|| self.first_primitive[shape as usize] + primitive)
+        flat.then(|| self.first_primitive(shape as usize) + primitive)
     }
 
     /// The flat primitive of light `light`, see [`Scene::transmittance_to`].
