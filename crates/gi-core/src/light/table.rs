@@ -358,7 +358,7 @@ fn push_area(lights: &mut Vec<Light>, k: u32, shape: &Shape) {
         Geometry::Mesh(mesh) => {
             for t in 0..mesh.triangles.len() {
                 let face = mesh.oriented_normal(t);
-                push(Emitter::Triangle { v: mesh.corners(t), normal: oriented(face) }, t as u32);
+                push(Emitter::triangle(mesh.corners(t), oriented(face)), t as u32);
             }
         }
         Geometry::Sphere { center, radius, .. } => {
