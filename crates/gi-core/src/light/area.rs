@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 
-use crate::math::{Frame, sqr};
+use crate::math::{Frame, sin_cos_turns, sqr};
 use crate::warp;
 
 /// One emitting primitive. Light leaves on the side of the normal only.
@@ -107,7 +107,7 @@ impl Emitter {
             }
             Emitter::Cylinder { ends: [p0, p1], radius, outward } => {
                 let frame = Frame::from_normal((p1 - p0).normalize());
-                let (sin, cos) = (2.0 * PI * u[0]).sin_cos();
+                let (sin, cos) = sin_cos_turns(u[0]);
                 let n = frame.s * cos + frame.t * sin;
                 let normal = if outward { n } else { -n };
                 EmitterPoint { p: p0.lerp(p1, u[1]) + n * radius, normal, uv: Vec2::new(u[1], 0.0) }
