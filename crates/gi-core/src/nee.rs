@@ -80,7 +80,7 @@ fn light_within(
     weigh: impl FnOnce(f32, f32) -> f32,
 ) -> Rgb {
     let u = sampler.next_2d();
-    let Some(light) = scene.sample_light(p, u) else { return Rgb::BLACK };
+    let Some(light) = scene.aim_at_light(p, u) else { return Rgb::BLACK };
     // A phase function equals its own density.
     let phase = scene.medium(medium).phase.eval(wo, light.wi);
     let arriving = light.radiance * phase;
@@ -88,7 +88,8 @@ fn light_within(
         return Rgb::BLACK;
     }
     let weight = if light.delta { 1.0 } else { weigh(light.pdf_w, phase) };
-    arriving * scene.visibility_from_within(p, Some(medium), &light) * (weight / light.pdf_w)
+    let visible = scene.visibility_from_within(p, Some(medium), &light);
+    seen(scene, &light, visible) * arriving * (weight / light.pdf_w)
 }
 
 #[inline]
@@ -104,14 +105,20 @@ fn direct_light_seen(
     if bsdf.is_delta() {
         return Rgb::BLACK;
     }
-    let Some(light) = scene.sample_light(surface.p, u) else { return Rgb::BLACK };
+    let Some(light) = scene.aim_at_light(surface.p, u) else { return Rgb::BLACK };
     let (f_cos, pdf_bsdf) = bsdf.f_cos_pdf(wo, light.wi);
     let arriving = f_cos * light.radiance;
     if arriving.is_black() {
         return Rgb::BLACK;
     }
     let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf_w, pdf_bsdf) };
-    arriving * visibility(&light) * (weight / light.pdf_w)
+    seen(scene, &light, visibility(&light)) * arriving * (weight / light.pdf_w)
+}
+
+/// The visible fraction of a light sample, times what is not yet looked up of its radiance.
+#[inline]
+fn seen(scene: &Scene, light: &LightSample, visible: Rgb) -> Rgb {
+    if visible.is_black() { visible } else { visible * scene.looked_up(light) }
 }
 
 /// Weight of a light that a ray hit, where BSDF sampling has density `pdf_bsdf` and light sampling has density

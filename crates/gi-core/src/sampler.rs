@@ -47,6 +47,16 @@ impl Sampler {
         [bits_to_unit(x), bits_to_unit(y)]
     }
 
+    /// [`Sampler::next_1d`], or zero for a number that is not needed.
+    #[inline]
+    pub fn next_1d_if(&mut self, needed: bool) -> f32 {
+        if needed {
+            return self.next_1d();
+        }
+        self.skip();
+        0.0
+    }
+
     /// Skip a dimension, so that later ones keep their numbers.
     #[inline]
     pub fn skip(&mut self) {

@@ -6,7 +6,7 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 
-use crate::math::{INV_PI, safe_sqrt, sqr};
+use crate::math::{INV_PI, safe_sqrt, sin_cos_eighth, sin_cos_turns, sqr};
 
 /// The unit disk; preserves areas, and nearly preserves shapes \[Shirley97\].
 #[inline]
@@ -15,13 +15,14 @@ pub fn disk([u, v]: [f32; 2]) -> Vec2 {
     if x == 0.0 && y == 0.0 {
         return Vec2::ZERO;
     }
-    let (r, phi) = if x.abs() > y.abs() {
-        (x, 0.25 * PI * (y / x))
+    // The angle from the x axis, or from the y axis if that is nearer.
+    if x.abs() > y.abs() {
+        let (sin, cos) = sin_cos_eighth(0.25 * PI * (y / x));
+        Vec2::new(x * cos, x * sin)
     } else {
-        (y, 0.5 * PI - 0.25 * PI * (x / y))
-    };
-    let (sin, cos) = phi.sin_cos();
-    Vec2::new(r * cos, r * sin)
+        let (sin, cos) = sin_cos_eighth(0.25 * PI * (x / y));
+        Vec2::new(y * sin, y * cos)
+    }
 }
 
 /// Density of [`disk`], per area of the unit disk.
@@ -47,7 +48,7 @@ pub fn cosine_hemisphere_pdf(cos_theta: f32) -> f32 {
 #[inline]
 pub fn sphere([u, v]: [f32; 2]) -> Vec3 {
     let z = 1.0 - 2.0 * u;
-    let (sin, cos) = (2.0 * PI * v).sin_cos();
+    let (sin, cos) = sin_cos_turns(v);
     let r = safe_sqrt(1.0 - z * z);
     Vec3::new(r * cos, r * sin, z)
 }
@@ -76,7 +77,7 @@ pub fn hemisphere_pdf() -> f32 {
 pub fn cone([u, v]: [f32; 2], one_minus_cos: f32) -> Vec3 {
     let h = u * one_minus_cos; // 1 - cos(theta)
     let r = safe_sqrt(h * (2.0 - h));
-    let (sin, cos) = (2.0 * PI * v).sin_cos();
+    let (sin, cos) = sin_cos_turns(v);
     Vec3::new(r * cos, r * sin, 1.0 - h)
 }
 
@@ -123,7 +124,7 @@ pub fn spherical_triangle(
     let sin_alpha = safe_sqrt(1.0 - sqr(cos_alpha));
     // Choose the sub-triangle (a, b, c') whose area is u times that of the whole: s and t are the sine and cosine of
     // its area minus alpha.
-    let (sin_area, cos_area) = (u * solid_angle).sin_cos();
+    let (sin_area, cos_area) = sin_cos_turns(u * solid_angle * (0.5 * INV_PI));
     let s = sin_area * cos_alpha - cos_area * sin_alpha;
     let t = cos_area * cos_alpha + sin_area * sin_alpha;
     let (p, q) = (t - cos_alpha, s + sin_alpha * a.dot(b));

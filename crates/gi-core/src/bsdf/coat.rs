@@ -76,14 +76,19 @@ impl Coat {
         self.rough.as_ref().map_or(1.0, |rough| rough.facets.width())
     }
 
-    /// f without the cosine; both directions are above.
-    pub(crate) fn f(&self, wo: Vec3, wi: Vec3, diffuse: Rgb, specular: Rgb) -> Rgb {
-        let f = self.base_f(wo, wi, diffuse);
-        let Some(rough) = &self.rough else { return f };
+    /// f without the cosine, and the density of [`Coat::sample`]; both directions are above.
+    #[inline]
+    pub(crate) fn f_pdf(&self, wo: Vec3, wi: Vec3, diffuse: Rgb, specular: Rgb) -> (Rgb, f32) {
+        let entering = self.entering(wo.z);
+        let f = self.base(diffuse) * (INV_PI * entering * self.entering(wi.z));
+        let share = specular_share(entering, diffuse, specular);
+        let pdf_w = (1.0 - share) * warp::cosine_hemisphere_pdf(wi.z);
+        let Some(rough) = &self.rough else { return (f, pdf_w) };
         let m = (wo + wi).normalize();
         let fresnel = fresnel::dielectric(wo.dot(m), self.eta).reflectance;
-        f + specular
-            * (fresnel * rough.facets.d(m) * rough.facets.g(wo, wi, m) / (4.0 * wo.z * wi.z))
+        let visible = rough.facets.d(m) * rough.facets.g1(wo, m) / (4.0 * wo.z);
+        let reflected = fresnel * visible * rough.facets.g1(wi, m) / wi.z;
+        (f + specular * reflected, pdf_w + share * visible)
     }
 
     /// f of the base alone; both directions are above.
@@ -129,15 +134,6 @@ impl Coat {
         fresnel::dielectric(cos, self.eta).reflectance
     }
 
-    /// Density of [`Coat::sample`]; both directions are above.
-    pub(crate) fn pdf_w(&self, wo: Vec3, wi: Vec3, diffuse: Rgb, specular: Rgb) -> f32 {
-        let share = self.specular_share(wo, diffuse, specular);
-        let base = (1.0 - share) * warp::cosine_hemisphere_pdf(wi.z);
-        let Some(rough) = &self.rough else { return base };
-        let m = (wo + wi).normalize();
-        base + share * rough.facets.d(m) * rough.facets.g1(wo, m) / (4.0 * wo.z)
-    }
-
     /// Sample a direction for `wo` above. A mirror reflection is returned with its weight; other directions still need
     /// theirs.
     pub(crate) fn sample(
@@ -148,7 +144,7 @@ impl Coat {
         diffuse: Rgb,
         specular: Rgb,
     ) -> Result<Scatter, Vec3> {
-        let share = self.specular_share(wo, diffuse, specular);
+        let share = specular_share(self.entering(wo.z), diffuse, specular);
         if u_choice >= share {
             return Err(warp::cosine_hemisphere(u));
         }
@@ -171,13 +167,13 @@ impl Coat {
         let f = x - i as f32;
         rough.transmittance[i] * (1.0 - f) + rough.transmittance[i + 1] * f
     }
+}
 
-    /// Fraction of samples for the coat's reflection.
-    fn specular_share(&self, wo: Vec3, diffuse: Rgb, specular: Rgb) -> f32 {
-        let entering = self.entering(wo.z);
-        let (s, d) = ((1.0 - entering) * specular.mean(), entering * diffuse.mean());
-        if s + d > 0.0 { s / (s + d) } else { 0.0 }
-    }
+/// Fraction of samples for the coat's reflection, if this fraction of power enters the base.
+#[inline]
+fn specular_share(entering: f32, diffuse: Rgb, specular: Rgb) -> f32 {
+    let (s, d) = ((1.0 - entering) * specular.mean(), entering * diffuse.mean());
+    if s + d > 0.0 { s / (s + d) } else { 0.0 }
 }
 
 /// Fraction of power that a rough interface reflects from a direction with this cosine: the mean of F(wo.m) G1(wi) over

@@ -106,8 +106,10 @@ impl Component<'_> {
     pub(super) fn f_cos_pdf(&self, wo: Vec3, wi: Vec3, way: Way) -> (Rgb, f32) {
         let (local_wo, local_wi) = (self.frame.to_local(wo), self.frame.to_local(wi));
         let cos = local_wi.z.abs() * adjoint(&self.frame, wo, wi, way);
-        let f_cos = self.lobe_f(local_wo, local_wi, way.transport) * (cos * self.weight);
-        (f_cos, self.lobe.pdf_w(local_wo, local_wi) * self.weight)
+        let (f, pdf_w) = self.lobe.f_pdf(local_wo, local_wi, way.transport);
+        let f =
+            if self.part.is_some() { self.lobe_f(local_wo, local_wi, way.transport) } else { f };
+        (f * (cos * self.weight), pdf_w * self.weight)
     }
 
     /// [`Component::f_cos`] divided by the cosine of `wi` with the normal that defines irradiance: the unbent shading

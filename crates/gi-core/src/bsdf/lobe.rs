@@ -78,15 +78,13 @@ impl Lobe<'_> {
             Lobe::OrenNayar { albedo, sigma_sq } if above => {
                 albedo * (oren_nayar(wo, wi, sigma_sq) * INV_PI)
             }
-            Lobe::RoughConductor { eta, k, tint, facets } if above => {
-                let m = (wo + wi).normalize();
-                let fresnel = fresnel::conductor(wi.dot(m).clamp(0.0, 1.0), eta, k);
-                fresnel * tint * (facets.d(m) * facets.g(wo, wi, m) / (4.0 * wo.z * wi.z))
-            }
+            Lobe::RoughConductor { .. } => self.f_pdf(wo, wi, transport).0,
             Lobe::RoughDielectric { eta, reflect, transmit, facets } => {
                 rough_dielectric_f(wo, wi, eta, reflect, transmit, &facets, transport)
             }
-            Lobe::Plastic { coat, diffuse, specular } if above => coat.f(wo, wi, diffuse, specular),
+            Lobe::Plastic { coat, diffuse, specular } if above => {
+                coat.f_pdf(wo, wi, diffuse, specular).0
+            }
             Lobe::Phong { diffuse, specular, exponent } if above => {
                 let lobe =
                     (exponent + 2.0) * 0.5 * INV_PI * reflect_z(wo).dot(wi).max(0.0).powf(exponent);
@@ -95,6 +93,23 @@ impl Lobe<'_> {
             Lobe::Principled(ref solid) => solid.f(wo, wi, transport),
             Lobe::PrincipledThin(ref thin) => thin.f(wo, wi, transport),
             _ => Rgb::BLACK,
+        }
+    }
+
+    /// [`Lobe::f`] and [`Lobe::pdf_w`] together. Lobes with facets compute most of both only once.
+    #[inline]
+    pub(crate) fn f_pdf(&self, wo: Vec3, wi: Vec3, transport: Transport) -> (Rgb, f32) {
+        match *self {
+            Lobe::Diffuse { .. } => (self.f(wo, wi, transport), self.pdf_w(wo, wi)),
+            _ if self.is_opaque() && (wo.z <= 0.0 || wi.z <= 0.0) => (Rgb::BLACK, 0.0),
+            Lobe::RoughConductor { eta, k, tint, facets } => {
+                let m = (wo + wi).normalize();
+                let visible = facets.d(m) * facets.g1(wo, m) / (4.0 * wo.z);
+                let fresnel = fresnel::conductor(wi.dot(m).clamp(0.0, 1.0), eta, k);
+                (fresnel * tint * (visible * facets.g1(wi, m) / wi.z), visible)
+            }
+            Lobe::Plastic { coat, diffuse, specular } => coat.f_pdf(wo, wi, diffuse, specular),
+            _ => (self.f(wo, wi, transport), self.pdf_w(wo, wi)),
         }
     }
 
@@ -112,7 +127,7 @@ impl Lobe<'_> {
             }
             Lobe::RoughDielectric { eta, facets, .. } => rough_dielectric_pdf(wo, wi, eta, &facets),
             Lobe::Plastic { coat, diffuse, specular } if above => {
-                coat.pdf_w(wo, wi, diffuse, specular)
+                coat.f_pdf(wo, wi, diffuse, specular).1
             }
             Lobe::Phong { diffuse, specular, exponent } if above => {
                 let share = phong_share(diffuse, specular);
@@ -309,9 +324,8 @@ impl Lobe<'_> {
     /// Compute the weight of a direction that was sampled with density [`Lobe::pdf_w`].
     #[inline]
     fn weighted(&self, wo: Vec3, wi: Vec3, transport: Transport) -> Option<Scatter> {
-        let pdf_w = self.pdf_w(wo, wi);
-        (pdf_w > 0.0)
-            .then(|| Scatter::rough(wi, self.f(wo, wi, transport) * (wi.z.abs() / pdf_w), pdf_w))
+        let (f, pdf_w) = self.f_pdf(wo, wi, transport);
+        (pdf_w > 0.0).then(|| Scatter::rough(wi, f * (wi.z.abs() / pdf_w), pdf_w))
     }
 
     /// The same for a direction that may be refracted.

@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use glam::{Vec2, Vec3};
 
 use crate::material::Distribution;
-use crate::math::{INV_PI, safe_sqrt, sqr};
+use crate::math::{INV_PI, safe_sqrt, sin_cos_turns, sqr};
 use crate::warp;
 
 /// Facet normals around +z with widths `alpha` along x and y. All directions are local.
@@ -191,7 +191,7 @@ fn beckmann_slopes(cos: f32, sin: f32, u: [f32; 2]) -> Vec2 {
     if sin < 1e-4 {
         // At normal incidence, all facets are equally visible.
         let r = (-(1.0 - u[0]).max(1e-20).ln()).sqrt();
-        let (s, c) = (2.0 * PI * u[1]).sin_cos();
+        let (s, c) = sin_cos_turns(u[1]);
         return Vec2::new(r * c, r * s);
     }
     let (tan, cot) = (sin / cos.max(1e-6), cos / sin);

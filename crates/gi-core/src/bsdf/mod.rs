@@ -22,7 +22,8 @@ mod toward;
 
 use glam::Vec3;
 
-use crate::math::{Rgb, sqr};
+use crate::math::{Frame, INV_PI, Rgb, sqr};
+use crate::warp;
 pub use bound::ScatterBound;
 pub(crate) use coat::Coat;
 use component::{Component, Way};
@@ -134,9 +135,31 @@ impl<'a> Bsdf<'a> {
         }
     }
 
+    /// The albedo and the frame of the commonest BSDF, seen from the eye: a diffuse lobe without changes. It needs
+    /// neither local directions nor the tests for other lobes.
+    #[inline]
+    fn plain_diffuse(&self) -> Option<(Rgb, &Frame)> {
+        match &self.parts {
+            Parts::One(Component {
+                lobe: Lobe::Diffuse { albedo },
+                frame,
+                weight: 1.0,
+                bend: None,
+                part: None,
+                ..
+            }) if self.way.transport == Transport::Radiance => Some((*albedo, frame)),
+            _ => None,
+        }
+    }
+
     /// [`Bsdf::f_cos`] and [`Bsdf::pdf_w`] together.
     #[inline]
     pub fn f_cos_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
+        if let Some((albedo, frame)) = self.plain_diffuse() {
+            let above = wo.dot(frame.n) > 0.0;
+            let pdf_w = if above { warp::cosine_hemisphere_pdf(wi.dot(frame.n)) } else { 0.0 };
+            return (albedo * pdf_w, pdf_w);
+        }
         match &self.parts {
             Parts::One(c) if c.bend.is_none() => c.f_cos_pdf(wo, wi, self.way),
             _ => (self.f_cos(wo, wi), self.pdf_w(wo, wi)),
@@ -155,6 +178,11 @@ impl<'a> Bsdf<'a> {
     /// Sample a direction; `None` if the path is absorbed. `u_choice` chooses the lobe, `u` the direction.
     #[inline]
     pub fn sample(&self, wo: Vec3, u_choice: f32, u: [f32; 2]) -> Option<Scatter> {
+        if let Some((albedo, frame)) = self.plain_diffuse() {
+            let wi = warp::cosine_hemisphere(u);
+            let scatters = wo.dot(frame.n) > 0.0 && wi.z > 0.0;
+            return scatters.then(|| Scatter::rough(frame.to_world(wi), albedo, wi.z * INV_PI));
+        }
         match &self.parts {
             Parts::One(c) => {
                 let mut s = c.sample(wo, u_choice, u, self.way)?;

@@ -152,8 +152,10 @@ impl<'a> EyeWalk<'a> {
         if v.is_last && v.bsdf.straight_through(v.wo).is_black() || self.covers_all(v) {
             return false;
         }
-        let (u_lobe, u, u_roulette) =
-            (self.sampler.next_1d(), self.sampler.next_2d(), self.sampler.next_1d());
+        // Numbers that nothing uses are skipped: a draw costs as much as evaluating a diffuse surface.
+        let u_lobe = self.sampler.next_1d_if(v.bsdf.has_choice());
+        let u = self.sampler.next_2d();
+        let u_roulette = self.sampler.next_1d_if(self.segments + 1 > self.limits.rr_depth);
         let Some(scatter) = v.bsdf.sample(v.wo, u_lobe, u) else { return false };
         if v.is_last && !scatter.null {
             return false;

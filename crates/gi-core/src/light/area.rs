@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 
-use crate::math::{Frame, sqr};
+use crate::math::{Frame, sin_cos_turns, sqr};
 use crate::warp;
 
 /// One emitting primitive. Light leaves on the side of the normal only.
@@ -16,6 +16,10 @@ pub enum Emitter {
         v: [Vec3; 3],
         /// Unit normal of the emitting side.
         normal: Vec3,
+        /// Centre of gravity.
+        center: Vec3,
+        /// Area, world units squared.
+        area: f32,
     },
     /// A sphere, emitting outward (or inward).
     Sphere {
@@ -64,10 +68,17 @@ const FAR: f32 = 0.1;
 const LARGEST_SOLID_ANGLE: f32 = 6.2;
 
 impl Emitter {
+    /// A triangle with these corners, which emits on the side of `normal`.
+    pub fn triangle(v: [Vec3; 3], normal: Vec3) -> Self {
+        let [a, b, c] = v;
+        let area = 0.5 * (b - a).cross(c - a).length();
+        Emitter::Triangle { v, normal, center: (a + b + c) * (1.0 / 3.0), area }
+    }
+
     /// Area, world units squared.
     pub fn area(&self) -> f32 {
         match *self {
-            Emitter::Triangle { v: [a, b, c], .. } => 0.5 * (b - a).cross(c - a).length(),
+            Emitter::Triangle { area, .. } => area,
             Emitter::Sphere { radius, .. } => 4.0 * PI * sqr(radius),
             Emitter::Disk { axes: [du, dv], .. } => PI * du.cross(dv).length(),
             Emitter::Cylinder { ends: [p0, p1], radius, .. } => 2.0 * PI * radius * p0.distance(p1),
@@ -75,9 +86,10 @@ impl Emitter {
     }
 
     /// A point uniform in area; its density is one over [`Emitter::area`].
+    #[inline]
     pub fn sample_area(&self, u: [f32; 2]) -> EmitterPoint {
         match *self {
-            Emitter::Triangle { v: [a, b, c], normal } => {
+            Emitter::Triangle { v: [a, b, c], normal, .. } => {
                 let [s, t] = warp::triangle(u);
                 EmitterPoint { p: a * (1.0 - s - t) + b * s + c * t, normal, uv: Vec2::new(s, t) }
             }
@@ -95,7 +107,7 @@ impl Emitter {
             }
             Emitter::Cylinder { ends: [p0, p1], radius, outward } => {
                 let frame = Frame::from_normal((p1 - p0).normalize());
-                let (sin, cos) = (2.0 * PI * u[0]).sin_cos();
+                let (sin, cos) = sin_cos_turns(u[0]);
                 let n = frame.s * cos + frame.t * sin;
                 let normal = if outward { n } else { -n };
                 EmitterPoint { p: p0.lerp(p1, u[1]) + n * radius, normal, uv: Vec2::new(u[1], 0.0) }
@@ -105,16 +117,19 @@ impl Emitter {
 
     /// Sample a point that is visible from `p`; its density is per solid angle at `p`. `None` if the emitter faces
     /// away.
+    #[inline]
     pub fn sample_from(&self, p: Vec3, u: [f32; 2]) -> Option<(EmitterPoint, f32)> {
         match *self {
-            Emitter::Triangle { v, normal } => {
+            Emitter::Triangle { v, normal, center, area } => {
                 if normal.dot(p - v[0]) <= 0.0 {
                     return None;
                 }
-                if let Some(([a, b, c], omega)) = near_triangle(p, v) {
+                if is_near(p, center, area)
+                    && let Some((corners, omega)) = seen_triangle(p, v)
+                {
+                    let [a, b, c] = corners;
                     let w = warp::spherical_triangle(u, a, b, c, omega)?;
-                    let point = on_triangle(p, w, v, normal)?;
-                    return Some((point, 1.0 / omega));
+                    return Some((on_triangle(p, w, v, normal)?, 1.0 / omega));
                 }
             }
             Emitter::Sphere { center, radius, outward } => {
@@ -132,16 +147,17 @@ impl Emitter {
             Emitter::Disk { .. } | Emitter::Cylinder { .. } => {}
         }
         let point = self.sample_area(u);
-        let to = point.p - p;
-        let cos = -point.normal.dot(to) / to.length();
-        (cos > 0.0).then(|| (point, to.length_squared() / (cos * self.area())))
+        let pdf_w = self.area_pdf_w(p, point.p, point.normal);
+        (pdf_w > 0.0).then_some((point, pdf_w))
     }
 
     /// Density per solid angle at `p` with which [`Emitter::sample_from`] returns the point `q` with normal `normal`.
     pub fn pdf_w(&self, p: Vec3, q: Vec3, normal: Vec3) -> f32 {
         match *self {
-            Emitter::Triangle { v, .. } => {
-                if let Some((_, omega)) = near_triangle(p, v) {
+            Emitter::Triangle { v, center, area, .. } => {
+                if is_near(p, center, area)
+                    && let Some((_, omega)) = seen_triangle(p, v)
+                {
                     return 1.0 / omega;
                 }
             }
@@ -152,21 +168,33 @@ impl Emitter {
             }
             Emitter::Disk { .. } | Emitter::Cylinder { .. } => {}
         }
+        self.area_pdf_w(p, q, normal)
+    }
+
+    /// Density per solid angle at `p` of the point `q` with normal `normal`, if points are sampled by area; 0 if it
+    /// faces away.
+    #[inline]
+    fn area_pdf_w(&self, p: Vec3, q: Vec3, normal: Vec3) -> f32 {
         let to = q - p;
-        let cos = -normal.dot(to) / to.length();
-        if cos > 0.0 { to.length_squared() / (cos * self.area()) } else { 0.0 }
+        let (distance_sq, projected) = (to.length_squared(), -normal.dot(to));
+        // The squared distance over the cosine, which is `projected` over the distance.
+        if projected > 0.0 {
+            distance_sq * (distance_sq.sqrt() / (projected * self.area()))
+        } else {
+            0.0
+        }
     }
 }
 
-/// Unit directions to the corners, and the solid angle, of a triangle that is sampled by solid angle; `None` if it is
-/// sampled by area.
+/// Whether a triangle is so close to `p` that it is sampled by solid angle.
 #[inline]
-fn near_triangle(p: Vec3, v: [Vec3; 3]) -> Option<([Vec3; 3], f32)> {
-    let distance_sq = ((v[0] + v[1] + v[2]) * (1.0 / 3.0) - p).length_squared();
-    let area_sq = 0.25 * (v[1] - v[0]).cross(v[2] - v[0]).length_squared();
-    if area_sq < sqr(FAR * distance_sq) {
-        return None;
-    }
+fn is_near(p: Vec3, center: Vec3, area: f32) -> bool {
+    area >= FAR * center.distance_squared(p)
+}
+
+/// Unit directions to the corners, and the solid angle, of a triangle; `None` if it is sampled by area because the
+/// solid angle is inaccurate.
+fn seen_triangle(p: Vec3, v: [Vec3; 3]) -> Option<([Vec3; 3], f32)> {
     let [a, b, c] = v.map(|v| (v - p).try_normalize());
     let [a, b, c] = [a?, b?, c?]; // a corner at p has no direction
     let omega = warp::solid_angle(a, b, c);

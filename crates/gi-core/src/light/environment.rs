@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use glam::{Mat3, Vec2, Vec3};
 
 use super::distribution::Grid;
-use crate::math::{INV_PI, Rgb, safe_sqrt};
+use crate::math::{INV_PI, Rgb, safe_sqrt, sin_cos_turns};
 use crate::texture::Bitmap;
 
 /// An environment map, prepared for sampling.
@@ -47,8 +47,8 @@ impl Environment {
     #[inline]
     pub fn sample(&self, u: [f32; 2]) -> Option<(Vec3, f32)> {
         let ([u, v], pdf) = self.density.sample(u)?;
-        let (sin_theta, cos_theta) = (v * PI).sin_cos();
-        let (sin_phi, cos_phi) = (u * 2.0 * PI).sin_cos();
+        let (sin_theta, cos_theta) = sin_cos_turns(0.5 * v);
+        let (sin_phi, cos_phi) = sin_cos_turns(u);
         let local = Vec3::new(sin_phi * sin_theta, cos_theta, -cos_phi * sin_theta);
         (sin_theta > 0.0).then(|| (self.to_world * local, pdf / (2.0 * PI * PI * sin_theta)))
     }

@@ -85,6 +85,8 @@ pub struct LightSample {
     pub delta: bool,
     /// The emitting primitive and its shape, if the light is a surface.
     pub primitive: Option<[u32; 2]>,
+    /// Index of an environment map whose radiance is not yet looked up: it is still a factor on `radiance`.
+    pub(crate) map: Option<u32>,
 }
 
 impl LightSample {
@@ -100,6 +102,7 @@ impl LightSample {
             pdf_w: 1.0,
             delta: true,
             primitive: None,
+            map: None,
         })
     }
 }
@@ -177,8 +180,18 @@ impl Lights {
         self.first_of_shape[shape as usize].map(|first| (first + primitive) as usize)
     }
 
+    /// Factor on the radiance of a light sample that is not yet looked up: see [`LightSample::map`].
+    #[inline]
+    pub(crate) fn looked_up(&self, sample: &LightSample) -> Rgb {
+        match sample.map.map(|k| &self.lights[k as usize]) {
+            Some(Light::Environment(map)) => map.radiance(sample.wi),
+            _ => Rgb::WHITE,
+        }
+    }
+
     /// Light that arrives at `p` from light `light`; its density per solid angle does not include the probability of
-    /// the light. `emission` evaluates a shape's radiance at a point of one of its primitives.
+    /// the light. `emission` evaluates a shape's radiance at a point of one of its primitives. Environment maps are not
+    /// looked up.
     #[inline]
     pub(crate) fn sample_light(
         &self,
@@ -188,8 +201,8 @@ impl Lights {
         emission: impl Fn(u32, u32, &EmitterPoint) -> Rgb,
     ) -> Option<LightSample> {
         let distant = |wi, radiance, pdf_w| {
-            let (delta, primitive) = (false, None);
-            Some(LightSample { wi, p: None, radiance, pdf_w, delta, primitive })
+            let (delta, primitive, map) = (false, None, None);
+            Some(LightSample { wi, p: None, radiance, pdf_w, delta, primitive, map })
         };
         match &self.lights[light] {
             Light::Area { emitter, shape, primitive } => {
@@ -197,7 +210,8 @@ impl Lights {
                 let wi = (point.p - p).try_normalize()?;
                 let radiance = emission(*shape, *primitive, &point);
                 let primitive = Some([*shape, *primitive]);
-                Some(LightSample { wi, p: Some(point.p), radiance, pdf_w, delta: false, primitive })
+                let (p, delta, map) = (Some(point.p), false, None);
+                Some(LightSample { wi, p, radiance, pdf_w, delta, primitive, map })
             }
             Light::Point { position, intensity } => LightSample::of_point(p, *position, *intensity),
             Light::Spot { position, intensity, .. } => {
@@ -212,11 +226,13 @@ impl Lights {
                 pdf_w: 1.0,
                 delta: true,
                 primitive: None,
+                map: None,
             }),
             Light::Constant { radiance } => distant(warp::sphere(u), *radiance, warp::sphere_pdf()),
             Light::Environment(map) => {
                 let (wi, pdf_w) = map.sample(u)?;
-                distant(wi, map.radiance(wi), pdf_w)
+                let sample = distant(wi, Rgb::WHITE, pdf_w)?;
+                Some(LightSample { map: Some(light as u32), ..sample })
             }
             Light::DistantDisc { frame, one_minus_cos, radiance } => {
                 let wi = frame.to_world(warp::cone(u, *one_minus_cos));
@@ -342,7 +358,7 @@ fn push_area(lights: &mut Vec<Light>, k: u32, shape: &Shape) {
         Geometry::Mesh(mesh) => {
             for t in 0..mesh.triangles.len() {
                 let face = mesh.oriented_normal(t);
-                push(Emitter::Triangle { v: mesh.corners(t), normal: oriented(face) }, t as u32);
+                push(Emitter::triangle(mesh.corners(t), oriented(face)), t as u32);
             }
         }
         Geometry::Sphere { center, radius, .. } => {

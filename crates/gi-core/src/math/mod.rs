@@ -2,10 +2,12 @@
 
 mod frame;
 mod rgb;
+mod trig;
 
 pub use frame::Frame;
 pub use gi_bvh::Bounds;
 pub use rgb::Rgb;
+pub use trig::{sin_cos_eighth, sin_cos_turns};
 
 /// 1 / pi.
 pub const INV_PI: f32 = std::f32::consts::FRAC_1_PI;

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::math::{Frame, INV_PI, safe_sqrt, sqr};
+use crate::math::{Frame, INV_PI, safe_sqrt, sin_cos_turns, sqr};
 
 /// A phase function.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,7 +54,7 @@ impl Phase {
         let numerator = 2.0 * x + g * (x * x + 3.0) + g * g * (2.0 * x + g * (x * x - 1.0));
         let cos = (numerator / (2.0 * sqr(1.0 + g * x))).clamp(-1.0, 1.0);
         let r = safe_sqrt(1.0 - cos * cos);
-        let (sin_phi, cos_phi) = (std::f32::consts::TAU * v).sin_cos();
+        let (sin_phi, cos_phi) = sin_cos_turns(v);
         Frame::from_normal(-wo).to_world(Vec3::new(r * cos_phi, r * sin_phi, cos))
     }
 }

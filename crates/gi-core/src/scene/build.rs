@@ -5,6 +5,7 @@ use std::sync::Arc;
 use gi_bvh::{BuildError, Bvh, Solid, Triangle};
 use glam::{Mat3, Vec3};
 
+use super::primitives::Primitives;
 use super::{PreparedInstance, Scene, SceneParts};
 use crate::bsdf::{MAX_COMPONENTS, PreparedMaterial, check_children, component_count};
 use crate::geometry::{Geometry, Instance, Shape};
@@ -83,14 +84,12 @@ impl Scene {
         let own_shapes = shapes.len();
         let group_shapes = ranges(own_shapes, groups.iter().map(Vec::len));
         let shapes: Vec<Shape> = shapes.into_iter().chain(groups.into_iter().flatten()).collect();
-        let (first_primitive, shape_of) = number_primitives(&shapes)?;
+        let primitives = Primitives::new(&shapes)?;
 
         // Build one tree per group, then the tree of the whole scene with its instances.
         let group_trees: Vec<Arc<Bvh>> = group_shapes
             .iter()
-            .map(|group| {
-                tree(&shapes, &first_primitive, &shape_of, group.clone(), &[]).map(Arc::new)
-            })
+            .map(|group| tree(&shapes, &primitives, group.clone(), &[]).map(Arc::new))
             .collect::<Result<_, _>>()?;
         let copies: Vec<(Solid, u32)> = instances
             .iter()
@@ -100,7 +99,7 @@ impl Scene {
                 (Solid::Instance { tree, to_world: i.to_world, index: k as u32 }, k as u32)
             })
             .collect();
-        let tree = tree(&shapes, &first_primitive, &shape_of, 0..own_shapes, &copies)?;
+        let tree = tree(&shapes, &primitives, 0..own_shapes, &copies)?;
 
         let materials = prepare(materials);
         let has_null = shapes.iter().any(|s| materials[s.material].has_null);
@@ -116,8 +115,7 @@ impl Scene {
             shapes.iter().any(|s| s.interior.into_iter().chain(s.exterior).any(is_there));
         let mut scene = Scene {
             shapes,
-            first_primitive,
-            shape_of,
+            primitives,
             instances,
             group_shapes,
             materials,
@@ -215,27 +213,10 @@ fn check(parts: &SceneParts) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Number the primitives of all shapes consecutively.
-fn number_primitives(shapes: &[Shape]) -> Result<(Vec<u32>, Vec<u32>), SceneError> {
-    let mut first = Vec::with_capacity(shapes.len());
-    let mut shape_of = Vec::new();
-    for (k, shape) in shapes.iter().enumerate() {
-        first.push(shape_of.len() as u32);
-        let end = shape_of.len() + shape.geometry.primitive_count();
-        if end >= u32::MAX as usize {
-            let cause = "more than 4 billion primitives in the scene".to_string();
-            return Err(SceneError::Shape { name: shape.name.clone(), cause });
-        }
-        shape_of.resize(end, k as u32);
-    }
-    Ok((first, shape_of))
-}
-
 /// Build the tree of a range of shapes and some instances.
 fn tree(
     shapes: &[Shape],
-    first: &[u32],
-    shape_of: &[u32],
+    Primitives { first, all, .. }: &Primitives,
     range: std::ops::Range<usize>,
     instances: &[(Solid, u32)],
 ) -> Result<Bvh, SceneError> {
@@ -261,10 +242,10 @@ fn tree(
     }
     Bvh::build(&triangles, &solids).map_err(|error| {
         let id = match error {
-            BuildError::NonFinite { id } | BuildError::TooLarge { id } => shape_of.get(id as usize),
+            BuildError::NonFinite { id } | BuildError::TooLarge { id } => all.get(id as usize),
             _ => None,
         };
-        let name = id.map_or("scene".to_string(), |&s| shapes[s as usize].name.clone());
+        let name = id.map_or("scene".to_string(), |p| shapes[p.shape as usize].name.clone());
         SceneError::Shape { name, cause: error.to_string() }
     })
 }

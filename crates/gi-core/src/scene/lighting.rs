@@ -37,6 +37,15 @@ impl Scene {
     /// Sample light that arrives at `p`, without visibility. `u` chooses the light and the point on it.
     #[inline]
     pub fn sample_light(&self, p: Vec3, u: [f32; 2]) -> Option<LightSample> {
+        let sample = self.aim_at_light(p, u)?;
+        let radiance = sample.radiance * self.looked_up(&sample);
+        Some(LightSample { radiance, map: None, ..sample })
+    }
+
+    /// [`Scene::sample_light`], but [`Scene::looked_up`] is still a factor on the radiance. Most light samples are
+    /// occluded, and a lookup in a large environment map waits for memory.
+    #[inline]
+    pub(crate) fn aim_at_light(&self, p: Vec3, u: [f32; 2]) -> Option<LightSample> {
         let (light, probability, u0) = self.lights.choose(u[0])?;
         let u = [u0, u[1]];
         let mut sample =
@@ -45,10 +54,16 @@ impl Scene {
         Some(sample)
     }
 
+    /// Factor on the radiance of a sample from [`Scene::aim_at_light`].
+    #[inline]
+    pub(crate) fn looked_up(&self, sample: &LightSample) -> Rgb {
+        self.lights.looked_up(sample)
+    }
+
     /// Density per solid angle at `p` with which [`Scene::sample_light`] samples the emitting point `surface`.
     #[inline]
     pub fn light_pdf_w(&self, p: Vec3, surface: &Surface) -> f32 {
-        let primitive = surface.prim - self.first_primitive[surface.shape as usize];
+        let primitive = surface.prim - self.first_primitive(surface.shape as usize);
         let Some(k) = self.lights.of_primitive(surface.shape, primitive) else { return 0.0 };
         match &self.lights.all()[k] {
             Light::Area { emitter, .. } => {
@@ -132,7 +147,8 @@ impl Scene {
 
     /// Whether light may pass straight through a primitive.
     pub(super) fn has_null_at(&self, prim: u32) -> bool {
-        self.materials[self.shapes[self.shape_of[prim as usize] as usize].material].has_null
+        self.materials[self.shapes[self.primitives.all[prim as usize].shape as usize].material]
+            .has_null
     }
 
     /// Whether a segment that ends on the primitive `end` continues past a hit of `prim`.
@@ -152,7 +168,7 @@ impl Scene {
     #[inline]
     fn flat_primitive(&self, shape: u32, primitive: u32) -> Option<u32> {
         let flat = matches!(self.shapes[shape as usize].geometry, Geometry::Mesh(_));
-        flat.then(|| self.first_primitive[shape as usize] + primitive)
+        flat.then(|| self.first_primitive(shape as usize) + primitive)
     }
 
     /// The flat primitive of light `light`, see [`Scene::transmittance_to`].

@@ -6,6 +6,7 @@ mod lighting;
 mod media;
 mod media_check;
 mod parts;
+mod primitives;
 mod recentre;
 mod surface;
 mod winding;
@@ -21,14 +22,12 @@ use crate::medium::Medium;
 use crate::ray::{Hit, Ray};
 pub use build::SceneError;
 pub use parts::SceneParts;
+use primitives::Primitives;
 
 /// A scene prepared for rendering. It never changes.
 pub struct Scene {
     shapes: Vec<Shape>,
-    /// Number of the first primitive of each shape. Primitives are numbered through all shapes.
-    first_primitive: Vec<u32>,
-    /// Shape of each primitive.
-    shape_of: Vec<u32>,
+    primitives: Primitives,
     instances: Vec<PreparedInstance>,
     /// Range of shapes of each group.
     group_shapes: Vec<std::ops::Range<usize>>,
@@ -62,7 +61,7 @@ impl Scene {
 
     /// Number of a shape's first primitive, as in [`Surface::prim`]. Primitives are counted through all shapes.
     pub fn first_primitive(&self, shape: usize) -> u32 {
-        self.first_primitive[shape]
+        self.primitives.first[shape]
     }
 
     /// Whether a material refracts light and none passes straight through it.

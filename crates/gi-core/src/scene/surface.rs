@@ -5,6 +5,7 @@ use std::f32::consts::PI;
 use glam::{Vec2, Vec3};
 
 use super::Scene;
+use super::primitives::Primitive;
 use crate::geometry::{Geometry, Mesh, Surface, Tangents};
 use crate::light::EmitterPoint;
 use crate::math::{Frame, INV_PI};
@@ -22,16 +23,13 @@ impl Scene {
     /// The surface point that `ray` hit.
     #[inline]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
-        let shape_id = self.shape_of[hit.prim as usize];
+        let primitive = &self.primitives.all[hit.prim as usize];
+        let shape_id = primitive.shape;
         let shape = &self.shapes[shape_id as usize];
         let instance = self.instances.get(hit.instance as usize);
         let barycentric = Vec2::new(hit.u, hit.v);
         let mut local = match &shape.geometry {
-            Geometry::Mesh(mesh) => on_mesh(
-                mesh,
-                (hit.prim - self.first_primitive[shape_id as usize]) as usize,
-                barycentric,
-            ),
+            Geometry::Mesh(mesh) => self.on_mesh(mesh, primitive, barycentric),
             solid => {
                 let p = ray.at(hit.t);
                 on_solid(solid, instance.map_or(p, |i| i.to_local.transform_point3(p)), barycentric)
@@ -56,6 +54,22 @@ impl Scene {
         }
     }
 
+    /// The point of a triangle of `mesh` with these weights of its second and third corner.
+    #[inline]
+    fn on_mesh(&self, mesh: &Mesh, primitive: &Primitive, b: Vec2) -> Local {
+        let [v0, v1, v2] = primitive.corners.map(|i| &self.primitives.vertices[i as usize]);
+        let b0 = 1.0 - b.x - b.y;
+        let p = v0.p * b0 + v1.p * b.x + v2.p * b.y;
+        let ng = primitive.normal;
+        let uv = if mesh.uvs.is_empty() { b } else { v0.uv * b0 + v1.uv * b.x + v2.uv * b.y };
+        if mesh.normals.is_empty() {
+            return Local { p, ng, ns: ng, uv };
+        }
+        let ns = v0.normal * b0 + v1.normal * b.x + v2.normal * b.y;
+        let ns = ns.try_normalize().unwrap_or(ng);
+        Local { p, ng: if ng.dot(ns) < 0.0 { -ng } else { ng }, ns, uv }
+    }
+
     /// Derivatives of the position with respect to the texture coordinates. Without texture coordinates, any two
     /// tangents.
     pub fn tangents(&self, surface: &Surface) -> Tangents {
@@ -65,7 +79,7 @@ impl Scene {
         let tangents = match &shape.geometry {
             Geometry::Mesh(mesh) => mesh_tangents(
                 mesh,
-                (surface.prim - self.first_primitive[surface.shape as usize]) as usize,
+                (surface.prim - self.first_primitive(surface.shape as usize)) as usize,
             ),
             Geometry::Sphere { center, radius, axes } => {
                 let q = axes.to_local(local(surface.p) - *center);
@@ -119,30 +133,6 @@ fn mesh_uv(mesh: &Mesh, k: usize, b: Vec2) -> Vec2 {
     }
     let [i0, i1, i2] = mesh.triangles[k].map(|i| mesh.uvs[i as usize]);
     i0 * (1.0 - b.x - b.y) + i1 * b.x + i2 * b.y
-}
-
-#[inline]
-fn on_mesh(mesh: &Mesh, k: usize, b: Vec2) -> Local {
-    let [p0, p1, p2] = mesh.corners(k);
-    let b0 = 1.0 - b.x - b.y;
-    let p = p0 * b0 + p1 * b.x + p2 * b.y;
-    let ng = triangle_normal(p1 - p0, p2 - p0);
-    let uv = mesh_uv(mesh, k, b);
-    if mesh.normals.is_empty() {
-        return Local { p, ng, ns: ng, uv };
-    }
-    let [n0, n1, n2] = mesh.triangles[k].map(|i| mesh.normals[i as usize]);
-    let ns = (n0 * b0 + n1 * b.x + n2 * b.y).try_normalize().unwrap_or(ng);
-    Local { p, ng: if ng.dot(ns) < 0.0 { -ng } else { ng }, ns, uv }
-}
-
-/// Unit normal of a triangle with these edges, also if they are tiny.
-#[inline]
-fn triangle_normal(e1: Vec3, e2: Vec3) -> Vec3 {
-    e1.cross(e2).try_normalize().unwrap_or_else(|| {
-        let scale = 1.0 / e1.abs().max_element().max(e2.abs().max_element());
-        (e1 * scale).cross(e2 * scale).try_normalize().unwrap_or(Vec3::Z)
-    })
 }
 
 fn mesh_tangents(mesh: &Mesh, k: usize) -> Option<Tangents> {

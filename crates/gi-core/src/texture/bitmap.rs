@@ -42,10 +42,50 @@ pub enum Lookup {
 pub struct Bitmap {
     width: usize,
     height: usize,
-    texels: Texels,
+    /// Number of tiles per row.
+    tiles_across: usize,
+    tiles: Tiles,
     wrap: Wrap,
     lookup: Lookup,
 }
+
+/// Side of a tile in texels; a power of two. Neighbouring texels of two rows are mostly in the same tile, so that a
+/// lookup waits for memory once.
+const SIDE: usize = 4;
+
+/// The texels of a tile, row by row.
+type Tile<T> = [T; SIDE * SIDE];
+
+/// Texels in tiles; those beyond the picture's border are not used.
+#[derive(Clone, Debug)]
+enum Tiles {
+    /// Bytes, the fourth not used, and their linear values.
+    Bytes(Vec<ByteTile>, &'static [f32; 256]),
+    /// Linear floats.
+    Float(Vec<Tile<Rgb>>),
+}
+
+/// A tile that is exactly one cache line.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+struct ByteTile(Tile<[u8; 4]>);
+
+/// Bring texels into the order of tiles.
+fn tiled<T: Copy>(width: usize, texels: &[T], empty: T) -> Vec<Tile<T>> {
+    let across = width.div_ceil(SIDE);
+    let rows = texels.len() / width;
+    let mut tiles = vec![[empty; SIDE * SIDE]; across * rows.div_ceil(SIDE)];
+    for (y, row) in texels.chunks_exact(width).enumerate() {
+        for (x, &texel) in row.iter().enumerate() {
+            tiles[y / SIDE * across + x / SIDE][y % SIDE * SIDE + x % SIDE] = texel;
+        }
+    }
+    tiles
+}
+
+/// The values of bytes that are linear numbers.
+static RAW_TO_LINEAR: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|i| i as f32 * (1.0 / 255.0)));
 
 /// The sRGB curve from bytes to linear [IEC 61966-2-1].
 static SRGB_TO_LINEAR: LazyLock<[f32; 256]> =
@@ -67,7 +107,16 @@ impl Bitmap {
             Texels::Float(t) => t.len(),
         };
         assert!(width * height == count && count > 0, "{width} x {height} texels, {count} given");
-        Bitmap { width, height, texels, wrap, lookup }
+        let bytes = |texels: &[[u8; 3]]| {
+            let four = texels.iter().map(|&[r, g, b]| [r, g, b, 0]).collect::<Vec<_>>();
+            tiled(width, &four, [0; 4]).into_iter().map(ByteTile).collect()
+        };
+        let tiles = match texels {
+            Texels::Srgb8(t) => Tiles::Bytes(bytes(&t), &SRGB_TO_LINEAR),
+            Texels::Linear8(t) => Tiles::Bytes(bytes(&t), &RAW_TO_LINEAR),
+            Texels::Float(t) => Tiles::Float(tiled(width, &t, Rgb::BLACK)),
+        };
+        Bitmap { width, height, tiles_across: width.div_ceil(SIDE), tiles, wrap, lookup }
     }
 
     /// Number of texels per row.
@@ -83,14 +132,14 @@ impl Bitmap {
     /// The texel in column `x` of row `y`, linear.
     #[inline]
     pub fn texel(&self, x: usize, y: usize) -> Rgb {
-        let i = y * self.width + x;
-        match &self.texels {
-            Texels::Srgb8(t) => {
-                let lut = &*SRGB_TO_LINEAR;
-                Rgb::from(t[i].map(|c| lut[c as usize]))
+        let tile = y / SIDE * self.tiles_across + x / SIDE;
+        let within = y % SIDE * SIDE + x % SIDE;
+        match &self.tiles {
+            Tiles::Bytes(tiles, linear) => {
+                let [r, g, b, _] = tiles[tile].0[within].map(|c| linear[c as usize]);
+                Rgb { r, g, b }
             }
-            Texels::Linear8(t) => Rgb::from(t[i].map(|c| f32::from(c) * (1.0 / 255.0))),
-            Texels::Float(t) => t[i],
+            Tiles::Float(tiles) => tiles[tile][within],
         }
     }
 
@@ -171,6 +220,22 @@ mod tests {
             wrap,
             lookup,
         )
+    }
+
+    #[test]
+    fn every_texel_is_found_in_its_tile() {
+        // Sizes that are not multiples of a tile's.
+        let (w, h) = (SIDE * 2 + 3, SIDE + 1);
+        let texels: Vec<[u8; 3]> = (0..w * h).map(|i| [i as u8, 2 * i as u8, 255]).collect();
+        let floats = texels.iter().map(|t| Rgb::from(t.map(|c| f32::from(c) / 255.0))).collect();
+        for stored in [Texels::Linear8(texels), Texels::Float(floats)] {
+            let b = Bitmap::new(w, h, stored, Wrap::Clamp, Lookup::Nearest);
+            for (x, y) in (0..h).flat_map(|y| (0..w).map(move |x| (x, y))) {
+                let (texel, i) = (b.texel(x, y), (y * w + x) as f32);
+                let expected = Rgb::new(i, 2.0 * i, 255.0) * (1.0 / 255.0);
+                assert!((texel - expected).map(f32::abs).max() < 1e-6, "({x}, {y}): {texel:?}");
+            }
+        }
     }
 
     #[test]

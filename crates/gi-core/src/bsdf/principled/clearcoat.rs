@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::schlick_weight;
 use crate::bsdf::fresnel::{self, reflect};
-use crate::math::{safe_sqrt, sqr};
+use crate::math::{safe_sqrt, sin_cos_turns, sqr};
 
 /// Width of the shadowing term [Burley12, 5.4].
 const SHADOW_ALPHA: f32 = 0.25;
@@ -51,7 +51,7 @@ impl Clearcoat {
         // [Burley12, B.2, eq. 2]
         let a2 = sqr(self.alpha);
         let cos_sq = ((1.0 - a2.powf(1.0 - u[0])) / (1.0 - a2)).clamp(0.0, 1.0);
-        let (sin, (s, c)) = (safe_sqrt(1.0 - cos_sq), (2.0 * PI * u[1]).sin_cos());
+        let (sin, (s, c)) = (safe_sqrt(1.0 - cos_sq), sin_cos_turns(u[1]));
         let m = Vec3::new(c * sin, s * sin, cos_sq.sqrt());
         let wi = reflect(wo, m);
         (wo.dot(m) > 0.0 && wi.z > 0.0).then_some(wi)
