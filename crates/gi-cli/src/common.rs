@@ -127,7 +127,12 @@ impl Common {
             up: self.up,
             fov: self.fov,
         };
-        gi_scene::Options { defines: self.define.clone(), size: self.size, camera }
+        gi_scene::Options {
+            defines: self.define.clone(),
+            size: self.size,
+            camera,
+            ..gi_scene::Options::default()
+        }
     }
 }
 

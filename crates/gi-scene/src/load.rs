@@ -18,7 +18,7 @@ use crate::{framing, integrator, obj_scene, sensor};
 /// All errors of the scene.
 pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
-    let report = Report::default();
+    let report = Report::new(options.max_memory);
     let loaded = match extension.as_str() {
         "obj" => obj_scene::load(path, options, &report),
         "xml" => load_xml(path, options, &report),

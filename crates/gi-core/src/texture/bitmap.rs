@@ -1,4 +1,4 @@
-use std::sync::LazyLock;
+use std::sync::{LazyLock, OnceLock};
 
 use glam::Vec2;
 
@@ -45,6 +45,8 @@ pub struct Bitmap {
     texels: Texels,
     wrap: Wrap,
     lookup: Lookup,
+    mean: OnceLock<Rgb>,
+    range: OnceLock<[Rgb; 2]>,
 }
 
 /// The sRGB curve from bytes to linear [IEC 61966-2-1].
@@ -67,7 +69,17 @@ impl Bitmap {
             Texels::Float(t) => t.len(),
         };
         assert!(width * height == count && count > 0, "{width} x {height} texels, {count} given");
-        Bitmap { width, height, texels, wrap, lookup }
+        let (mean, range) = (OnceLock::new(), OnceLock::new());
+        Bitmap { width, height, texels, wrap, lookup, mean, range }
+    }
+
+    /// The memory that the texels take, in bytes.
+    pub fn bytes(&self) -> u64 {
+        let texel = match self.texels {
+            Texels::Srgb8(_) | Texels::Linear8(_) => 3,
+            Texels::Float(_) => size_of::<Rgb>(),
+        };
+        (self.width * self.height * texel) as u64
     }
 
     /// Number of texels per row.
@@ -96,7 +108,11 @@ impl Bitmap {
 
     /// The value at `uv`.
     pub fn eval(&self, uv: Vec2) -> Rgb {
-        let p = uv * Vec2::new(self.width as f32, self.height as f32);
+        let size = Vec2::new(self.width as f32, self.height as f32);
+        let mut p = uv * size;
+        if !(p.abs().max_element() < FAR) {
+            p = self.near(uv) * size;
+        }
         match self.lookup {
             Lookup::Nearest => {
                 let [(x, _), (y, _)] = [p.x, p.y].map(floor);
@@ -113,8 +129,35 @@ impl Bitmap {
         }
     }
 
+    /// The same place of the repeated picture near the unit square, for coordinates far from it: at that distance
+    /// neighbouring floats are many texels apart, and the texel's number would overflow. 0 if there is no such place.
+    #[cold]
+    fn near(&self, uv: Vec2) -> Vec2 {
+        let period = match self.wrap {
+            Wrap::Repeat => 1.0,
+            Wrap::Mirror => 2.0,
+            Wrap::Clamp => return uv.map(|x| if x.is_nan() { 0.0 } else { x.clamp(-1.0, 2.0) }),
+        };
+        uv.map(|x| if x.is_finite() { x.rem_euclid(period) } else { 0.0 })
+    }
+
+    /// The smallest and the largest value of each channel.
+    pub fn range(&self) -> [Rgb; 2] {
+        *self.range.get_or_init(|| {
+            let texels = (0..self.height).flat_map(|y| (0..self.width).map(move |x| (x, y)));
+            let texels = texels.map(|(x, y)| self.texel(x, y)).map(|texel| [texel, texel]);
+            let join =
+                |a: [Rgb; 2], b: [Rgb; 2]| [a[0].zip(b[0], f32::min), a[1].zip(b[1], f32::max)];
+            texels.reduce(join).expect("a picture has texels")
+        })
+    }
+
     /// Mean of all texels.
     pub fn mean(&self) -> Rgb {
+        *self.mean.get_or_init(|| self.compute_mean())
+    }
+
+    fn compute_mean(&self) -> Rgb {
         let mut sum = [0f64; 3];
         for y in 0..self.height {
             for x in 0..self.width {
@@ -144,16 +187,12 @@ impl Bitmap {
     }
 }
 
-/// Far from the unit square, coordinates are too inaccurate to distinguish texels.
+/// Texel coordinates from here on are moved near the picture first: they might overflow.
 const FAR: f32 = 1e9;
 
-/// The largest integer up to `x`, and the fractional part; 0 for NaN, and for numbers that are too large to select a
-/// texel.
+/// The largest integer up to `x`, and the fractional part.
 #[inline]
 fn floor(x: f32) -> (i32, f32) {
-    if x.is_nan() || x.abs() >= FAR {
-        return (0, 0.0);
-    }
     let toward_zero = x as i32;
     let below = if (toward_zero as f32) > x { toward_zero.wrapping_sub(1) } else { toward_zero };
     (below, x - below as f32)
@@ -192,6 +231,15 @@ mod tests {
         assert_eq!([-0.1, 1.1, 5.3].map(|u| read(Wrap::Repeat, u)), [3.0, 0.0, 1.0]);
         assert_eq!([-0.1, 1.1, 5.3].map(|u| read(Wrap::Mirror, u)), [0.0, 3.0, 2.0]);
         assert_eq!([-0.1, 1.1, 5.3].map(|u| read(Wrap::Clamp, u)), [0.0, 3.0, 3.0]);
+        // A float this large is a whole number of pictures, and of pairs of pictures.
+        for u in [1e10, -1e10, 1e30, 3e38] {
+            let near = read(Wrap::Repeat, 0.0);
+            assert_eq!(read(Wrap::Repeat, u), near, "{u}");
+            assert_eq!(read(Wrap::Mirror, u), near, "{u}");
+            assert_eq!(read(Wrap::Clamp, u), if u > 0.0 { 3.0 } else { 0.0 }, "{u}");
+            let smooth = |u: f32| ramp(Wrap::Repeat, Lookup::Bilinear).eval(Vec2::new(u, 0.5)).r;
+            assert_eq!(smooth(u), smooth(0.0), "{u}");
+        }
         for u in [f32::NAN, f32::INFINITY, -1e30, 3e38] {
             for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
                 for lookup in [Lookup::Nearest, Lookup::Bilinear] {

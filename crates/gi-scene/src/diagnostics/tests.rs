@@ -25,7 +25,7 @@ fn an_error_is_shown_with_place_line_caret_expectation_and_suggestion() {
         Span { file, start, end: start + 6 },
         "unknown bsdf `difuse`",
         "expected a bsdf plugin",
-        suggestion("difuse", ["diffuse"]),
+        report.suggestion("difuse", ["diffuse"]),
     );
     let shown = report.finish().unwrap_err().to_string();
     let expected = [
@@ -38,4 +38,29 @@ fn an_error_is_shown_with_place_line_caret_expectation_and_suggestion() {
         "help: did you mean `diffuse`?",
     ];
     assert_eq!(shown.trim_end(), expected.join("\n"));
+}
+
+#[test]
+fn many_misspelt_names_get_no_more_suggestions() {
+    let report = Report::default();
+    let names: Vec<String> = (0..1000).map(|k| format!("b{k}")).collect();
+    let suggest = || report.suggestion("b7", names.iter().map(String::as_str));
+    assert!((0..MAX_COMPARISONS / 1000).all(|_| suggest().is_some()));
+    assert_eq!(suggest(), None);
+}
+
+#[test]
+fn errors_of_one_kind_are_counted() {
+    let report = Report::default();
+    (0..1994 + 24).for_each(|k| report.error_nowhere(format!("nothing has the id `c{k}`")));
+    report.error_nowhere("another error");
+    let problems = report.finish().unwrap_err();
+    assert_eq!(problems.len(), 1994 + 25);
+    let shown = problems.to_string();
+    assert_eq!(shown.lines().filter(|line| line.starts_with("error")).count(), 26);
+    assert!(
+        shown.ends_with("error: and 1,994 more like this: nothing has the id `c24`"),
+        "{shown}"
+    );
+    assert!(shown.contains("error: another error"));
 }

@@ -1,6 +1,9 @@
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use gi_core::guard::guarded;
 
 use super::{Child, Class, Document, Object, ObjectId, Target};
 use crate::diagnostics::{Report, Span};
@@ -21,6 +24,12 @@ const MAX_INCLUDE_DEPTH: usize = 15;
 /// Largest number of files that one scene may include, counting repeats. Without this limit, fifteen files
 /// that each include the next one ten times would be read 10^15 times.
 const MAX_INCLUDES: usize = 1000;
+/// Largest length of all included text, counting repeats.
+const MAX_INCLUDED: u64 = 1 << 28;
+/// Largest number of `<path>`s: each missing file is searched in all these folders.
+const MAX_FOLDERS: usize = 64;
+/// Bytes that an element takes at most while the scene is read, apart from long texts.
+const ELEMENT: u64 = 400;
 /// Largest depth of nested elements. The reader is recursive, and no real scene comes near this depth.
 const MAX_NESTING: usize = 64;
 /// Largest number of XML nodes in one file. It bounds the memory, and is far above any real scene.
@@ -52,6 +61,10 @@ struct Parser<'r> {
     /// Files that are open, outermost first.
     stack: Vec<PathBuf>,
     includes: usize,
+    /// Length of all included text.
+    included: u64,
+    /// The text of the files that were included.
+    texts: HashMap<PathBuf, Rc<str>>,
     aliases: Vec<(String, String, Span)>,
     doc: Document,
 }
@@ -79,6 +92,7 @@ impl<'r> Parser<'r> {
             objects: Vec::new(),
             ids: HashMap::new(),
             search: vec![files::folder_of(path)],
+            folders: files::Folders::default(),
             presets,
             version: 3,
             unknown_tags: Vec::new(),
@@ -87,12 +101,21 @@ impl<'r> Parser<'r> {
         };
         let mut all = Defines::default();
         defines.iter().rev().map(define).for_each(|d| all.add(d)); // the last -D for a name wins
-        Parser { report, defines: all, stack: Vec::new(), includes: 0, aliases: Vec::new(), doc }
+        Parser {
+            report,
+            defines: all,
+            stack: Vec::new(),
+            includes: 0,
+            included: 0,
+            texts: HashMap::new(),
+            aliases: Vec::new(),
+            doc,
+        }
     }
 
     /// Read one file. Its elements become children of `parent`; without a parent, the file is the whole scene.
     fn file(&mut self, path: &Path, parent: Option<ObjectId>, from: Span) {
-        let text = match files::read_text(path) {
+        let text = match self.text(path, parent.is_some()) {
             Ok(text) => text,
             Err(why) => {
                 let message = format!("cannot read `{}`: {why}", path.display());
@@ -107,9 +130,14 @@ impl<'r> Parser<'r> {
         let file = self.report.add_file(path, &text);
         let options = roxmltree::ParsingOptions { nodes_limit: MAX_NODES, ..Default::default() };
         let readable = comments::without_dashes(&text);
-        let xml = match roxmltree::Document::parse_with_options(&readable, options) {
-            Ok(xml) => xml,
-            Err(why) => return self.xml_error(&why, &text, file),
+        let parsed = guarded(|| Ok(roxmltree::Document::parse_with_options(&readable, options)));
+        let xml = match parsed {
+            Ok(Ok(xml)) => xml,
+            Ok(Err(why)) => return self.xml_error(&why, &text, file),
+            Err(why) => {
+                let message = format!("cannot read `{}`: {why}", path.display());
+                return self.report.error_nowhere(message);
+            }
         };
         let root = xml.root_element();
         let element = self.element(root, file);
@@ -125,6 +153,31 @@ impl<'r> Parser<'r> {
         self.stack.push(path.canonicalize().unwrap_or_else(|_| path.to_owned()));
         self.children(root, file, parent, 0);
         self.stack.pop();
+    }
+
+    /// The text of a file. Its memory is counted with that of its elements.
+    fn text(&mut self, path: &Path, included: bool) -> Result<Rc<str>, String> {
+        let text = match self.texts.get(path) {
+            Some(known) => known.clone(),
+            None => {
+                let mut claim = self.report.budget.claim(path.display());
+                let text: Rc<str> = files::read_text(path, &mut claim)?.into();
+                claim.keep(2 * text.len() as u64)?; // here and in the report
+                self.texts.entry(path.to_owned()).or_insert(text).clone()
+            }
+        };
+        if included {
+            self.included += text.len() as u64;
+            if self.included > MAX_INCLUDED {
+                return Err(format!(
+                    "all included text is longer than {MAX_INCLUDED} bytes, counting repeats"
+                ));
+            }
+        }
+        let elements = text.bytes().filter(|byte| *byte == b'<').count() as u64;
+        let claim = self.report.budget.claim(format_args!("{} (elements)", path.display()));
+        claim.keep(elements * ELEMENT)?;
+        Ok(text)
     }
 
     fn xml_error(&self, why: &roxmltree::Error, text: &str, file: usize) {
@@ -236,7 +289,7 @@ impl<'r> Parser<'r> {
             return self.report.error(name.span, "too many files include each other", "");
         }
         let folder = files::folder_of(self.stack.last().expect("a file is being read"));
-        let found = match files::find(&name.value, &folder, &self.doc.search) {
+        let found = match self.doc.folders.find(&name.value, &folder, &self.doc.search) {
             files::Found::Exact(path) => path,
             files::Found::OtherCase(path) => {
                 self.report
@@ -260,6 +313,10 @@ impl<'r> Parser<'r> {
         let Some(value) = element.get("value") else {
             return self.report.error(element.span, "`path` needs `value`", "");
         };
+        if self.doc.search.len() >= MAX_FOLDERS {
+            let message = format!("more than {MAX_FOLDERS} `path`s");
+            return self.report.error(element.span, message, "");
+        }
         self.doc.search.push(self.doc.objects[parent].folder.join(&value.value));
     }
 }
