@@ -24,6 +24,7 @@ mod media;
 mod obj_scene;
 mod options;
 mod origins;
+mod precision;
 mod rotation;
 mod sensor;
 mod shapes;

@@ -1,5 +1,6 @@
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -17,6 +18,7 @@ mod comments;
 mod defines;
 mod properties;
 mod references;
+mod scan;
 mod substitute;
 
 /// Largest depth of nested includes (Mitsuba's limit).
@@ -27,7 +29,7 @@ const MAX_INCLUDES: usize = 1000;
 /// Largest length of all included text, counting repeats.
 const MAX_INCLUDED: u64 = 1 << 28;
 /// Largest number of `<path>`s: each missing file is searched in all these folders.
-const MAX_FOLDERS: usize = 64;
+const MAX_FOLDERS: usize = 16;
 /// Bytes that an element takes at most while the scene is read, apart from long texts.
 const ELEMENT: u64 = 400;
 /// Largest depth of nested elements. The reader is recursive, and no real scene comes near this depth.
@@ -130,6 +132,9 @@ impl<'r> Parser<'r> {
         let file = self.report.add_file(path, &text);
         let options = roxmltree::ParsingOptions { nodes_limit: MAX_NODES, ..Default::default() };
         let readable = comments::without_dashes(&text);
+        if let Err((Range { start, end }, message)) = scan::check(&text) {
+            return self.report.error(Span { file, start, end }, message, "");
+        }
         let parsed = guarded(|| Ok(roxmltree::Document::parse_with_options(&readable, options)));
         let xml = match parsed {
             Ok(Ok(xml)) => xml,

@@ -101,6 +101,7 @@ kinds! {
         (0..n).for_each(|k| each!(" a{k}=''")(&mut all, k));
         xml(f, 0, each!("{k}"), &(all + "/>"))
     };
+    "nested namespaces": |f, n| xml(f, n, each!("<shape xmlns:n{k}='u{k}'>"), &"</shape>".repeat(n));
     "nested elements": |f, n| xml(f, n, each!("<shape type='sphere'><!--{k}-->"), &"</shape>".repeat(n));
     "materials of an OBJ file": |f, n| {
         let mut obj = String::from("mtllib a.mtl\n") + TRIANGLE;
