@@ -57,11 +57,11 @@ fn loading_time_is_not_quadratic_in_the_number_of_elements() {
     }
 }
 
-/// Between 4,000 and 32,000 elements, quadratic growth would take 64 times as long, linear growth 8 times. The limit
+/// Between 2,000 and 16,000 elements, quadratic growth would take 64 times as long, linear growth 8 times. The limit
 /// in between leaves room for a busy machine.
 fn check(kind: &Kind) {
     let best = |n: usize| (0..2).map(|_| time(kind, n)).min().expect("two times");
-    let (before, after) = (best(4_000).max(Duration::from_millis(2)), best(32_000));
-    let exponent = exponent(4_000, 32_000, before, after);
+    let (before, after) = (best(2_000).max(Duration::from_millis(2)), best(16_000));
+    let exponent = exponent(2_000, 16_000, before, after);
     assert!(exponent < 1.6, "{}: {before:?}, then {after:?}: n^{exponent:.2}", kind.name);
 }

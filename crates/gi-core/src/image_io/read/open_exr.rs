@@ -12,15 +12,31 @@ use crate::files::open_regular;
 use crate::image_io::Layers;
 use crate::math::Rgb;
 
-/// The largest number of samples of a picture whose channels are all read: four gigabytes.
+/// The largest number of samples of a layer: four gigabytes. The decoder decompresses all channels, even if few of them
+/// are kept.
 const MAX_SAMPLES: u64 = 1 << 30;
+/// A block takes at least so many bytes of a file: its position, its place in the picture and its length.
+const SMALLEST_BLOCK: u64 = 16;
 
-/// Check the sizes that a file claims.
+/// The layers of a file, after a check of the sizes that it claims.
 fn headers(path: &Path) -> Result<Vec<Header>, String> {
-    let file = std::io::BufReader::new(open_regular(path)?);
+    let file = open_regular(path)?;
+    let length = file.metadata().map_err(|e| e.to_string())?.len();
+    let file = std::io::BufReader::new(file);
     let meta = MetaData::read_from_buffered(file, false).map_err(|e| e.to_string())?;
     for header in &meta.headers {
-        check_size(header.layer_size.width() as u64, header.layer_size.height() as u64)?;
+        let (width, height) = (header.layer_size.width() as u64, header.layer_size.height() as u64);
+        check_size(width, height)?;
+        let channels = header.channels.list.len() as u64;
+        if (width * height).saturating_mul(channels) > MAX_SAMPLES {
+            return Err(format!(
+                "{channels} channels of {width} x {height} pixels are more than the largest accepted number of samples, \
+                 {MAX_SAMPLES}"
+            ));
+        }
+        if (header.chunk_count as u64).saturating_mul(SMALLEST_BLOCK) > length {
+            return Err("the file is cut short".into());
+        }
     }
     Ok(meta.headers.into_iter().filter(|header| !header.deep).collect())
 }
@@ -34,17 +50,7 @@ fn decoding(header: &Header) -> u64 {
 
 /// Read every channel of an EXR's first layer, and its text attributes.
 pub(super) fn layers(path: &Path) -> Result<Layers, String> {
-    if let Some(header) = headers(path)?.first() {
-        let channels = header.channels.list.len();
-        let samples = (header.layer_size.area() as u64).saturating_mul(channels as u64);
-        if samples > MAX_SAMPLES {
-            let (width, height) = (header.layer_size.width(), header.layer_size.height());
-            return Err(format!(
-                "{channels} channels of {width} x {height} pixels are more than the largest accepted number of samples, \
-                 {MAX_SAMPLES}"
-            ));
-        }
-    }
+    headers(path)?;
     let image = exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()
