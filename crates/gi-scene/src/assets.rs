@@ -172,22 +172,25 @@ fn copies(
     index: Vec<usize>,
     report: &Report,
 ) -> Vec<Copy> {
-    let mut last = vec![0; raw.len()];
-    index.iter().enumerate().for_each(|(w, &i)| last[i] = w);
+    let (mut last, mut uses) = (vec![0; raw.len()], vec![0u64; raw.len()]);
+    for (w, &i) in index.iter().enumerate() {
+        last[i] = w;
+        uses[i] += 1;
+    }
+    // Nothing is copied before all copies are allowed.
+    for (i, mesh) in raw.iter_mut().enumerate() {
+        let Some((of_it, _)) = mesh else { continue };
+        let Wanted { key, span, .. } = &wanted[last[i]];
+        let claim = report.budget.claim(key.path.display());
+        if let Err(why) = claim.keep((uses[i] - 1) * mesh_file::bytes(of_it)) {
+            let (path, n) = (key.path.display(), uses[i]);
+            report.error(*span, format!("{n} shapes use the mesh `{path}`: {why}"), "");
+            *mesh = None;
+        }
+    }
     let mut copies = Vec::new();
     for (w, (want, i)) in wanted.into_iter().zip(index).enumerate() {
-        let mesh = if last[i] == w {
-            raw[i].take()
-        } else {
-            let Some((mesh, _)) = &raw[i] else { continue };
-            let claim = report.budget.claim(want.key.path.display());
-            if let Err(why) = claim.keep(mesh_file::bytes(mesh)) {
-                let path = want.key.path.display();
-                report.error(want.span, format!("cannot copy the mesh `{path}`: {why}"), "");
-                continue;
-            }
-            raw[i].clone()
-        };
+        let mesh = if last[i] == w { raw[i].take() } else { raw[i].clone() };
         copies.extend(mesh.map(|(mesh, portable)| Copy { want, portable, mesh }));
     }
     copies

@@ -17,7 +17,8 @@ const COARSE: f32 = 2e-4;
 pub(crate) fn check(parts: &SceneParts, report: &Report) {
     for shape in parts.shapes.iter().chain(parts.groups.iter().flatten()) {
         let bounds = shape.geometry.bounds();
-        if !bounds.is_empty() && !(bounds.min.is_finite() && bounds.max.is_finite()) {
+        let finite = bounds.min.is_finite() && bounds.max.is_finite();
+        if !bounds.is_empty() && !finite {
             let name = &shape.name;
             report.error_nowhere(format!(
                 "the shape `{name}` is too large: its coordinates overflow single precision"

@@ -81,7 +81,8 @@ fn check(loaded: &Loaded) -> Result<(), String> {
     let parts = &loaded.parts;
     for shape in parts.shapes.iter().chain(parts.groups.iter().flatten()) {
         let bounds = shape.geometry.bounds();
-        if !bounds.is_empty() && !(bounds.min.is_finite() && bounds.max.is_finite()) {
+        let finite = bounds.min.is_finite() && bounds.max.is_finite();
+        if !bounds.is_empty() && !finite {
             return Err(format!("the bounds of {} are not finite", shape.name));
         }
         if let Geometry::Mesh(mesh) = &shape.geometry {
