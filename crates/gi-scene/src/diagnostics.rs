@@ -1,6 +1,7 @@
 //! Errors and warnings about a scene: each error with its place, what was expected and the nearest known name.
 
 mod alike;
+mod words;
 
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeSet, HashMap, HashSet};
@@ -12,9 +13,12 @@ use alike::{Alike, Limits, thousands};
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
 use crate::budget::Budget;
+use words::did_you_mean;
 
 /// Number of errors that are shown in full: a file that is not a scene at all would otherwise fill many screens.
 const MAX_SHOWN: usize = 40;
+/// Length from which lines are not shown: a file of one line would be shown for each error.
+const LONG: usize = 4096;
 /// Errors and warnings of one kind that are kept; the others are counted.
 const ERRORS: Limits = Limits { same: 8, like: 24 };
 const WARNINGS: Limits = Limits { same: 3, like: 24 };
@@ -93,6 +97,17 @@ impl Diagnostics {
                 let base = file.line_starts[first];
                 let end = file.line_starts.get(line + 1).map_or(file.text.len(), |e| e - 1);
                 let text = &file.text[base..end];
+                if text.len() > LONG {
+                    let column = file.text[base..span.start].chars().count() + 1;
+                    let place = format!("{}:{}:{column}", file.name, first + 1);
+                    let expected = match problem.expected.as_str() {
+                        "" => place,
+                        expected => format!("{place}: {expected}"),
+                    };
+                    let note = Level::NOTE.secondary_title(expected);
+                    let groups = [Group::with_title(title), Group::with_title(note)];
+                    return renderer.render(&groups).to_string();
+                }
                 let mut mark = AnnotationKind::Primary.span(span.start - base..span.end - base);
                 if !problem.expected.is_empty() {
                     mark = mark.label(problem.expected.as_str());
@@ -288,40 +303,6 @@ impl Report {
         inner.counted = alike.counted().into_iter().map(|(_, line)| line).collect();
         Err(inner)
     }
-}
-
-/// The candidate nearest to `word` by edit distance, or `None` if none is near.
-fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let length = word.chars().count();
-    let limit = (length / 3).max(1) + 1;
-    candidates
-        .into_iter()
-        .filter(|c| !c.is_empty() && c.chars().count().abs_diff(length) <= limit)
-        .map(|c| (edit_distance(&word.to_lowercase(), &c.to_lowercase()), c))
-        .filter(|(d, c)| *d <= limit && *d < c.chars().count())
-        .min_by_key(|(d, c)| (*d, *c))
-        .map(|(_, c)| c)
-}
-
-/// Levenshtein distance in which a swap of two neighbouring letters counts as one edit.
-fn edit_distance(a: &str, b: &str) -> usize {
-    // Nobody misspells a word this long, but a malicious file may contain one.
-    const MAX_LEN: usize = 64;
-    let a: Vec<char> = a.chars().take(MAX_LEN).collect();
-    let b: Vec<char> = b.chars().take(MAX_LEN).collect();
-    let mut rows = vec![(0..=b.len()).collect::<Vec<usize>>()];
-    for i in 1..=a.len() {
-        let mut row = vec![i; b.len() + 1];
-        for j in 1..=b.len() {
-            let replace = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
-            row[j] = replace.min(rows[i - 1][j] + 1).min(row[j - 1] + 1);
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                row[j] = row[j].min(rows[i - 2][j - 2] + 1);
-            }
-        }
-        rows.push(row);
-    }
-    rows[a.len()][b.len()]
 }
 
 #[cfg(test)]

@@ -1,3 +1,4 @@
+use super::words::edit_distance;
 use super::*;
 
 #[test]
@@ -63,4 +64,17 @@ fn errors_of_one_kind_are_counted() {
         "{shown}"
     );
     assert!(shown.contains("error: another error"));
+}
+
+#[test]
+fn the_place_in_a_very_long_line_is_named_instead_of_shown() {
+    let report = Report::default();
+    let text = format!("<a/>\n{}<b/>", "\u{e4}".repeat(LONG));
+    let file = report.add_file(Path::new("a.xml"), &text);
+    let start = text.find("<b").unwrap();
+    report.error(Span { file, start, end: start + 1 }, "a mistake", "expected nothing");
+    let shown = report.finish().unwrap_err().to_string();
+    let place = format!("a.xml:2:{}: expected nothing", LONG + 1);
+    assert!(shown.contains("a mistake") && shown.contains(&place), "{shown}");
+    assert!(shown.len() < 200);
 }

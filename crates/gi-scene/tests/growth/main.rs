@@ -1,7 +1,7 @@
 //! The time to load a scene grows about linearly with its size, whatever the scene contains.
 //!
 //! `GILAB_GROWTH=1000000 cargo test -p gi-scene --test growth -- --nocapture` prints the times from a thousand elements
-//! to that number, and the exponent of each kind.
+//! to that number, and the exponent of each kind. `GILAB_GROWTH_KIND` selects kinds whose names contain it.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -38,7 +38,8 @@ fn loading_time_is_not_quadratic_in_the_number_of_elements() {
     let Some(most) = std::env::var("GILAB_GROWTH").ok().and_then(|n| n.parse().ok()) else {
         return KINDS.iter().for_each(check);
     };
-    for kind in KINDS {
+    let only = std::env::var("GILAB_GROWTH_KIND").unwrap_or_default();
+    for kind in KINDS.iter().filter(|kind| kind.name.contains(&only)) {
         let (mut n, mut times) = (1000, Vec::new());
         while n <= most {
             times.push((n, time(kind, n)));
