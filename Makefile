@@ -1,7 +1,7 @@
 # Targets for building, testing and documenting the project.
 CARGO ?= cargo
 
-.PHONY: all build test test-slow lint ci scenes bench figures compare install man
+.PHONY: all build test test-slow fuzz lint ci scenes bench figures compare install man
 
 all: build
 
@@ -36,6 +36,11 @@ test:
 # Slow tests too: hundreds of millions of rays, many seeds.
 test-slow:
 	$(CARGO) test --workspace --release -- --include-ignored
+
+# Load damaged files, MINUTES for each kind: the kinds share the machine.
+MINUTES ?= 10
+fuzz:
+	GILAB_FUZZ_SECONDS=$$(($(MINUTES) * 60)) $(CARGO) test --release -p gi-scene --test fuzz -- --nocapture
 
 # Style, lints, documentation, and the dependency rules.
 lint:

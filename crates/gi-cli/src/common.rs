@@ -61,6 +61,9 @@ pub struct Common {
     /// Horizontal field of view in degrees
     #[arg(help_heading = SCENE, long, value_name = "DEGREES")]
     pub fov: Option<f32>,
+    /// Memory that loading the scene may take: 500M, 8G [default: half of the machine's]
+    #[arg(help_heading = SCENE, long, value_name = "BYTES", value_parser = parse_memory)]
+    pub max_memory: Option<u64>,
     /// Only write the scene, as the program understood it, as Mitsuba 3 XML
     #[arg(help_heading = SCENE, long, value_name = "FILE.xml")]
     pub export_mitsuba: Option<PathBuf>,
@@ -127,7 +130,16 @@ impl Common {
             up: self.up,
             fov: self.fov,
         };
-        gi_scene::Options { defines: self.define.clone(), size: self.size, camera }
+        let mut options = gi_scene::Options {
+            defines: self.define.clone(),
+            size: self.size,
+            camera,
+            ..gi_scene::Options::default()
+        };
+        if let Some(most) = self.max_memory {
+            options.max_memory = most;
+        }
+        options
     }
 }
 
@@ -150,6 +162,19 @@ fn parse_size(text: &str) -> Result<[usize; 2], String> {
     let (w, h) = text.split_once(['x', 'X']).ok_or_else(wrong)?;
     let side = |t: &str| t.parse().ok().filter(|n| (1..=MAX_SIDE).contains(n)).ok_or_else(wrong);
     Ok([side(w)?, side(h)?])
+}
+
+/// A number of bytes, or of thousands, millions or billions of bytes.
+fn parse_memory(text: &str) -> Result<u64, String> {
+    let wrong = "expected a number of bytes, which may end in K, M or G: 500M, 8G";
+    let (number, factor) = match text.char_indices().next_back() {
+        Some((at, 'k' | 'K')) => (&text[..at], 1e3),
+        Some((at, 'm' | 'M')) => (&text[..at], 1e6),
+        Some((at, 'g' | 'G')) => (&text[..at], 1e9),
+        _ => (text, 1.0),
+    };
+    let bytes = number.parse::<f64>().ok().map(|n| n * factor).filter(|n| *n >= 1.0 && *n < 1e18);
+    bytes.map(|n| n as u64).ok_or_else(|| wrong.to_string())
 }
 
 fn parse_define(text: &str) -> Result<(String, String), String> {
@@ -175,6 +200,11 @@ mod tests {
         assert!(["640", "0x3", "x", "1e9x2", "-1x4"].iter().all(|t| parse_size(t).is_err()));
         assert_eq!(parse_define("a=b=c"), Ok(("a".into(), "b=c".into())));
         assert!(parse_define("a").is_err());
+        assert_eq!(
+            ["500M", "1.5G", "2k", "7"].map(parse_memory),
+            [500_000_000, 1_500_000_000, 2000, 7].map(Ok)
+        );
+        assert!(["", "G", "-1M", "nan", "1T", "0"].iter().all(|t| parse_memory(t).is_err()));
         assert_eq!(parse_vec3("1, -2,3"), Ok(Vec3::new(1.0, -2.0, 3.0)));
         assert!(parse_vec3("1,2").is_err());
     }

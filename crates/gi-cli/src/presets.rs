@@ -5,7 +5,7 @@ use gi_scene::Loaded;
 use crate::{Failure, Program};
 
 /// Flags that a scene cannot set: they are needed before it is read, or say where files go.
-const NOT_PRESETS: [&str; 21] = [
+const NOT_PRESETS: [&str; 22] = [
     "size",
     "threads",
     "define",
@@ -13,6 +13,7 @@ const NOT_PRESETS: [&str; 21] = [
     "target",
     "up",
     "fov",
+    "max-memory",
     "output",
     "stats",
     "quiet",

@@ -1,8 +1,8 @@
 //! Atomic writes: a killed run leaves the old file or the new one, never half of one.
 
 use std::ffi::{OsStr, OsString};
-use std::fs::DirEntry;
-use std::io::{BufWriter, Error, ErrorKind, Result, Write};
+use std::fs::{DirEntry, File};
+use std::io::{BufWriter, Error, ErrorKind, Read, Result, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{PoisonError, RwLock, RwLockWriteGuard};
 use std::time::Duration;
@@ -27,11 +27,25 @@ pub fn hold_writes() -> RwLockWriteGuard<'static, ()> {
 /// A message of one line with the file's name and the cause.
 pub fn read(path: &Path) -> std::result::Result<Vec<u8>, String> {
     let cannot = |why: &dyn std::fmt::Display| format!("cannot read {}: {why}", path.display());
-    // A device might never end.
-    if !path.metadata().map_err(|e| cannot(&e))?.is_file() {
-        return Err(cannot(&"it is not a regular file"));
+    let mut bytes = Vec::new();
+    let mut file = open_regular(path).map_err(|e| cannot(&e))?;
+    file.read_to_end(&mut bytes).map_err(|e| cannot(&e))?;
+    Ok(bytes)
+}
+
+/// Open a file. A device might never end, and a FIFO might never begin, so they are refused.
+///
+/// # Errors
+/// A message of one line without the file's name.
+pub fn open_regular(path: &Path) -> std::result::Result<File, String> {
+    let kind = path.metadata().map_err(|e| e.to_string())?.file_type();
+    if kind.is_dir() {
+        return Err("it is a folder".into());
     }
-    std::fs::read(path).map_err(|e| cannot(&e))
+    if !kind.is_file() {
+        return Err("it is not a regular file but a device, a FIFO or a socket".into());
+    }
+    File::open(path).map_err(|e| e.to_string())
 }
 
 /// Parse the name of a file of points to write: a point cloud (.ply) or a table (.csv).

@@ -9,13 +9,17 @@ use gi_core::geometry::Mesh;
 use gi_core::texture::{Bitmap, Lookup, Wrap};
 use rayon::prelude::*;
 
+use crate::budget::Budget;
 use crate::diagnostics::{Report, Span};
 use crate::document::{Class, Document, Node, ObjectId};
 use crate::files::{self, Found};
 use crate::hash::Hash;
-use crate::shapes::mesh_file::{MeshFile, Placement, ReadMesh};
+use crate::shapes::mesh_file::{self, MeshFile, Placement, ReadMesh};
 use crate::shapes::smooth;
 use crate::texels::BitmapFile;
+
+/// Number of missing files that an error lists.
+const MAX_MISSING: usize = 100;
 
 /// The contents of these files, by the object that names them.
 #[derive(Debug, Default)]
@@ -72,10 +76,9 @@ impl Assets {
     fn read_bitmaps(&mut self, wanted: Vec<Wanted<BitmapFile>>, report: &Report) {
         let (keys, index) = unique(&wanted);
         keys.iter().for_each(|key| report.reads(&key.path));
-        let read: Vec<_> = keys
-            .par_iter()
-            .map(|key| (files::read_bytes(&key.path).map(|b| hash_of(&b)), key.read()))
-            .collect();
+        let budget = &report.budget;
+        let read: Vec<_> =
+            keys.par_iter().map(|key| (files::hash_file(&key.path), key.read(budget))).collect();
         let first = first_of(&index, keys.len());
         for (i, (key, (hash, bitmap))) in keys.into_iter().zip(read).enumerate() {
             self.hash.word(hash.unwrap_or(0));
@@ -88,13 +91,7 @@ impl Assets {
     fn read_meshes(&mut self, wanted: Vec<Wanted<MeshFile>>, doc: &Document, report: &Report) {
         let (keys, index) = unique(&wanted);
         keys.iter().for_each(|key| report.reads(&key.path));
-        let read: Vec<Result<(ReadMesh, u64), String>> = keys
-            .par_iter()
-            .map(|key| {
-                let bytes = files::read_bytes(&key.path)?;
-                Ok((key.parse(&bytes)?, hash_of(&bytes)))
-            })
-            .collect();
+        let read = read_files(&keys, &report.budget);
         let first = first_of(&index, keys.len());
         let mut raw = Vec::new();
         for (i, (key, result)) in keys.iter().zip(read).enumerate() {
@@ -106,22 +103,12 @@ impl Assets {
             }
             raw.push(read.map(|(read, _)| (read.mesh, read.portable)));
         }
-        // Each shape gets its own copy, moved into place; the last shape that uses a file takes the original.
-        let mut last = vec![0; raw.len()];
-        index.iter().enumerate().for_each(|(w, &i)| last[i] = w);
-        let jobs: Vec<_> = wanted
-            .into_iter()
-            .zip(index)
-            .enumerate()
-            .filter_map(|(w, (want, i))| {
-                let (mesh, portable) = if last[i] == w { raw[i].take() } else { raw[i].clone() }?;
-                let place = Placement::of(Node { doc, report, id: want.object });
-                Some((want, portable, mesh, place))
-            })
-            .collect();
+        let copies = copies(raw, wanted, index, report);
+        let place = |object| Placement::of(Node { doc, report, id: object });
+        let jobs: Vec<_> = copies.into_iter().map(|copy| (place(copy.want.object), copy)).collect();
         let done: Vec<_> = jobs
             .into_par_iter()
-            .map(|(want, portable, mut mesh, place)| {
+            .map(|(place, Copy { want, portable, mut mesh })| {
                 let replaced = place.apply(&mut mesh);
                 (want.span, replaced, (want.object, (want.key, portable, mesh)))
             })
@@ -152,20 +139,72 @@ impl Assets {
     }
 }
 
-/// The distinct keys in order of first appearance, and for each entry of `wanted` the index of its key.
-fn unique<K: Clone + PartialEq + Keyed>(wanted: &[Wanted<K>]) -> (Vec<K>, Vec<usize>) {
-    let mut keys: Vec<K> = Vec::new();
-    let mut by_path: HashMap<PathBuf, Vec<usize>> = HashMap::new();
-    let index = wanted.iter().map(|w| {
-        let same_path = by_path.entry(w.key.path().clone()).or_default();
-        match same_path.iter().find(|&&i| keys[i] == w.key) {
-            Some(&i) => i,
-            None => {
-                keys.push(w.key.clone());
-                same_path.push(keys.len() - 1);
-                keys.len() - 1
-            }
+/// Read the meshes of all keys, with the hash of their files. Each file is read once, even if it contains many meshes.
+fn read_files(keys: &[MeshFile], budget: &Budget) -> Vec<Result<(ReadMesh, u64), String>> {
+    let mut of_path: HashMap<&PathBuf, Vec<usize>> = HashMap::new();
+    keys.iter().enumerate().for_each(|(i, key)| of_path.entry(&key.path).or_default().push(i));
+    let read = of_path.into_par_iter().flat_map(|(path, wanted)| {
+        let mut claim = budget.claim(path.display());
+        let file = files::read_bytes(path, &mut claim).map(|bytes| (hash_of(&bytes), bytes));
+        let parse = |i: usize| {
+            let (hash, bytes) = file.as_ref().map_err(String::clone)?;
+            Ok((keys[i].parse(bytes, budget.claim(path.display()))?, *hash))
+        };
+        wanted.into_par_iter().map(|i| (i, parse(i))).collect::<Vec<_>>()
+    });
+    let mut read: Vec<_> = read.collect();
+    read.sort_by_key(|(i, _)| *i);
+    read.into_iter().map(|(_, mesh)| mesh).collect()
+}
+
+/// The mesh of one shape.
+struct Copy {
+    want: Wanted<MeshFile>,
+    portable: bool,
+    mesh: Mesh,
+}
+
+/// A copy of the mesh for each shape that uses it, because each moves its own into place. The last shape that uses a
+/// file takes the original.
+fn copies(
+    mut raw: Vec<Option<(Mesh, bool)>>,
+    wanted: Vec<Wanted<MeshFile>>,
+    index: Vec<usize>,
+    report: &Report,
+) -> Vec<Copy> {
+    let (mut last, mut uses) = (vec![0; raw.len()], vec![0u64; raw.len()]);
+    for (w, &i) in index.iter().enumerate() {
+        last[i] = w;
+        uses[i] += 1;
+    }
+    // Nothing is copied before all copies are allowed.
+    for (i, mesh) in raw.iter_mut().enumerate() {
+        let Some((of_it, _)) = mesh else { continue };
+        let Wanted { key, span, .. } = &wanted[last[i]];
+        let claim = report.budget.claim(key.path.display());
+        if let Err(why) = claim.keep((uses[i] - 1) * mesh_file::bytes(of_it)) {
+            let (path, n) = (key.path.display(), uses[i]);
+            report.error(*span, format!("{n} shapes use the mesh `{path}`: {why}"), "");
+            *mesh = None;
         }
+    }
+    let mut copies = Vec::new();
+    for (w, (want, i)) in wanted.into_iter().zip(index).enumerate() {
+        let mesh = if last[i] == w { raw[i].take() } else { raw[i].clone() };
+        copies.extend(mesh.map(|(mesh, portable)| Copy { want, portable, mesh }));
+    }
+    copies
+}
+
+/// The distinct keys in order of first appearance, and for each entry of `wanted` the index of its key.
+fn unique<K: Clone + Eq + std::hash::Hash>(wanted: &[Wanted<K>]) -> (Vec<K>, Vec<usize>) {
+    let mut keys: Vec<K> = Vec::new();
+    let mut known: HashMap<&K, usize> = HashMap::new();
+    let index = wanted.iter().map(|w| {
+        *known.entry(&w.key).or_insert_with(|| {
+            keys.push(w.key.clone());
+            keys.len() - 1
+        })
     });
     let index = index.collect();
     (keys, index)
@@ -176,23 +215,6 @@ fn first_of(index: &[usize], count: usize) -> Vec<usize> {
     let mut first = vec![0; count];
     index.iter().enumerate().rev().for_each(|(wish, &key)| first[key] = wish);
     first
-}
-
-/// A key that names a file.
-trait Keyed {
-    fn path(&self) -> &PathBuf;
-}
-
-impl Keyed for BitmapFile {
-    fn path(&self) -> &PathBuf {
-        &self.path
-    }
-}
-
-impl Keyed for MeshFile {
-    fn path(&self) -> &PathBuf {
-        &self.path
-    }
 }
 
 fn hash_of(bytes: &[u8]) -> u64 {
@@ -219,7 +241,7 @@ fn locate(node: Node<'_>, missing: &mut Vec<(Span, String)>) -> Option<PathBuf> 
         }
         return None;
     };
-    match files::find(name, &node.object().folder, &node.doc.search) {
+    match node.doc.folders.find(name, &node.object().folder, &node.doc.search) {
         Found::Exact(path) => Some(path),
         Found::OtherCase(path) => {
             let message = format!("`{name}` is read as `{}`", path.display());
@@ -239,10 +261,14 @@ fn report_missing(report: &Report, missing: &[(Span, String)]) {
         [] => {}
         [(span, name)] => report.error(*span, format!("cannot find `{name}`"), ""),
         [(first, _), ..] => {
-            let list: Vec<String> = missing
+            let mut list: Vec<String> = missing
                 .iter()
+                .take(MAX_MISSING)
                 .map(|(span, name)| format!("{}: {name}", report.place(*span)))
                 .collect();
+            if missing.len() > MAX_MISSING {
+                list.push(format!("and {} more", missing.len() - MAX_MISSING));
+            }
             let message = format!("cannot find {} files", missing.len());
             report.error_help(*first, message, "the first one", Some(list.join("\n")));
         }

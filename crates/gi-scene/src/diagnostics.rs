@@ -1,16 +1,30 @@
 //! Errors and warnings about a scene: each error with its place, what was expected and the nearest known name.
 
 mod alike;
+mod words;
 
-use std::cell::RefCell;
-use std::collections::{BTreeSet, HashSet};
+use std::cell::{Cell, RefCell};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::fmt;
+use std::hash::{BuildHasher, RandomState};
 use std::path::{Path, PathBuf};
 
+use alike::{Alike, Limits, thousands};
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
+
+use crate::budget::Budget;
+use words::did_you_mean;
 
 /// Number of errors that are shown in full: a file that is not a scene at all would otherwise fill many screens.
 const MAX_SHOWN: usize = 40;
+/// Length from which lines are not shown: a file of one line would be shown for each error.
+const LONG: usize = 4096;
+/// Errors and warnings of one kind that are kept; the others are counted.
+const ERRORS: Limits = Limits { same: 8, like: 24 };
+const WARNINGS: Limits = Limits { same: 3, like: 24 };
+/// Number of comparisons of words for all suggestions. A scene with more misspelt names than this allows gets no more
+/// suggestions: the time to find them would grow with the square of its size.
+const MAX_COMPARISONS: usize = 100_000;
 
 /// A range of bytes in one of the scene's text files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,12 +57,16 @@ struct Problem {
 pub struct Diagnostics {
     files: Vec<SourceFile>,
     problems: Vec<Problem>,
+    /// Number of further errors, which are like others.
+    hidden: usize,
+    /// One line for each kind of them.
+    counted: Vec<String>,
 }
 
 impl Diagnostics {
     /// Number of errors.
     pub fn len(&self) -> usize {
-        self.problems.len()
+        self.problems.len() + self.hidden
     }
 
     /// Whether there are no errors.
@@ -62,8 +80,9 @@ impl Diagnostics {
         let mut shown: Vec<String> =
             self.problems.iter().take(MAX_SHOWN).map(|p| self.render_one(p, &renderer)).collect();
         if self.problems.len() > MAX_SHOWN {
-            shown.push(format!("error: and {} more", self.problems.len() - MAX_SHOWN));
+            shown.push(format!("error: and {} more", thousands(self.problems.len() - MAX_SHOWN)));
         }
+        shown.extend(self.counted.iter().map(|line| format!("error: {line}")));
         shown.join("\n\n")
     }
 
@@ -78,6 +97,17 @@ impl Diagnostics {
                 let base = file.line_starts[first];
                 let end = file.line_starts.get(line + 1).map_or(file.text.len(), |e| e - 1);
                 let text = &file.text[base..end];
+                if text.len() > LONG {
+                    let column = file.text[base..span.start].chars().count() + 1;
+                    let place = format!("{}:{}:{column}", file.name, first + 1);
+                    let expected = match problem.expected.as_str() {
+                        "" => place,
+                        expected => format!("{place}: {expected}"),
+                    };
+                    let note = Level::NOTE.secondary_title(expected);
+                    let groups = [Group::with_title(title), Group::with_title(note)];
+                    return renderer.render(&groups).to_string();
+                }
                 let mut mark = AnnotationKind::Primary.span(span.start - base..span.end - base);
                 if !problem.expected.is_empty() {
                     mark = mark.label(problem.expected.as_str());
@@ -114,24 +144,46 @@ impl SourceFile {
     }
 }
 
-/// Collects errors and warnings while a scene is read; shared by reference.
-#[derive(Debug, Default)]
+/// Collects errors and warnings while a scene is read; shared by reference. Also counts the memory that the scene takes.
+#[derive(Debug)]
 pub(crate) struct Report {
+    pub(crate) budget: Budget,
     inner: RefCell<Diagnostics>,
-    warnings: RefCell<Vec<Warning>>,
-    said: RefCell<HashSet<String>>,
+    alike_errors: RefCell<Alike>,
+    warnings: RefCell<Vec<String>>,
+    alike_warnings: RefCell<Alike>,
+    /// Hashes of all warnings with their places: none is given twice.
+    said: RefCell<HashSet<u64>>,
+    hasher: RandomState,
+    /// Number of comparisons that are left for suggestions.
+    comparisons: Cell<usize>,
     read: RefCell<BTreeSet<PathBuf>>,
+    file_of: RefCell<HashMap<PathBuf, usize>>,
 }
 
-/// A warning: something was approximated or ignored.
-#[derive(Debug)]
-struct Warning {
-    /// `file:line: `, or empty.
-    place: String,
-    message: String,
+impl Default for Report {
+    fn default() -> Self {
+        Report::new(u64::MAX)
+    }
 }
 
 impl Report {
+    /// No messages yet; the scene may take `max_memory` bytes.
+    pub(crate) fn new(max_memory: u64) -> Self {
+        Report {
+            budget: Budget::new(max_memory),
+            inner: RefCell::default(),
+            alike_errors: RefCell::new(Alike::new(ERRORS)),
+            warnings: RefCell::default(),
+            alike_warnings: RefCell::new(Alike::new(WARNINGS)),
+            said: RefCell::default(),
+            hasher: RandomState::new(),
+            comparisons: Cell::new(MAX_COMPARISONS),
+            read: RefCell::default(),
+            file_of: RefCell::default(),
+        }
+    }
+
     /// Record that the scene reads a file.
     pub(crate) fn reads(&self, path: &Path) {
         self.read.borrow_mut().insert(path.to_owned());
@@ -142,8 +194,12 @@ impl Report {
         self.read.borrow().iter().cloned().collect()
     }
 
-    /// Add the text of a file and return its index, which spans use.
+    /// Add the text of a file and return its index, which spans use. A file that is included many times is added once.
     pub(crate) fn add_file(&self, path: &Path, text: &str) -> usize {
+        let known = self.file_of.borrow().get(path).copied();
+        if let Some(known) = known.filter(|known| self.inner.borrow().files[*known].text == text) {
+            return known;
+        }
         self.reads(path);
         let line_starts =
             std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i + 1)).collect();
@@ -151,6 +207,7 @@ impl Report {
             SourceFile { name: path.display().to_string(), text: text.to_owned(), line_starts };
         let files = &mut self.inner.borrow_mut().files;
         files.push(file);
+        self.file_of.borrow_mut().insert(path.to_owned(), files.len() - 1);
         files.len() - 1
     }
 
@@ -176,20 +233,29 @@ impl Report {
     }
 
     fn push(&self, span: Option<Span>, message: String, expected: &str, help: Option<String>) {
-        let problem = Problem { span, message, expected: expected.to_owned(), help };
-        self.inner.borrow_mut().problems.push(problem);
+        if self.alike_errors.borrow_mut().keep(&message) {
+            let problem = Problem { span, message, expected: expected.to_owned(), help };
+            self.inner.borrow_mut().problems.push(problem);
+        }
     }
 
     /// Warn that something was approximated or ignored; shown as `file:line: text`.
     pub(crate) fn warn(&self, span: Span, message: impl AsRef<str>) {
-        self.push_warning(format!("{}: ", self.place(span)), message.as_ref());
+        self.push_warning(Some(span), message.as_ref());
     }
 
-    fn push_warning(&self, place: String, message: &str) {
-        if self.said.borrow_mut().insert(format!("{place}{message}")) {
-            let message = message.to_owned();
-            self.warnings.borrow_mut().push(Warning { place, message });
+    fn push_warning(&self, span: Option<Span>, message: &str) {
+        let line = span.map(|span| (span.file, self.line(span)));
+        let hash = self.hasher.hash_one((line, message));
+        if self.said.borrow_mut().insert(hash) && self.alike_warnings.borrow_mut().keep(message) {
+            let place = span.map(|span| format!("{}: ", self.place(span))).unwrap_or_default();
+            self.warnings.borrow_mut().push(format!("{place}{message}"));
         }
+    }
+
+    /// Index of the line where a span starts.
+    fn line(&self, span: Span) -> usize {
+        self.inner.borrow().files[span.file].line_of(span.start)
     }
 
     /// The place of a span as `file:line`.
@@ -201,12 +267,27 @@ impl Report {
 
     /// Warn without a place.
     pub(crate) fn warn_nowhere(&self, message: impl AsRef<str>) {
-        self.push_warning(String::new(), message.as_ref());
+        self.push_warning(None, message.as_ref());
     }
 
     /// Whether any error was reported.
     pub(crate) fn has_errors(&self) -> bool {
         !self.inner.borrow().problems.is_empty()
+    }
+
+    /// "did you mean `x`?", if a similar candidate exists, and if the scene had not too many misspelt names before.
+    pub(crate) fn suggestion<'a>(
+        &self,
+        word: &str,
+        candidates: impl IntoIterator<Item = &'a str>,
+    ) -> Option<String> {
+        let left = self.comparisons.get();
+        let candidates: Vec<&str> = candidates.into_iter().take(left + 1).collect();
+        self.comparisons.set(left.saturating_sub(candidates.len()));
+        if candidates.len() > left {
+            return None;
+        }
+        did_you_mean(word, candidates).map(|c| format!("did you mean `{c}`?"))
     }
 
     /// The warnings, of which many similar ones are counted instead of shown; or the errors if there are any.
@@ -215,55 +296,13 @@ impl Report {
         // Sort by position in the text: files may have been read in any order.
         inner.problems.sort_by_key(|p| p.span.map_or((usize::MAX, 0), |s| (s.file, s.start)));
         if inner.problems.is_empty() {
-            Ok(alike::grouped(self.warnings.into_inner()))
-        } else {
-            Err(inner)
+            return Ok(self.alike_warnings.into_inner().insert_into(self.warnings.into_inner()));
         }
+        let alike = self.alike_errors.into_inner();
+        inner.hidden = alike.hidden();
+        inner.counted = alike.counted().into_iter().map(|(_, line)| line).collect();
+        Err(inner)
     }
-}
-
-/// The candidate nearest to `word` by edit distance, or `None` if none is near.
-pub(crate) fn did_you_mean<'a>(
-    word: &str,
-    candidates: impl IntoIterator<Item = &'a str>,
-) -> Option<&'a str> {
-    let limit = (word.chars().count() / 3).max(1) + 1;
-    candidates
-        .into_iter()
-        .filter(|c| !c.is_empty())
-        .map(|c| (edit_distance(&word.to_lowercase(), &c.to_lowercase()), c))
-        .filter(|(d, c)| *d <= limit && *d < c.chars().count())
-        .min_by_key(|(d, c)| (*d, *c))
-        .map(|(_, c)| c)
-}
-
-/// "did you mean `x`?", if a similar candidate exists.
-pub(crate) fn suggestion<'a>(
-    word: &str,
-    candidates: impl IntoIterator<Item = &'a str>,
-) -> Option<String> {
-    did_you_mean(word, candidates).map(|c| format!("did you mean `{c}`?"))
-}
-
-/// Levenshtein distance in which a swap of two neighbouring letters counts as one edit.
-fn edit_distance(a: &str, b: &str) -> usize {
-    // Nobody misspells a word this long, but a malicious file may contain one.
-    const MAX_LEN: usize = 64;
-    let a: Vec<char> = a.chars().take(MAX_LEN).collect();
-    let b: Vec<char> = b.chars().take(MAX_LEN).collect();
-    let mut rows = vec![(0..=b.len()).collect::<Vec<usize>>()];
-    for i in 1..=a.len() {
-        let mut row = vec![i; b.len() + 1];
-        for j in 1..=b.len() {
-            let replace = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
-            row[j] = replace.min(rows[i - 1][j] + 1).min(row[j - 1] + 1);
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                row[j] = row[j].min(rows[i - 2][j - 2] + 1);
-            }
-        }
-        rows.push(row);
-    }
-    rows[a.len()][b.len()]
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use gi_core::math::Rgb;
 use glam::{Affine3A, Vec3};
 
 use crate::diagnostics::{Report, Span};
+use crate::files::Folders;
 use crate::hash::Hash;
 use crate::spectrum::Spectrum;
 
@@ -161,6 +162,8 @@ pub(crate) struct Document {
     ids: HashMap<String, ObjectId>,
     /// Folders searched for files after the file's own folder: the main scene's folder, then those of `<path>`.
     pub(crate) search: Vec<PathBuf>,
+    /// The names in the folders where files were looked for.
+    pub(crate) folders: Folders,
     /// Values of the scene's `gi.*` names.
     pub(crate) presets: BTreeMap<String, String>,
     /// Major version of the format that the file declares; 0 means 0.5 or 0.6.
@@ -215,9 +218,8 @@ impl Document {
             let asked = object.asked.borrow();
             let what = format!("{} `{}`", object.class.tag(), object.plugin);
             for p in object.properties.iter().filter(|p| !p.used.get()) {
-                let hint = crate::diagnostics::did_you_mean(&p.name, asked.iter().copied())
-                    .map(|c| format!(", did you mean `{c}`?"));
-                let hint = hint.unwrap_or_default();
+                let hint = report.suggestion(&p.name, asked.iter().copied());
+                let hint = hint.map(|hint| format!(", {hint}")).unwrap_or_default();
                 report.warn(p.span, format!("{what} has no parameter `{}`: ignored{hint}", p.name));
             }
             for c in object.children.iter().filter(|c| !c.used.get()) {

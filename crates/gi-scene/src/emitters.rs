@@ -55,9 +55,14 @@ impl Builder<'_> {
             return;
         };
         let origin = LightOrigin::Picture(file.path.clone());
-        let (image, negative) = texels::as_light(&image, file);
+        let (image, negative) = self.origins.as_light(&image, file, node.report);
         if let Some(at) = negative {
             warn_negative(node, file, at);
+        }
+        // The light has a copy of its own.
+        let claim = node.report.budget.claim(file.path.display());
+        if let Err(why) = claim.keep(image.bytes()) {
+            return node.error(format!("cannot copy `{}`: {why}", file.path.display()), "");
         }
         let brightest = texels::brightest(&image, &file.path);
         if !node.check_light("scale", Rgb::grey(scale * brightest)) {

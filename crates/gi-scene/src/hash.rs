@@ -13,14 +13,24 @@ impl Default for Hash {
 impl Hash {
     /// Add some bytes and their number.
     pub(crate) fn bytes(&mut self, bytes: &[u8]) {
-        let mut words = bytes.chunks_exact(8);
-        for w in &mut words {
-            self.word(u64::from_le_bytes(w.try_into().expect("eight bytes")));
-        }
+        self.end(bytes, bytes.len());
+    }
+
+    /// Add the first bytes of several pieces, a multiple of eight.
+    pub(crate) fn words(&mut self, bytes: &[u8]) {
+        debug_assert!(bytes.len().is_multiple_of(8));
+        let words = bytes.chunks_exact(8);
+        words.for_each(|w| self.word(u64::from_le_bytes(w.try_into().expect("eight bytes"))));
+    }
+
+    /// Add the last piece of some bytes, and their number: the hash is that of all pieces together.
+    pub(crate) fn end(&mut self, bytes: &[u8], length: usize) {
+        let (words, last) = bytes.split_at(bytes.len() / 8 * 8);
+        self.words(words);
         let mut rest = [0; 8];
-        rest[..words.remainder().len()].copy_from_slice(words.remainder());
+        rest[..last.len()].copy_from_slice(last);
         self.word(u64::from_le_bytes(rest));
-        self.word(bytes.len() as u64);
+        self.word(length as u64);
     }
 
     /// Add one number.

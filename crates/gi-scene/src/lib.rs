@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 mod assets;
+mod budget;
 mod build;
 mod builder;
 mod diagnostics;
@@ -23,6 +24,7 @@ mod media;
 mod obj_scene;
 mod options;
 mod origins;
+mod precision;
 mod rotation;
 mod sensor;
 mod shapes;

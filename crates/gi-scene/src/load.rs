@@ -10,7 +10,7 @@ use crate::builder::Builder;
 use crate::diagnostics::{Diagnostics, Report};
 use crate::document::{self, Document};
 use crate::options::{Loaded, Options};
-use crate::{framing, integrator, obj_scene, sensor};
+use crate::{framing, integrator, obj_scene, precision, sensor};
 
 /// Load a scene: Mitsuba XML, or a bare OBJ file with its materials.
 ///
@@ -18,7 +18,7 @@ use crate::{framing, integrator, obj_scene, sensor};
 /// All errors of the scene.
 pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
-    let report = Report::default();
+    let report = Report::new(options.max_memory);
     let loaded = match extension.as_str() {
         "obj" => obj_scene::load(path, options, &report),
         "xml" => load_xml(path, options, &report),
@@ -32,6 +32,9 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
         report.error_nowhere(format!("`{}` contains no scene", path.display()));
     }
     let mut loaded = loaded;
+    if let Some(loaded) = &loaded {
+        precision::check(&loaded.parts, &report);
+    }
     for warning in loaded.iter_mut().flat_map(|l| l.parts.enclose_media()) {
         report.warn_nowhere(warning);
     }

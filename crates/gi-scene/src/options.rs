@@ -8,10 +8,11 @@ use gi_core::filter::Filter;
 use gi_core::scene::SceneParts;
 use glam::Vec3;
 
+use crate::budget::half_of_the_machine;
 use crate::origins::Origins;
 
 /// The command line's options for a scene.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Options {
     /// Names and values given with `-D`; they override the scene's `<default>`s.
     pub defines: Vec<(String, String)>,
@@ -19,6 +20,19 @@ pub struct Options {
     pub size: Option<[usize; 2]>,
     /// Changes to the scene's camera.
     pub camera: CameraOverride,
+    /// The memory that loading may take, in bytes: pictures, meshes and text. By default half of this machine's memory.
+    pub max_memory: u64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            defines: Vec::new(),
+            size: None,
+            camera: CameraOverride::default(),
+            max_memory: half_of_the_machine(),
+        }
+    }
 }
 
 /// Camera settings that override the scene's. If the scene has no camera (a bare `.obj`, for example), settings that

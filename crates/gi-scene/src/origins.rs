@@ -8,9 +8,10 @@ use gi_core::math::Rgb;
 use gi_core::texture::{Bitmap, Texture};
 use glam::Affine3A;
 
+use crate::diagnostics::Report;
 use crate::shapes::mesh_file::MeshFile;
 use crate::sky::model::SunSky;
-use crate::texels::{BitmapFile, holds_floats};
+use crate::texels::{self, BitmapFile, holds_floats};
 
 /// Where the parts of a scene came from: an export writes these references instead of the data.
 #[derive(Clone, Debug, Default)]
@@ -27,7 +28,12 @@ pub(crate) struct Origins {
     pub(crate) lights: Vec<LightOrigin>,
     /// Picture files, indexed by the picture's address. The picture is stored too, so that the address stays valid.
     bitmaps: HashMap<usize, (Arc<Bitmap>, BitmapFile)>,
+    /// Pictures of light without their negative texels, indexed by the address of the original, which is stored too.
+    lifted: HashMap<usize, (Arc<Bitmap>, Lifted)>,
 }
+
+/// A picture of light without negative texels, and the first of those that it had.
+pub(crate) type Lifted = (Arc<Bitmap>, Option<(usize, usize)>);
 
 /// How a shape's geometry was given.
 #[derive(Clone, Debug)]
@@ -60,6 +66,28 @@ impl Origins {
         known.or_insert_with(|| (bitmap.clone(), file.clone()));
     }
 
+    /// A picture of light: negative texels become zero. The copy is made once, however many lights use the picture.
+    pub(crate) fn as_light(
+        &mut self,
+        bitmap: &Arc<Bitmap>,
+        file: &BitmapFile,
+        report: &Report,
+    ) -> Lifted {
+        let key = Arc::as_ptr(bitmap).addr();
+        if let Some((_, known)) = self.lifted.get(&key) {
+            return known.clone();
+        }
+        let lifted = texels::as_light(bitmap, file, &report.budget).unwrap_or_else(|why| {
+            report.error_nowhere(format!("cannot copy `{}`: {why}", file.path.display()));
+            (bitmap.clone(), None)
+        });
+        if lifted.1.is_some() {
+            self.note_bitmap(&lifted.0, file);
+        }
+        self.lifted.insert(key, (bitmap.clone(), lifted.clone()));
+        lifted
+    }
+
     /// The file that a picture came from.
     pub(crate) fn bitmap_file(&self, bitmap: &Arc<Bitmap>) -> Option<&BitmapFile> {
         self.bitmaps.get(&Arc::as_ptr(bitmap).addr()).map(|(_, file)| file)
@@ -80,9 +108,8 @@ impl Origins {
                 if !floats {
                     return join([0.0, 0.0], of(*scale));
                 }
-                let rows =
-                    (0..bitmap.height()).flat_map(|y| (0..bitmap.width()).map(move |x| (x, y)));
-                rows.map(|(x, y)| of(bitmap.texel(x, y) * *scale)).reduce(join).expect("texels")
+                let [least, most] = bitmap.range();
+                join(of(least * *scale), of(most * *scale))
             }
         }
     }

@@ -127,7 +127,7 @@ fn fov_x(sensor: Node<'_>, aspect: f32) -> Option<f32> {
         "larger" => aspect.min(1.0),
         other => {
             let known = ["x", "y", "diagonal", "smaller", "larger"];
-            let help = crate::diagnostics::suggestion(other, known);
+            let help = sensor.report.suggestion(other, known);
             let span = sensor.span_of("fov_axis");
             let message = format!("unknown axis `{other}`");
             sensor.report.error_help(

@@ -1,14 +1,17 @@
 //! Picture files of textures. Their texel values are checked once, when they are read.
 
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use gi_core::image_io::{Encoding, read_bitmap};
+use gi_core::image_io::{Encoding, read_bitmap_within};
 use gi_core::math::Rgb;
 use gi_core::texture::{Bitmap, Lookup, Texels, Wrap};
 
+use crate::budget::Budget;
 use crate::document::Node;
 use crate::files;
+use crate::origins::Lifted;
 use crate::value::MAX_NUMBER;
 
 /// A picture file and its reading options: pictures with equal keys are read once.
@@ -21,12 +24,15 @@ pub(crate) struct BitmapFile {
 }
 
 impl BitmapFile {
-    /// Read the picture.
-    pub(crate) fn read(&self) -> Result<Bitmap, String> {
+    /// Read the picture, if the budget allows the memory that the decoder takes.
+    pub(crate) fn read(&self, budget: &Budget) -> Result<Bitmap, String> {
         files::refuse_pointer_file(&self.path)?;
         let encoding = if self.raw { Encoding::Raw } else { Encoding::Auto };
-        let bitmap = read_bitmap(&self.path, encoding, self.wrap, self.lookup)?;
+        let claim = RefCell::new(budget.claim(self.path.display()));
+        let allow = |bytes: u64| claim.borrow_mut().set(bytes);
+        let bitmap = read_bitmap_within(&self.path, encoding, self.wrap, self.lookup, &allow)?;
         check(&bitmap, &self.path)?;
+        claim.into_inner().keep(bitmap.bytes())?;
         Ok(bitmap)
     }
 
@@ -78,15 +84,18 @@ fn find(bitmap: &Bitmap, wanted: impl Fn(Rgb) -> bool) -> Option<(usize, usize, 
 pub(crate) fn as_light(
     bitmap: &Arc<Bitmap>,
     file: &BitmapFile,
-) -> (Arc<Bitmap>, Option<(usize, usize)>) {
+    budget: &Budget,
+) -> Result<Lifted, String> {
     let negative = |t: Rgb| t.to_array().iter().any(|v| *v < 0.0);
-    let first = if holds_floats(&file.path) { find(bitmap, negative) } else { None };
-    let Some((x, y, _)) = first else { return (bitmap.clone(), None) };
+    let some = holds_floats(&file.path) && negative(bitmap.range()[0]);
+    let first = if some { find(bitmap, negative) } else { None };
+    let Some((x, y, _)) = first else { return Ok((bitmap.clone(), None)) };
+    budget.claim(file.path.display()).keep(bitmap.bytes())?;
     let rows = (0..bitmap.height()).flat_map(|y| (0..bitmap.width()).map(move |x| (x, y)));
     let texels = rows.map(|(x, y)| bitmap.texel(x, y).map(|v| v.max(0.0))).collect();
     let (w, h) = (bitmap.width(), bitmap.height());
     let clamped = Bitmap::new(w, h, Texels::Float(texels), file.wrap, file.lookup);
-    (Arc::new(clamped), Some((x, y)))
+    Ok((Arc::new(clamped), Some((x, y))))
 }
 
 /// The largest number in a picture.
@@ -94,6 +103,5 @@ pub(crate) fn brightest(bitmap: &Bitmap, path: &Path) -> f32 {
     if !holds_floats(path) {
         return 1.0;
     }
-    let all = (0..bitmap.height()).flat_map(|y| (0..bitmap.width()).map(move |x| (x, y)));
-    all.map(|(x, y)| bitmap.texel(x, y).max()).fold(0.0, f32::max)
+    bitmap.range()[1].max().max(0.0)
 }

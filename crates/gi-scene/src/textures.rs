@@ -6,7 +6,7 @@ use glam::{Affine2, Affine3A, Mat2, Vec2};
 
 use crate::builder::Builder;
 use crate::document::{Class, Meaning, Node};
-use crate::texels::{self, BitmapFile};
+use crate::texels::BitmapFile;
 
 /// Largest depth of nested textures. A texture that refers to the next one twice doubles the size at each level.
 const MAX_NESTING: usize = 6;
@@ -68,10 +68,9 @@ impl Builder<'_> {
             }
             Texture::Bitmap { bitmap, .. } => {
                 let Some(file) = self.origins.bitmap_file(bitmap).cloned() else { return };
-                let (lifted, first) = texels::as_light(bitmap, &file);
+                let (lifted, first) = self.origins.as_light(bitmap, &file, node.report);
                 if let Some(at) = first {
                     warn_negative(node, &file, at);
-                    self.origins.note_bitmap(&lifted, &file);
                     *bitmap = lifted;
                 }
             }

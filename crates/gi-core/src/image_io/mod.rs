@@ -3,7 +3,7 @@
 mod read;
 mod write;
 
-pub use read::{Encoding, read_bitmap, read_exr};
+pub use read::{Claim, Encoding, read_bitmap, read_bitmap_within, read_exr};
 pub use write::{ImageFile, encode_png, tone_map, write_file};
 
 /// A picture of linear radiance with further layers, as stored in a file.

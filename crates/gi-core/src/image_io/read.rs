@@ -1,12 +1,18 @@
 use std::io::{BufRead, Read, Seek};
 use std::path::Path;
 
-use exr::prelude::{ReadChannels, ReadLayers};
-use image::{DynamicImage, ImageReader};
+use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
 
 use super::Layers;
+use crate::files::open_regular;
+use crate::guard::guarded;
 use crate::math::Rgb;
 use crate::texture::{Bitmap, Lookup, Texels, Wrap, srgb_to_linear};
+
+mod open_exr;
+
+/// Allows a number of bytes, or says why not.
+pub type Claim<'a> = &'a dyn Fn(u64) -> Result<(), String>;
 
 /// Encoding of the numbers in a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -30,16 +36,31 @@ pub fn read_bitmap(
     wrap: Wrap,
     lookup: Lookup,
 ) -> Result<Bitmap, String> {
+    read_bitmap_within(path, encoding, wrap, lookup, &|_| Ok(()))
+}
+
+/// Like [`read_bitmap`], for a picture of which the caller must allow the memory: `allow` is asked for the number of
+/// bytes that the decoder will take before it takes them.
+///
+/// # Errors
+/// Those of [`read_bitmap`], and that of `allow`.
+pub fn read_bitmap_within(
+    path: &Path,
+    encoding: Encoding,
+    wrap: Wrap,
+    lookup: Lookup,
+    allow: Claim<'_>,
+) -> Result<Bitmap, String> {
     let extension =
         path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    let (width, height, texels) = match extension.as_str() {
+    let (width, height, texels) = guarded(|| match extension.as_str() {
         "exr" => {
-            let layers = read_exr(path)?;
-            (layers.width, layers.height, Texels::Float(radiance(&layers)?))
+            let (width, height, pixels) = open_exr::radiance(path, allow)?;
+            Ok((width, height, Texels::Float(pixels)))
         }
-        "pfm" => read_pfm(path)?,
-        _ => read_with_image(path, encoding)?,
-    };
+        "pfm" => read_pfm(path, allow),
+        _ => read_with_image(path, encoding, allow),
+    })?;
     if width == 0 || height == 0 {
         return Err("the picture has no pixels".into());
     }
@@ -47,56 +68,18 @@ pub fn read_bitmap(
 }
 
 /// Read every channel of an EXR's first layer, and its text attributes.
+///
+/// # Errors
+/// A message of one line, without the file's name.
 pub fn read_exr(path: &Path) -> Result<Layers, String> {
-    let meta = exr::meta::MetaData::read_from_file(path, false).map_err(|e| e.to_string())?;
-    if let Some(header) = meta.headers.first() {
-        check_size(header.layer_size.width() as u64, header.layer_size.height() as u64)?;
-    }
-    let image = exr::prelude::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .first_valid_layer()
-        .all_attributes()
-        .from_file(path)
-        .map_err(|e| e.to_string())?;
-    let layer = image.layer_data;
-    let channels = layer.channel_data.list.iter();
-    let metadata = layer.attributes.other.iter().filter_map(|(name, value)| match value {
-        exr::meta::attribute::AttributeValue::Text(text) => {
-            Some((name.to_string(), text.to_string()))
-        }
-        _ => None,
-    });
-    Ok(Layers {
-        width: layer.size.width(),
-        height: layer.size.height(),
-        channels: channels
-            .map(|c| (c.name.to_string(), c.sample_data.values_as_f32().collect()))
-            .collect(),
-        metadata: metadata.collect(),
-    })
+    guarded(|| open_exr::layers(path))
 }
 
-/// The radiance of an EXR: R G B, or grey from Y; if there are no such channels, those of a named layer.
-fn radiance(layers: &Layers) -> Result<Vec<Rgb>, String> {
-    let find = |name: &str| {
-        let suffix = format!(".{name}");
-        let in_layer = || {
-            layers.channels.iter().find(|(n, _)| n.ends_with(&suffix)).map(|(_, s)| s.as_slice())
-        };
-        layers.channel(name).or_else(in_layer)
-    };
-    let [r, g, b] = match (find("R"), find("G"), find("B")) {
-        (Some(r), Some(g), Some(b)) => [r, g, b],
-        _ => [find("Y").ok_or("no channels R G B, and no Y")?; 3],
-    };
-    Ok((0..r.len()).map(|i| Rgb::new(r[i], g[i], b[i])).collect())
-}
-
-fn read_pfm(path: &Path) -> Result<(usize, usize, Texels), String> {
+fn read_pfm(path: &Path, allow: Claim<'_>) -> Result<(usize, usize, Texels), String> {
     let io = |e: std::io::Error| e.to_string();
-    let mut file = std::io::BufReader::new(std::fs::File::open(path).map_err(io)?);
+    let file = open_regular(path)?;
+    let length = file.metadata().map_err(io)?.len();
+    let mut file = std::io::BufReader::new(file);
     let mut line = || -> Result<String, String> {
         let mut text = String::new();
         file.by_ref().take(64).read_line(&mut text).map_err(io)?;
@@ -114,34 +97,44 @@ fn read_pfm(path: &Path) -> Result<(usize, usize, Texels), String> {
     check_size(width, height)?;
     let scale: f32 = line()?.parse().map_err(|_| "the PFM's third line is not a scale")?;
     let (width, height) = (width as usize, height as usize);
-    let mut bytes = vec![0u8; width * height * channels * 4];
-    file.read_exact(&mut bytes).map_err(|_| "the PFM is cut short")?;
+    let row = width * channels * 4;
+    if length < (row * height) as u64 {
+        return Err(CUT_SHORT.into());
+    }
+    allow((width * height * size_of::<Rgb>() + row) as u64)?;
     let decode: fn([u8; 4]) -> f32 =
         if scale < 0.0 { f32::from_le_bytes } else { f32::from_be_bytes };
-    let floats: Vec<f32> =
-        bytes.chunks_exact(4).map(|b| decode([b[0], b[1], b[2], b[3]])).collect();
+    let pixel = |bytes: &[u8]| {
+        let v = |k: usize| decode([0, 1, 2, 3].map(|i| bytes[4 * k + i]));
+        if channels == 3 { Rgb::new(v(0), v(1), v(2)) } else { Rgb::grey(v(0)) }
+    };
+    let mut texels = vec![Rgb::BLACK; width * height];
+    let mut bytes = vec![0u8; row];
     // A PFM stores its bottom row first.
-    let rows = floats.chunks_exact(width * channels).rev();
-    let pixel =
-        |p: &[f32]| if channels == 3 { Rgb::new(p[0], p[1], p[2]) } else { Rgb::grey(p[0]) };
-    let texels = rows.flat_map(|row| row.chunks_exact(channels).map(pixel)).collect();
+    for line in texels.chunks_exact_mut(width.max(1)).rev() {
+        file.read_exact(&mut bytes).map_err(|_| CUT_SHORT)?;
+        line.iter_mut().zip(bytes.chunks_exact(channels * 4)).for_each(|(t, b)| *t = pixel(b));
+    }
     Ok((width, height, Texels::Float(texels)))
 }
+
+const CUT_SHORT: &str = "the PFM is cut short";
 
 /// The first bytes of a Radiance picture: those of Radiance itself, and those written by some other programs.
 const RADIANCE: [&[u8]; 2] = [b"#?RADIANCE", b"#?"];
 
 /// Open a file. For a Radiance picture, the first line is replaced by the one that the decoder expects.
-fn open_picture(path: &Path) -> std::io::Result<Box<dyn ReadSeek>> {
-    let mut file = std::fs::File::open(path)?;
+fn open_picture(path: &Path) -> Result<Box<dyn ReadSeek>, String> {
+    let io = |e: std::io::Error| e.to_string();
+    let mut file = open_regular(path)?;
     let mut head = Vec::new();
-    file.by_ref().take(RADIANCE[0].len() as u64).read_to_end(&mut head)?;
-    file.rewind()?;
+    file.by_ref().take(RADIANCE[0].len() as u64).read_to_end(&mut head).map_err(io)?;
+    file.rewind().map_err(io)?;
     if !head.starts_with(RADIANCE[1]) || head == RADIANCE[0] {
         return Ok(Box::new(std::io::BufReader::new(file)));
     }
     let mut bytes = Vec::new();
-    file.take(MAX_RADIANCE).read_to_end(&mut bytes)?;
+    file.take(MAX_RADIANCE).read_to_end(&mut bytes).map_err(io)?;
     let line = bytes.iter().position(|&b| b == b'\n').unwrap_or(bytes.len());
     bytes.splice(..line, RADIANCE[0].iter().copied());
     Ok(Box::new(std::io::Cursor::new(bytes)))
@@ -154,17 +147,25 @@ trait ReadSeek: BufRead + Seek {}
 
 impl<T: BufRead + Seek> ReadSeek for T {}
 
-fn read_with_image(path: &Path, encoding: Encoding) -> Result<(usize, usize, Texels), String> {
-    let open = || {
-        let mut reader = ImageReader::new(open_picture(path).map_err(|e| e.to_string())?);
-        if let Ok(format) = image::ImageFormat::from_path(path) {
-            reader.set_format(format);
-        }
-        reader.with_guessed_format().map_err(|e| e.to_string())
-    };
-    let (width, height) = open()?.into_dimensions().map_err(|e| e.to_string())?;
+fn read_with_image(
+    path: &Path,
+    encoding: Encoding,
+    allow: Claim<'_>,
+) -> Result<(usize, usize, Texels), String> {
+    let mut reader = ImageReader::new(open_picture(path)?);
+    if let Ok(format) = image::ImageFormat::from_path(path) {
+        reader.set_format(format);
+    }
+    let mut reader = reader.with_guessed_format().map_err(|e| e.to_string())?;
+    // The limit is the caller's: memory is checked below, once the size is known.
+    reader.limits(Limits::no_limits());
+    let decoder = reader.into_decoder().map_err(|e| e.to_string())?;
+    let (width, height) = decoder.dimensions();
     check_size(u64::from(width), u64::from(height))?;
-    let picture = open()?.decode().map_err(|e| e.to_string())?;
+    // Decoded bytes twice: some decoders assemble them before they copy them. Then three bytes or floats per texel.
+    let texels = u64::from(width) * u64::from(height) * size_of::<Rgb>() as u64;
+    allow(decoder.total_bytes().saturating_mul(2).saturating_add(texels))?;
+    let picture = DynamicImage::from_decoder(decoder).map_err(|e| e.to_string())?;
     let texels = match picture {
         DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
             Texels::Float(picture.into_rgb32f().pixels().map(|p| Rgb::from(p.0)).collect())

@@ -38,7 +38,7 @@ impl SceneParts {
     }
 
     /// Bounding box of all shapes and instances.
-    fn bounds(&self) -> Bounds {
+    pub fn bounds(&self) -> Bounds {
         let around = |shapes: &[Shape]| {
             shapes.iter().map(|s| s.geometry.bounds()).fold(Bounds::EMPTY, Bounds::union)
         };

@@ -1,4 +1,4 @@
-use std::sync::LazyLock;
+use std::sync::{LazyLock, OnceLock};
 
 use glam::Vec2;
 
@@ -47,6 +47,8 @@ pub struct Bitmap {
     tiles: Tiles,
     wrap: Wrap,
     lookup: Lookup,
+    mean: OnceLock<Rgb>,
+    range: OnceLock<[Rgb; 2]>,
 }
 
 /// Side of a tile in texels; a power of two. Neighbouring texels of two rows are mostly in the same tile, so that a
@@ -116,7 +118,17 @@ impl Bitmap {
             Texels::Linear8(t) => Tiles::Bytes(bytes(&t), &RAW_TO_LINEAR),
             Texels::Float(t) => Tiles::Float(tiled(width, &t, Rgb::BLACK)),
         };
-        Bitmap { width, height, tiles_across: width.div_ceil(SIDE), tiles, wrap, lookup }
+        let (tiles_across, mean, range) = (width.div_ceil(SIDE), OnceLock::new(), OnceLock::new());
+        Bitmap { width, height, tiles_across, tiles, wrap, lookup, mean, range }
+    }
+
+    /// The memory that the texels take, in bytes.
+    pub fn bytes(&self) -> u64 {
+        let bytes = match &self.tiles {
+            Tiles::Bytes(tiles, _) => size_of_val(&tiles[..]),
+            Tiles::Float(tiles) => size_of_val(&tiles[..]),
+        };
+        bytes as u64
     }
 
     /// Number of texels per row.
@@ -145,7 +157,12 @@ impl Bitmap {
 
     /// The value at `uv`.
     pub fn eval(&self, uv: Vec2) -> Rgb {
-        let p = uv * Vec2::new(self.width as f32, self.height as f32);
+        let size = Vec2::new(self.width as f32, self.height as f32);
+        let mut p = uv * size;
+        let safe = p.x.abs() < FAR && p.y.abs() < FAR; // neither is NaN
+        if !safe {
+            p = self.near(uv) * size;
+        }
         match self.lookup {
             Lookup::Nearest => {
                 let [(x, _), (y, _)] = [p.x, p.y].map(floor);
@@ -162,8 +179,35 @@ impl Bitmap {
         }
     }
 
+    /// The same place of the repeated picture near the unit square, for coordinates far from it: at that distance
+    /// neighbouring floats are many texels apart, and the texel's number would overflow. 0 if there is no such place.
+    #[cold]
+    fn near(&self, uv: Vec2) -> Vec2 {
+        let period = match self.wrap {
+            Wrap::Repeat => 1.0,
+            Wrap::Mirror => 2.0,
+            Wrap::Clamp => return uv.map(|x| if x.is_nan() { 0.0 } else { x.clamp(-1.0, 2.0) }),
+        };
+        uv.map(|x| if x.is_finite() { x.rem_euclid(period) } else { 0.0 })
+    }
+
+    /// The smallest and the largest value of each channel.
+    pub fn range(&self) -> [Rgb; 2] {
+        *self.range.get_or_init(|| {
+            let texels = (0..self.height).flat_map(|y| (0..self.width).map(move |x| (x, y)));
+            let texels = texels.map(|(x, y)| self.texel(x, y)).map(|texel| [texel, texel]);
+            let join =
+                |a: [Rgb; 2], b: [Rgb; 2]| [a[0].zip(b[0], f32::min), a[1].zip(b[1], f32::max)];
+            texels.reduce(join).expect("a picture has texels")
+        })
+    }
+
     /// Mean of all texels.
     pub fn mean(&self) -> Rgb {
+        *self.mean.get_or_init(|| self.compute_mean())
+    }
+
+    fn compute_mean(&self) -> Rgb {
         let mut sum = [0f64; 3];
         for y in 0..self.height {
             for x in 0..self.width {
@@ -193,16 +237,12 @@ impl Bitmap {
     }
 }
 
-/// Far from the unit square, coordinates are too inaccurate to distinguish texels.
+/// Texel coordinates from here on are moved near the picture first: they might overflow.
 const FAR: f32 = 1e9;
 
-/// The largest integer up to `x`, and the fractional part; 0 for NaN, and for numbers that are too large to select a
-/// texel.
+/// The largest integer up to `x`, and the fractional part.
 #[inline]
 fn floor(x: f32) -> (i32, f32) {
-    if x.is_nan() || x.abs() >= FAR {
-        return (0, 0.0);
-    }
     let toward_zero = x as i32;
     let below = if (toward_zero as f32) > x { toward_zero.wrapping_sub(1) } else { toward_zero };
     (below, x - below as f32)
@@ -257,11 +297,22 @@ mod tests {
         assert_eq!([-0.1, 1.1, 5.3].map(|u| read(Wrap::Repeat, u)), [3.0, 0.0, 1.0]);
         assert_eq!([-0.1, 1.1, 5.3].map(|u| read(Wrap::Mirror, u)), [0.0, 3.0, 2.0]);
         assert_eq!([-0.1, 1.1, 5.3].map(|u| read(Wrap::Clamp, u)), [0.0, 3.0, 3.0]);
+        // A float this large is a whole number of pictures, and of pairs of pictures.
+        for u in [1e10, -1e10, 1e30, 3e38] {
+            let near = read(Wrap::Repeat, 0.0);
+            assert_eq!(read(Wrap::Repeat, u), near, "{u}");
+            assert_eq!(read(Wrap::Mirror, u), near, "{u}");
+            assert_eq!(read(Wrap::Clamp, u), if u > 0.0 { 3.0 } else { 0.0 }, "{u}");
+            let smooth = |u: f32| ramp(Wrap::Repeat, Lookup::Bilinear).eval(Vec2::new(u, 0.5)).r;
+            assert_eq!(smooth(u), smooth(0.0), "{u}");
+        }
         for u in [f32::NAN, f32::INFINITY, -1e30, 3e38] {
             for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
                 for lookup in [Lookup::Nearest, Lookup::Bilinear] {
-                    let value = ramp(wrap, lookup).eval(Vec2::new(u, u)).r;
-                    assert!((0.0..=3.0).contains(&value), "{u} {wrap:?} {lookup:?}: {value}");
+                    for uv in [Vec2::new(u, u), Vec2::new(u, 0.2), Vec2::new(0.2, u)] {
+                        let value = ramp(wrap, lookup).eval(uv).r;
+                        assert!((0.0..=3.0).contains(&value), "{uv} {wrap:?} {lookup:?}: {value}");
+                    }
                 }
             }
         }

@@ -1,63 +1,111 @@
-//! Groups similar warnings: the first few are shown, the others only counted.
+//! Groups similar messages: the first few are kept, the others only counted.
 
 use std::collections::HashMap;
 
-use super::Warning;
+/// How many messages are kept in all.
+const MAX_KEPT: usize = 500;
+/// Key of the messages that are counted because so many others are kept.
+const OTHERS: &str = "";
 
-/// How many times the same message is shown, each time at another place.
-const MAX_SAME: usize = 3;
-/// How many messages are shown that differ only in names and numbers.
-const MAX_LIKE: usize = 24;
+/// How many messages of one kind are kept.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    /// Messages with the same text, at different places.
+    pub(super) same: usize,
+    /// Messages that differ only in names and numbers.
+    pub(super) like: usize,
+}
 
-/// How often a message occurred, and the output position of its last shown occurrence.
-#[derive(Default)]
-struct Said {
-    shown: usize,
+/// Decides which messages are kept. The memory and the time per message do not depend on the number of messages.
+#[derive(Debug)]
+pub(super) struct Alike {
+    limits: Limits,
+    kept: usize,
+    groups: HashMap<String, Group>,
+}
+
+/// The messages with one text, or with one text apart from names and numbers.
+#[derive(Debug, Default)]
+struct Group {
+    kept: usize,
     hidden: usize,
+    /// The first message that was not kept.
+    sample: String,
+    /// Number of messages of all groups that were kept up to the last one of this group.
     last: usize,
 }
 
-/// The warnings as text, in their original order.
-pub(super) fn grouped(warnings: Vec<Warning>) -> Vec<String> {
-    let mut said: HashMap<String, Said> = HashMap::new();
-    let mut out: Vec<String> = Vec::new();
-    let mut groups = Vec::new();
-    for Warning { place, message } in warnings {
-        let shape = shape(&message);
-        let full = |key: &str, most: usize| said.get(key).is_some_and(|s| s.shown >= most);
-        let group = if full(&message, MAX_SAME) {
-            Some(message.clone())
+impl Alike {
+    pub(super) fn new(limits: Limits) -> Self {
+        Alike { limits, kept: 0, groups: HashMap::new() }
+    }
+
+    /// Whether to keep a message; otherwise it is counted.
+    pub(super) fn keep(&mut self, message: &str) -> bool {
+        let shape = shape(message);
+        let full = |key: &str, most: usize| self.groups.get(key).is_some_and(|g| g.kept >= most);
+        let full = if full(message, self.limits.same) {
+            Some(message)
+        } else if full(&shape, self.limits.like) {
+            Some(shape.as_str())
         } else {
-            full(&shape, MAX_LIKE).then(|| shape.clone())
+            (self.kept >= MAX_KEPT).then_some(OTHERS)
         };
-        if let Some(key) = group {
-            let group = said.get_mut(&key).expect("inserted above");
+        if let Some(key) = full {
+            let last = self.kept;
+            let fresh = || Group { last, ..Group::default() };
+            let group = self.groups.entry(key.to_owned()).or_insert_with(fresh);
             if group.hidden == 0 {
-                groups.push((key, message));
+                group.sample = message.to_owned();
             }
             group.hidden += 1;
-            continue;
+            return false;
         }
-        out.push(format!("{place}{message}"));
+        self.kept += 1;
         // A message that contains no names or numbers equals its shape.
-        let own = (message != shape).then_some(message);
+        let own = (message != shape).then(|| message.to_owned());
         for key in own.into_iter().chain([shape]) {
-            let group = said.entry(key).or_default();
-            group.shown += 1;
-            group.last = out.len();
+            let group = self.groups.entry(key).or_default();
+            group.kept += 1;
+            group.last = self.kept;
         }
+        true
     }
-    // Insert from the end, so that earlier positions stay valid.
-    let mut counted: Vec<(usize, String)> = groups
-        .into_iter()
-        .map(|(key, message)| {
-            let Said { hidden, last, .. } = said[&key];
-            (last, format!("and {} more like this: {message}", thousands(hidden)))
-        })
-        .collect();
-    counted.sort_by_key(|(last, _)| *last);
-    counted.into_iter().rev().for_each(|(last, text)| out.insert(last, text));
-    out
+
+    /// Number of messages that were counted instead of kept.
+    pub(super) fn hidden(&self) -> usize {
+        self.groups.values().map(|g| g.hidden).sum()
+    }
+
+    /// A line for each group with counted messages, and the number of kept messages to show before it.
+    pub(super) fn counted(&self) -> Vec<(usize, String)> {
+        let hidden = self.groups.iter().filter(|(_, group)| group.hidden > 0);
+        let line = |(key, group): (&String, &Group)| {
+            let many = thousands(group.hidden);
+            let text = match key.as_str() {
+                OTHERS => format!("and {many} more"),
+                _ => format!("and {many} more like this: {}", group.sample),
+            };
+            (group.last, text)
+        };
+        let mut counted: Vec<(usize, String)> = hidden.map(line).collect();
+        counted.sort();
+        counted
+    }
+
+    /// Insert these lines into the kept messages.
+    pub(super) fn insert_into(&self, kept: Vec<String>) -> Vec<String> {
+        let mut counted = self.counted().into_iter().peekable();
+        let mut out = Vec::with_capacity(kept.len());
+        for (before, message) in kept.into_iter().enumerate() {
+            while let Some((_, line)) = counted.next_if(|(last, _)| *last <= before) {
+                out.push(line);
+            }
+            out.push(message);
+        }
+        out.extend(counted.map(|(_, line)| line));
+        out
+    }
 }
 
 /// A message without its digits and without the text inside backquotes.
@@ -67,7 +115,7 @@ fn shape(message: &str) -> String {
 }
 
 /// Format 1994 as `1,994`.
-fn thousands(n: usize) -> String {
+pub(super) fn thousands(n: usize) -> String {
     let digits = n.to_string();
     let mut out = String::new();
     for (k, c) in digits.chars().enumerate() {
@@ -83,15 +131,17 @@ fn thousands(n: usize) -> String {
 mod tests {
     use super::*;
 
-    fn warning(line: usize, message: String) -> Warning {
-        Warning { place: format!("a.mtl:{line}: "), message }
+    fn grouped(all: impl IntoIterator<Item = (usize, String)>) -> Vec<String> {
+        let mut alike = Alike::new(Limits { same: 3, like: 24 });
+        let kept = all.into_iter().filter(|(_, message)| alike.keep(message));
+        let kept = kept.map(|(line, message)| format!("a.mtl:{line}: {message}")).collect();
+        alike.insert_into(kept)
     }
 
     #[test]
     fn the_same_warning_at_many_lines_is_shown_three_times_and_counted() {
-        let mut all: Vec<Warning> =
-            (1..=1997).map(|k| warning(k, "`map_Ks` is ignored".into())).collect();
-        all.insert(1, warning(9, "`bump` is ignored".into()));
+        let mut all: Vec<_> = (1..=1997).map(|k| (k, "`map_Ks` is ignored".to_owned())).collect();
+        all.insert(1, (9, "`bump` is ignored".into()));
         let shown = grouped(all);
         assert_eq!(
             shown,
@@ -107,9 +157,16 @@ mod tests {
 
     #[test]
     fn warnings_that_differ_in_names_are_counted_too() {
-        let all = (0..100_000).map(|k| warning(k, format!("no material `m{k}`"))).collect();
-        let shown = grouped(all);
-        assert_eq!(shown.len(), MAX_LIKE + 1);
-        assert_eq!(shown[MAX_LIKE], "and 99,976 more like this: no material `m24`");
+        let shown = grouped((0..100_000).map(|k| (k, format!("no material `m{k}`"))));
+        assert_eq!(shown.len(), 25);
+        assert_eq!(shown[24], "and 99,976 more like this: no material `m24`");
+    }
+
+    #[test]
+    fn messages_of_many_kinds_cannot_fill_the_screen() {
+        let kind = |k: usize| "z".repeat(k % 700) + if k < 700 { "a" } else { "b" };
+        let shown = grouped((0..1400).map(|k| (k, kind(k))));
+        assert_eq!(shown.len(), MAX_KEPT + 1);
+        assert_eq!(shown[MAX_KEPT], "and 900 more");
     }
 }

@@ -58,7 +58,9 @@ impl<'a> Node<'a> {
     /// Report an unknown plugin and suggest the nearest known one.
     pub(crate) fn unknown_plugin(self, known: &[&str]) {
         let object = self.object();
-        let help = crate::diagnostics::suggestion(&object.plugin, known.iter().copied())
+        let help = self
+            .report
+            .suggestion(&object.plugin, known.iter().copied())
             .or_else(|| Some(format!("known are: {}", known.join(", "))));
         let tag = object.class.tag();
         let message = format!("unknown {tag} `{}`", object.plugin);

@@ -1,6 +1,10 @@
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use gi_core::guard::guarded;
 
 use super::{Child, Class, Document, Object, ObjectId, Target};
 use crate::diagnostics::{Report, Span};
@@ -12,15 +16,12 @@ use substitute::Element;
 
 mod comments;
 mod defines;
+mod includes;
 mod properties;
 mod references;
+mod scan;
 mod substitute;
 
-/// Largest depth of nested includes (Mitsuba's limit).
-const MAX_INCLUDE_DEPTH: usize = 15;
-/// Largest number of files that one scene may include, counting repeats. Without this limit, fifteen files
-/// that each include the next one ten times would be read 10^15 times.
-const MAX_INCLUDES: usize = 1000;
 /// Largest depth of nested elements. The reader is recursive, and no real scene comes near this depth.
 const MAX_NESTING: usize = 64;
 /// Largest number of XML nodes in one file. It bounds the memory, and is far above any real scene.
@@ -52,6 +53,10 @@ struct Parser<'r> {
     /// Files that are open, outermost first.
     stack: Vec<PathBuf>,
     includes: usize,
+    /// Length of all included text.
+    included: u64,
+    /// The text of the files that were included.
+    texts: HashMap<PathBuf, Rc<str>>,
     aliases: Vec<(String, String, Span)>,
     doc: Document,
 }
@@ -79,6 +84,7 @@ impl<'r> Parser<'r> {
             objects: Vec::new(),
             ids: HashMap::new(),
             search: vec![files::folder_of(path)],
+            folders: files::Folders::default(),
             presets,
             version: 3,
             unknown_tags: Vec::new(),
@@ -87,12 +93,21 @@ impl<'r> Parser<'r> {
         };
         let mut all = Defines::default();
         defines.iter().rev().map(define).for_each(|d| all.add(d)); // the last -D for a name wins
-        Parser { report, defines: all, stack: Vec::new(), includes: 0, aliases: Vec::new(), doc }
+        Parser {
+            report,
+            defines: all,
+            stack: Vec::new(),
+            includes: 0,
+            included: 0,
+            texts: HashMap::new(),
+            aliases: Vec::new(),
+            doc,
+        }
     }
 
     /// Read one file. Its elements become children of `parent`; without a parent, the file is the whole scene.
     fn file(&mut self, path: &Path, parent: Option<ObjectId>, from: Span) {
-        let text = match files::read_text(path) {
+        let text = match self.text(path, parent.is_some()) {
             Ok(text) => text,
             Err(why) => {
                 let message = format!("cannot read `{}`: {why}", path.display());
@@ -107,9 +122,17 @@ impl<'r> Parser<'r> {
         let file = self.report.add_file(path, &text);
         let options = roxmltree::ParsingOptions { nodes_limit: MAX_NODES, ..Default::default() };
         let readable = comments::without_dashes(&text);
-        let xml = match roxmltree::Document::parse_with_options(&readable, options) {
-            Ok(xml) => xml,
-            Err(why) => return self.xml_error(&why, &text, file),
+        if let Err((Range { start, end }, message)) = scan::check(&text) {
+            return self.report.error(Span { file, start, end }, message, "");
+        }
+        let parsed = guarded(|| Ok(roxmltree::Document::parse_with_options(&readable, options)));
+        let xml = match parsed {
+            Ok(Ok(xml)) => xml,
+            Ok(Err(why)) => return self.xml_error(&why, &text, file),
+            Err(why) => {
+                let message = format!("cannot read `{}`: {why}", path.display());
+                return self.report.error_nowhere(message);
+            }
         };
         let root = xml.root_element();
         let element = self.element(root, file);
@@ -225,41 +248,5 @@ impl<'r> Parser<'r> {
             Child { name, span: element.span, target: Target::Here(id), used: Cell::new(false) };
         self.doc.objects[parent].children.push(child);
         self.children(node, file, id, depth + 1);
-    }
-
-    fn include(&mut self, element: &Element, parent: ObjectId) {
-        let Some(name) = element.get("filename") else {
-            return self.report.error(element.span, "`include` needs `filename`", "");
-        };
-        self.includes += 1;
-        if self.stack.len() > MAX_INCLUDE_DEPTH || self.includes > MAX_INCLUDES {
-            return self.report.error(name.span, "too many files include each other", "");
-        }
-        let folder = files::folder_of(self.stack.last().expect("a file is being read"));
-        let found = match files::find(&name.value, &folder, &self.doc.search) {
-            files::Found::Exact(path) => path,
-            files::Found::OtherCase(path) => {
-                self.report
-                    .warn(name.span, format!("`{}` is read as `{}`", name.value, path.display()));
-                path
-            }
-            files::Found::No => {
-                let message = format!("cannot find `{}`", name.value);
-                return self.report.error(name.span, message, "included here");
-            }
-        };
-        let canonical = found.canonicalize().unwrap_or_else(|_| found.clone());
-        if self.stack.contains(&canonical) {
-            let message = format!("`{}` includes itself", name.value);
-            return self.report.error(name.span, message, "this completes the cycle");
-        }
-        self.file(&found, Some(parent), name.span);
-    }
-
-    fn search_path(&mut self, element: &Element, parent: ObjectId) {
-        let Some(value) = element.get("value") else {
-            return self.report.error(element.span, "`path` needs `value`", "");
-        };
-        self.doc.search.push(self.doc.objects[parent].folder.join(&value.value));
     }
 }

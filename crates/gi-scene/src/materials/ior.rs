@@ -105,7 +105,7 @@ pub(super) fn conductor_of(node: Node<'_>, name: &str) -> Option<(Rgb, Rgb)> {
     let found = conductor(name);
     if found.is_none() {
         let names = CONDUCTORS.iter().map(|(n, ..)| *n).chain(["none"]);
-        let help = crate::diagnostics::suggestion(name, names);
+        let help = node.report.suggestion(name, names);
         let message = format!("unknown conductor `{name}`");
         node.report.error_help(node.span_of("material"), message, "expected a material", help);
     }
@@ -121,7 +121,7 @@ pub(super) fn interface(node: Node<'_>, name: &'static str) -> Option<f32> {
     let found = dielectric(material).or_else(|| material.trim().parse().ok());
     if found.is_none() {
         let names = DIELECTRICS.iter().map(|(n, _)| *n);
-        let help = crate::diagnostics::suggestion(material, names);
+        let help = node.report.suggestion(material, names);
         let message = format!("unknown dielectric `{material}`");
         node.report.error_help(
             node.span_of(name),

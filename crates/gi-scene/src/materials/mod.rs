@@ -234,7 +234,7 @@ impl Builder<'_> {
                 Distribution::Beckmann
             }
             other => {
-                let help = crate::diagnostics::suggestion(other, ["beckmann", "ggx", "phong"]);
+                let help = node.report.suggestion(other, ["beckmann", "ggx", "phong"]);
                 let message = format!("unknown distribution `{other}`");
                 let span = node.span_of("distribution");
                 node.report.error_help(span, message, "expected `beckmann` or `ggx`", help);

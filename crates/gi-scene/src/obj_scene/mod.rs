@@ -9,15 +9,16 @@ use std::path::{Path, PathBuf};
 
 use gi_core::filter::Filter;
 use gi_core::geometry::{Geometry, Shape};
+use gi_core::guard::guarded;
 use gi_core::scene::SceneParts;
 
 use crate::diagnostics::Report;
-use crate::files;
+use crate::files::{self, Folders};
 use crate::framing;
 use crate::hash::Hash;
 use crate::options::{Loaded, Options};
 use crate::origins::{Origins, ShapeOrigin};
-use crate::shapes::{obj, smooth};
+use crate::shapes::{mesh_file, obj, smooth};
 use crate::statements::{latin_1, name_before_comment};
 use mtl::Entry;
 use pictures::Pictures;
@@ -31,15 +32,21 @@ pub(crate) fn load(path: &Path, options: &Options, report: &Report) -> Option<Lo
         parts: SceneParts::default(),
         origins: Origins::default(),
         pictures: Pictures::default(),
+        folders: Folders::default(),
     };
     for (name, _) in options.defines.iter().filter(|(name, _)| !name.starts_with("gi.")) {
         report.warn_nowhere(format!("-D {name} has no effect: OBJ files have no named values"));
     }
-    let bytes = files::read_bytes(path);
+    let (mut text, mut meshes) =
+        (report.budget.claim(path.display()), report.budget.claim(path.display()));
+    let bytes = files::read_bytes(path, &mut text);
     let contents = bytes.and_then(|bytes| {
         reader.hash.bytes(&bytes);
-        obj::parse_by_material(&bytes, true, true)
+        let contents = guarded(|| obj::parse_by_material(&bytes, true, true, &mut meshes))?;
+        meshes.keep(contents.meshes.iter().map(|(_, mesh)| mesh_file::bytes(mesh)).sum())?;
+        Ok(contents)
     });
+    drop(text);
     let contents = match contents {
         Ok(contents) => contents,
         Err(why) => {
@@ -81,6 +88,7 @@ struct Reader<'a> {
     parts: SceneParts,
     origins: Origins,
     pictures: Pictures,
+    folders: Folders,
 }
 
 /// The materials of all libraries, by name.
@@ -149,7 +157,7 @@ impl Reader<'_> {
         let (mut library, mut done) = (Library::default(), HashSet::new());
         for statement in statements {
             for name in self.library_names(statement) {
-                let Some(path) = pictures::find(&name, &self.folder) else {
+                let Some(path) = pictures::find(&self.folders, &name, &self.folder) else {
                     let message = format!("cannot find the material library `{name}`");
                     self.report.warn_nowhere(message);
                     continue;
@@ -165,7 +173,7 @@ impl Reader<'_> {
 
     /// The names in a statement: the whole text if a file has that name, otherwise its words.
     fn library_names(&self, statement: &str) -> Vec<String> {
-        let exists = |name: &&str| pictures::find(name, &self.folder).is_some();
+        let exists = |name: &&str| pictures::find(&self.folders, name, &self.folder).is_some();
         let short = name_before_comment(statement);
         if let Some(name) = [Some(statement), short].into_iter().flatten().find(exists) {
             return vec![name.to_owned()];
@@ -179,7 +187,12 @@ impl Reader<'_> {
     }
 
     fn library(&mut self, path: &Path) -> Vec<Entry> {
-        let bytes = match files::read_bytes(path) {
+        let mut claim = self.report.budget.claim(path.display());
+        let bytes = files::read_bytes(path, &mut claim).and_then(|bytes| {
+            claim.keep(4 * bytes.len() as u64)?; // the text and its entries
+            Ok(bytes)
+        });
+        let bytes = match bytes {
             Ok(bytes) => bytes,
             Err(why) => {
                 self.report.error_nowhere(format!("cannot read `{}`: {why}", path.display()));

@@ -10,7 +10,7 @@ use glam::{Affine2, Mat2, Vec2};
 
 use super::Reader;
 use super::mtl::Map;
-use crate::files::{self, Found};
+use crate::files::{self, Folders, Found};
 use crate::statements::{name_before_comment, unquoted};
 use crate::texels::BitmapFile;
 use crate::value;
@@ -154,7 +154,7 @@ impl Reader<'_> {
         if let Some(known) = self.pictures.places.get(name) {
             return known.clone();
         }
-        let place = if name.is_empty() { None } else { find(name, &self.folder) };
+        let place = if name.is_empty() { None } else { find(&self.folders, name, &self.folder) };
         self.pictures.places.insert(name.to_owned(), place.clone());
         place
     }
@@ -164,10 +164,8 @@ impl Reader<'_> {
             return known.clone();
         }
         self.report.reads(&file.path);
-        if let Ok(bytes) = files::read_bytes(&file.path) {
-            self.hash.bytes(&bytes);
-        }
-        let read = file.read().map(Arc::new);
+        self.hash.word(files::hash_file(&file.path).unwrap_or(0));
+        let read = file.read(&self.report.budget).map(Arc::new);
         if let Err(why) = &read {
             let message = format!("cannot read `{}`: {why}", file.path.display());
             self.report.error(map.span, message, "");
@@ -182,8 +180,8 @@ impl Reader<'_> {
 }
 
 /// Find a file that a library or an OBJ file names.
-pub(super) fn find(name: &str, folder: &Path) -> Option<PathBuf> {
-    match files::find(unquoted(name), folder, &[]) {
+pub(super) fn find(folders: &Folders, name: &str, folder: &Path) -> Option<PathBuf> {
+    match folders.find(unquoted(name), folder, &[]) {
         Found::Exact(path) | Found::OtherCase(path) => Some(path),
         Found::No => None,
     }

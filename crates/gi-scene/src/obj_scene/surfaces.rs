@@ -7,7 +7,6 @@ use gi_core::texture::Texture;
 use super::Reader;
 use super::mtl::Entry;
 use crate::materials::ior::RELATIVE;
-use crate::texels;
 
 /// Default index of refraction of glass.
 const DEFAULT_IOR: f32 = 1.5;
@@ -109,13 +108,12 @@ impl Reader<'_> {
         if let Texture::Bitmap { bitmap, .. } = &mut light
             && let Some(file) = self.origins.bitmap_file(bitmap).cloned()
         {
-            let (lifted, negative) = texels::as_light(bitmap, &file);
+            let (lifted, negative) = self.origins.as_light(bitmap, &file, self.report);
             if let Some((x, y)) = negative {
                 let path = file.path.display();
                 self.report.warn_nowhere(format!(
                     "`{path}`: texel ({x}, {y}) and maybe others are negative: set to zero"
                 ));
-                self.origins.note_bitmap(&lifted, &file);
                 *bitmap = lifted;
             }
         }

@@ -3,21 +3,23 @@
 use std::path::PathBuf;
 
 use gi_core::geometry::Mesh;
-use glam::Affine3A;
+use gi_core::guard::guarded;
+use glam::{Affine3A, Vec2, Vec3};
 
 use super::{obj, ply, serialized, smooth};
+use crate::budget::Claim;
 use crate::document::Node;
 use crate::value::check_size;
 
 /// A mesh file and its reading options: files with equal keys are read once.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct MeshFile {
     pub(crate) path: PathBuf,
     pub(crate) kind: MeshKind,
 }
 
 /// The format of a mesh file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum MeshKind {
     /// Wavefront. With `flip`, v = 0 is the bottom of the picture, as is usual for OBJ.
     Obj { flip: bool },
@@ -54,22 +56,33 @@ impl MeshFile {
         MeshFile { path, kind }
     }
 
-    /// Read the mesh. Its vertices are finite and its indices in range.
-    pub(crate) fn parse(&self, bytes: &[u8]) -> Result<ReadMesh, String> {
+    /// Read the mesh. Its vertices are finite and its indices in range. The claim keeps the memory of the mesh.
+    pub(crate) fn parse(&self, bytes: &[u8], mut claim: Claim<'_>) -> Result<ReadMesh, String> {
+        let read = guarded(|| self.decode(bytes, &mut claim))?;
+        check(&read.mesh)?;
+        claim.keep(self::bytes(&read.mesh))?;
+        Ok(read)
+    }
+
+    fn decode(&self, bytes: &[u8], claim: &mut Claim<'_>) -> Result<ReadMesh, String> {
         let plain = |mesh, portable| ReadMesh { mesh, portable, note: None };
-        let read = match self.kind {
+        Ok(match self.kind {
             MeshKind::Obj { flip } => {
-                let mut contents = obj::parse(bytes, flip)?;
+                let mut contents = obj::parse(bytes, flip, claim)?;
                 let note = contents.note(&self.path.display().to_string());
                 let (_, mesh) = contents.meshes.pop().ok_or("it contains no faces")?;
                 ReadMesh { mesh, portable: contents.portable, note }
             }
-            MeshKind::Ply { flip } => plain(ply::parse(bytes, flip)?, true),
-            MeshKind::Serialized { index } => plain(serialized::parse(bytes, index)?, false),
-        };
-        check(&read.mesh)?;
-        Ok(read)
+            MeshKind::Ply { flip } => plain(ply::parse(bytes, flip, claim)?, true),
+            MeshKind::Serialized { index } => plain(serialized::parse(bytes, index, claim)?, false),
+        })
     }
+}
+
+/// The memory that a mesh takes, with the normals that it may get.
+pub(crate) fn bytes(mesh: &Mesh) -> u64 {
+    let vertex = 2 * size_of::<Vec3>() + if mesh.uvs.is_empty() { 0 } else { size_of::<Vec2>() };
+    (mesh.positions.len() * vertex + mesh.triangles.len() * size_of::<[u32; 3]>()) as u64
 }
 
 /// Check what must be true of every mesh, in any format.

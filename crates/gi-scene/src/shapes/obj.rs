@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use gi_core::geometry::Mesh;
 use glam::{Vec2, Vec3};
 
+use crate::budget::Claim;
 use crate::files;
 use crate::statements::{statements, without_comment};
 
@@ -57,8 +58,8 @@ impl Contents {
 }
 
 /// Read all faces as one mesh.
-pub(crate) fn parse(bytes: &[u8], flip: bool) -> Result<Contents, String> {
-    let contents = parse_by_material(bytes, flip, false)?;
+pub(crate) fn parse(bytes: &[u8], flip: bool, claim: &mut Claim<'_>) -> Result<Contents, String> {
+    let contents = parse_by_material(bytes, flip, false, claim)?;
     if contents.meshes.is_empty() {
         return Err("it contains no faces".into());
     }
@@ -70,6 +71,7 @@ pub(crate) fn parse_by_material(
     bytes: &[u8],
     flip: bool,
     by_material: bool,
+    claim: &mut Claim<'_>,
 ) -> Result<Contents, String> {
     let mut reader = Reader { flip, ..Reader::default() };
     let mut contents = Contents::default();
@@ -77,14 +79,25 @@ pub(crate) fn parse_by_material(
     for statement in statements(&text) {
         let fail = |why: String| format!("line {}: {why}", statement.line);
         let (keyword, rest) = statement.split();
+        claim.at_least(reader.bytes + 64 * rest.len() as u64)?;
         match keyword {
-            "v" => reader.positions.push(position(rest, reader.positions.len()).map_err(fail)?),
-            "vn" => reader.normals.push(Vec3::from(floats::<3>(rest).map_err(fail)?)),
-            "vt" => reader.uvs.push(texture_coordinate(rest).map_err(fail)?),
+            "v" => {
+                reader.positions.push(position(rest, reader.positions.len()).map_err(fail)?);
+                reader.bytes += NUMBERS;
+            }
+            "vn" => {
+                reader.normals.push(Vec3::from(floats::<3>(rest).map_err(fail)?));
+                reader.bytes += NUMBERS;
+            }
+            "vt" => {
+                reader.uvs.push(texture_coordinate(rest).map_err(fail)?);
+                reader.bytes += NUMBERS;
+            }
             // Old files write `fo`.
             "f" | "fo" => {
                 let corners = reader.face(without_comment(rest)).map_err(fail)?;
                 contents.count_corners(corners, statement.line);
+                reader.bytes += CORNER * corners as u64;
             }
             "usemtl" if by_material => reader.material(rest),
             "mtllib" => contents.libraries.push(rest.to_owned()),
@@ -125,7 +138,16 @@ struct Reader {
     flip: bool,
     /// Whether any index is negative: it counts from the end.
     from_end: bool,
+    /// Estimate of the memory taken by everything read.
+    bytes: u64,
 }
+
+/// Memory taken by a vertex, a normal or a texture coordinate, in a vector that grows.
+const NUMBERS: u64 = 2 * 12;
+/// Memory taken by a corner: its entry in the table, its triangle and what its mesh stores.
+const CORNER: u64 = 64;
+/// Memory taken by an empty part.
+const PART: u64 = 256;
 
 impl Reader {
     fn material(&mut self, name: &str) {
@@ -133,6 +155,7 @@ impl Reader {
             Some(known) => *known,
             None => {
                 self.part_of.insert(name.to_owned(), self.parts.len());
+                self.bytes += PART;
                 self.parts.push(Part { name: name.to_owned(), ..Part::default() });
                 self.parts.len() - 1
             }

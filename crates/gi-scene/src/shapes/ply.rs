@@ -5,6 +5,9 @@ use gi_core::geometry::Mesh;
 use gi_core::points::Ply;
 use glam::{Vec2, Vec3};
 
+use super::mesh_file;
+use crate::budget::Claim;
+
 use header::{Element, Format, Header, Kind, Property};
 
 mod header;
@@ -13,14 +16,14 @@ mod header;
 const MAX_CORNERS: u64 = 1 << 16;
 
 /// Read a mesh.
-pub(crate) fn parse(bytes: &[u8], flip: bool) -> Result<Mesh, String> {
+pub(crate) fn parse(bytes: &[u8], flip: bool, claim: &mut Claim<'_>) -> Result<Mesh, String> {
     let (header, body) = Header::parse(bytes)?;
     let mut source = Source::new(&header, body)?;
     let mut mesh = Mesh::default();
     for element in &header.elements {
         match element.name.as_str() {
-            "vertex" => vertices(element, &mut source, &mut mesh, flip)?,
-            "face" => faces(element, &mut source, &mut mesh)?,
+            "vertex" => vertices(element, &mut source, (&mut mesh, claim), flip)?,
+            "face" => faces(element, &mut source, (&mut mesh, claim))?,
             _ => skip(element, &mut source)?,
         }
     }
@@ -89,7 +92,7 @@ impl<'a> Source<'a> {
 fn vertices(
     e: &Element,
     source: &mut Source<'_>,
-    mesh: &mut Mesh,
+    (mesh, claim): (&mut Mesh, &mut Claim<'_>),
     flip: bool,
 ) -> Result<(), String> {
     let at = |names: &[&str]| {
@@ -105,6 +108,7 @@ fn vertices(
         return Err("its vertices have no properties".into());
     }
     let count = source.at_most(e.count)?;
+    claim.at_least(mesh_file::bytes(mesh) + 2 * 32 * count as u64)?; // growing vectors double
     mesh.positions.reserve(count);
     let mut row = vec![0.0; e.properties.len()];
     for _ in 0..count {
@@ -130,7 +134,12 @@ fn vertices(
     Ok(())
 }
 
-fn faces(e: &Element, source: &mut Source<'_>, mesh: &mut Mesh) -> Result<(), String> {
+fn faces(
+    e: &Element,
+    source: &mut Source<'_>,
+    (mesh, claim): (&mut Mesh, &mut Claim<'_>),
+) -> Result<(), String> {
+    let vertices = mesh_file::bytes(mesh);
     let is_corners = |p: &Property| {
         ["vertex_indices", "vertex_index"].contains(&p.name.as_str()) && p.list.is_some()
     };
@@ -144,6 +153,7 @@ fn faces(e: &Element, source: &mut Source<'_>, mesh: &mut Mesh) -> Result<(), St
                 continue;
             };
             let n = source.list_length(list)?;
+            claim.at_least(vertices + 24 * (mesh.triangles.len() as u64 + n))?; // it may double
             if !is_corners(p) {
                 for _ in 0..n {
                     source.next(p.kind)?;

@@ -7,6 +7,8 @@ use gi_core::bytes::{Reader, TOO_SHORT};
 use gi_core::geometry::Mesh;
 use glam::{Vec2, Vec3};
 
+use crate::budget::Claim;
+
 /// The first number of each mesh.
 const MAGIC: u16 = 0x041c;
 /// Largest inflated mesh: twenty million vertices with all their attributes. Real files are smaller, and a machine with
@@ -23,7 +25,7 @@ const SINGLE: u32 = 0x1000;
 const DOUBLE: u32 = 0x2000;
 
 /// Read mesh number `index`.
-pub(crate) fn parse(bytes: &[u8], index: usize) -> Result<Mesh, String> {
+pub(crate) fn parse(bytes: &[u8], index: usize, claim: &mut Claim<'_>) -> Result<Mesh, String> {
     let (version, stream) = locate(bytes, index)?;
     let mut stream = Stream { inner: ZlibDecoder::new(stream), left: MAX_INFLATED, double: false };
     let flags = u32::from_le_bytes(stream.array()?);
@@ -37,6 +39,10 @@ pub(crate) fn parse(bytes: &[u8], index: usize) -> Result<Mesh, String> {
         DOUBLE => stream.double = true,
         other => return Err(format!("its precision is coded as {other:#x}")),
     }
+    let attributes = [(0, 12), (HAS_NORMALS, 12), (HAS_UVS, 8), (HAS_COLORS, 12)];
+    let vertex =
+        attributes.iter().filter(|(flag, _)| flags & flag == *flag).map(|(_, n)| n).sum::<u64>();
+    claim.set(vertices as u64 * vertex + triangles as u64 * 12)?;
     let positions = stream.vectors::<3>(vertices)?;
     let normals =
         if flags & HAS_NORMALS != 0 { stream.vectors::<3>(vertices)? } else { Vec::new() };
@@ -164,6 +170,11 @@ mod tests {
     use flate2::write::ZlibEncoder;
 
     use super::*;
+    use crate::budget::Budget;
+
+    fn read(bytes: &[u8], index: usize) -> Result<Mesh, String> {
+        parse(bytes, index, &mut Budget::new(u64::MAX).claim("a test"))
+    }
 
     /// A file of meshes, each given as (flags, name, vertices, triangles).
     fn file(version: u16, meshes: &[(u32, &str, u64, u64)]) -> Vec<u8> {
@@ -213,13 +224,13 @@ mod tests {
             for precision in [SINGLE, DOUBLE] {
                 let all = precision | HAS_NORMALS | HAS_UVS | HAS_COLORS;
                 let bytes = file(version, &[(precision, "a", 3, 1), (all, "b\u{e9}", 5, 2)]);
-                let (a, b) = (parse(&bytes, 0).unwrap(), parse(&bytes, 1).unwrap());
+                let (a, b) = (read(&bytes, 0).unwrap(), read(&bytes, 1).unwrap());
                 assert_eq!((a.positions.len(), a.normals.len(), a.uvs.len()), (3, 0, 0));
                 assert_eq!(a.positions[1], Vec3::new(3.5, 4.5, 5.5));
                 assert_eq!((b.positions.len(), b.normals.len(), b.uvs.len()), (5, 5, 5));
                 assert_eq!(b.uvs[0], Vec2::new(31.5, 32.5));
                 assert_eq!(b.triangles, [[0, 1, 2], [3, 4, 0]]);
-                assert!(parse(&bytes, 2).unwrap_err().contains("contains 2 meshes"));
+                assert!(read(&bytes, 2).unwrap_err().contains("contains 2 meshes"));
             }
         }
     }
@@ -228,13 +239,13 @@ mod tests {
     fn a_file_cut_or_damaged_at_any_byte_never_panics() {
         let whole = file(4, &[(SINGLE | HAS_UVS, "a", 4, 2), (SINGLE, "b", 3, 1)]);
         for end in 0..whole.len() {
-            assert!(parse(&whole[..end], 1).is_err());
+            assert!(read(&whole[..end], 1).is_err());
         }
         for at in 0..whole.len() {
             for value in [0, 1, 0x7f, 0xff] {
                 let mut bytes = whole.clone();
                 bytes[at] = value;
-                let _ = parse(&bytes, 1);
+                let _ = read(&bytes, 1);
             }
         }
     }
@@ -242,9 +253,9 @@ mod tests {
     #[test]
     fn false_counts_end_where_the_data_ends() {
         let bytes = file(4, &[(SINGLE, "a", u64::MAX, 1)]);
-        assert!(parse(&bytes, 0).unwrap_err().contains("claims"));
+        assert!(read(&bytes, 0).unwrap_err().contains("claims"));
         let bytes = file(4, &[(SINGLE, "a", 100_000_000, 1)]);
-        assert_eq!(parse(&bytes, 0).unwrap_err(), TOO_SHORT);
+        assert_eq!(read(&bytes, 0).unwrap_err(), TOO_SHORT);
     }
 
     #[test]
@@ -258,6 +269,6 @@ mod tests {
         bytes.extend(zip.finish().unwrap());
         bytes.extend(0u32.to_le_bytes());
         bytes.extend(1u32.to_le_bytes());
-        assert_eq!(parse(&bytes, 0).unwrap_err(), TOO_SHORT);
+        assert_eq!(read(&bytes, 0).unwrap_err(), TOO_SHORT);
     }
 }

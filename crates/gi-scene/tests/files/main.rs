@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod damaged;
+mod hostile;
 
 use common::{Folder, assert_same, describe, old_scene, scene};
 use gi_core::geometry::Geometry;

@@ -4,7 +4,6 @@ use glam::{Affine3A, Vec3};
 
 use super::substitute::Element;
 use super::{Parser, XmlNode};
-use crate::diagnostics::suggestion;
 use crate::document::{ObjectId, Property, Value};
 use crate::files;
 use crate::spectrum::Spectrum;
@@ -39,7 +38,7 @@ impl Parser<'_> {
             let op = self.element(op, file);
             let tag = if op.tag == "look_at" { "lookat" } else { op.tag.as_str() };
             if !transform::OPERATIONS.contains(&tag) {
-                let help = suggestion(tag, transform::OPERATIONS);
+                let help = self.report.suggestion(tag, transform::OPERATIONS);
                 let message = format!("unknown operation `{}`", op.tag);
                 self.report.error_help(op.span, message, "expected an operation", help);
                 continue;
@@ -61,7 +60,8 @@ impl Parser<'_> {
     pub(super) fn property(&mut self, element: &Element, parent: ObjectId) {
         if !TAGS.contains(&element.tag.as_str()) {
             self.note_unknown(element, parent);
-            let hint = suggestion(&element.tag, TAGS).map(|s| format!(", {s}")).unwrap_or_default();
+            let hint = self.report.suggestion(&element.tag, TAGS);
+            let hint = hint.map(|hint| format!(", {hint}")).unwrap_or_default();
             self.report.warn(element.span, format!("unknown tag `{}`: ignored{hint}", element.tag));
             return;
         }
@@ -117,12 +117,13 @@ impl Parser<'_> {
         if let Some(name) = element.text("filename") {
             let folder = files::folder_of(self.stack.last().expect("a file is being read"));
             let (files::Found::Exact(path) | files::Found::OtherCase(path)) =
-                files::find(name, &folder, &self.doc.search)
+                self.doc.folders.find(name, &folder, &self.doc.search)
             else {
                 return Err(format!("cannot find `{name}`"));
             };
             self.report.reads(&path);
-            let text = files::read_text(&path)?;
+            let mut claim = self.report.budget.claim(path.display());
+            let text = files::read_text(&path, &mut claim)?;
             self.doc.hash.bytes(text.as_bytes());
             let lines = text.lines().map(|l| l.split('#').next().unwrap_or_default().trim());
             let lines = lines.filter(|l| !l.is_empty());

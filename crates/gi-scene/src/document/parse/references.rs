@@ -3,12 +3,9 @@
 use std::cell::Cell;
 
 use super::{Element, Parser};
-use crate::diagnostics::{Span, suggestion};
+use crate::diagnostics::Span;
 use crate::document::{Child, ObjectId, Target};
 use crate::value;
-
-/// Number of dangling references that get a suggestion. Each suggestion compares the reference with all ids.
-const MAX_PROPOSALS: usize = 20;
 
 impl Parser<'_> {
     pub(super) fn alias(&mut self, element: &Element) {
@@ -37,7 +34,7 @@ impl Parser<'_> {
         for (id, new, span) in std::mem::take(&mut self.aliases) {
             match self.doc.ids.get(&id).copied() {
                 Some(object) => drop(self.doc.ids.insert(new, object)),
-                None => self.unknown_id(&id, span, 0),
+                None => self.unknown_id(&id, span),
             }
         }
         let mut missing = Vec::new();
@@ -47,7 +44,7 @@ impl Parser<'_> {
                     && !self.doc.ids.contains_key(id)
                 {
                     missing.push((o, c));
-                    self.unknown_id(id, child.span, missing.len());
+                    self.unknown_id(id, child.span);
                 }
             }
         }
@@ -56,14 +53,10 @@ impl Parser<'_> {
         }
     }
 
-    /// Report a reference to an unknown id; `before` is the number of such errors so far.
-    fn unknown_id(&self, id: &str, span: Span, before: usize) {
+    /// Report a reference to an unknown id.
+    fn unknown_id(&self, id: &str, span: Span) {
         let message = format!("nothing has the id `{id}`");
-        let help = (before < MAX_PROPOSALS).then(|| {
-            let mut known: Vec<&str> = self.doc.ids.keys().map(String::as_str).collect();
-            known.sort_unstable();
-            suggestion(id, known)
-        });
-        self.report.error_help(span, message, "referred to here", help.flatten());
+        let help = self.report.suggestion(id, self.doc.ids.keys().map(String::as_str));
+        self.report.error_help(span, message, "referred to here", help);
     }
 }

@@ -2,11 +2,13 @@ use std::cell::Cell;
 
 use super::defines::Define;
 use super::{Parser, XmlNode};
-use crate::diagnostics::{Span, suggestion};
+use crate::diagnostics::Span;
 use crate::value;
 
 /// Longest attribute after substitution: with `$a` = `$b$b`, `$b` = `$c$c`, ... the length doubles at each level.
 const MAX_ATTRIBUTE: usize = 1 << 16;
+/// Longest name that a `<default>` may define: each `$` in the scene is compared with the names of each length.
+const MAX_NAME: usize = 128;
 
 pub(super) struct Attribute {
     pub(super) name: String,
@@ -40,6 +42,10 @@ impl Parser<'_> {
         let (Some(name), Some(value)) = (element.text("name"), element.text("value")) else {
             return self.report.error(element.span, "`default` needs `name` and `value`", "");
         };
+        if name.len() > MAX_NAME {
+            let message = format!("a name of {} bytes: at most {MAX_NAME}", name.len());
+            return self.report.error(element.span, message, "");
+        }
         if let Some(known) = self.defines.get(name) {
             known.used.set(true);
         } else {
@@ -79,7 +85,7 @@ impl Parser<'_> {
                 let end = after.find(|c: char| !c.is_alphanumeric() && c != '_');
                 let name = &after[..end.unwrap_or(after.len())];
                 let names = self.defines.iter().map(|d| d.name.as_str());
-                let help = suggestion(name, names);
+                let help = self.report.suggestion(name, names);
                 let message = format!("`${name}` is not defined");
                 self.report.error_help(span, message, "expected a <default> or -D", help);
                 return String::new();
@@ -92,6 +98,11 @@ impl Parser<'_> {
                 return String::new();
             }
         }
+        let claim = self.report.budget.claim("text that replaces names");
+        if let Err(why) = claim.keep(out.len() as u64) {
+            self.report.error(span, why, "");
+            return String::new();
+        }
         out
     }
 
@@ -99,8 +110,8 @@ impl Parser<'_> {
     pub(super) fn check_defines(&self) {
         for define in self.defines.iter().filter(|d| d.forced && !d.used.get()) {
             let names = self.defines.iter().filter(|d| d.used.get()).map(|d| d.name.as_str());
-            let hint =
-                suggestion(&define.name, names).map(|s| format!(", {s}")).unwrap_or_default();
+            let hint = self.report.suggestion(&define.name, names);
+            let hint = hint.map(|hint| format!(", {hint}")).unwrap_or_default();
             self.report.warn_nowhere(format!(
                 "-D {}: the scene does not use this name{hint}",
                 define.name

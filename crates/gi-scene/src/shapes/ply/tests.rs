@@ -1,4 +1,9 @@
 use super::*;
+use crate::budget::Budget;
+
+fn parse(bytes: &[u8], flip: bool) -> Result<Mesh, String> {
+    super::parse(bytes, flip, &mut Budget::new(u64::MAX).claim("a test"))
+}
 
 fn mesh() -> Mesh {
     Mesh {
