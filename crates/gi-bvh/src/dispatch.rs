@@ -88,12 +88,14 @@ fn best() -> Isa {
 fn chosen() -> &'static Result<Option<Isa>, String> {
     static CHOSEN: OnceLock<Result<Option<Isa>, String>> = OnceLock::new();
     let parse = |name: std::ffi::OsString| Isa::parse(&name.to_string_lossy());
-    CHOSEN.get_or_init(|| std::env::var_os(ISA_VARIABLE).map(parse).transpose())
+    let name = || std::env::var_os(ISA_VARIABLE).filter(|name| !name.is_empty());
+    CHOSEN.get_or_init(|| name().map(parse).transpose())
 }
 
 impl Isa {
     fn parse(name: &str) -> Result<Isa, String> {
-        let isa = match name {
+        // As pictures write it, too: AVX-512.
+        let isa = match name.to_ascii_lowercase().replace('-', "").as_str() {
             "portable" => Isa::Portable,
             #[cfg(target_arch = "x86_64")]
             "sse2" => Isa::Sse2,

@@ -82,7 +82,10 @@ impl<'a> Keeper<'a> {
 
 /// What is said where a technique has no state to save.
 pub(crate) fn no_state() -> Failure {
-    Failure::Input("error: --checkpoint: this program cannot go on from one".into())
+    Failure::Input(
+        "error: --checkpoint: this program cannot continue a run, so it saves no checkpoints"
+            .into(),
+    )
 }
 
 /// A checkpoint of this scene, camera, and so on.
@@ -148,7 +151,11 @@ impl Checkpoint {
         for (name, value) in identity {
             let (its_name, its_value) = (r.text()?, r.text()?);
             if (its_name, its_value) != (*name, value) {
-                return Err(format!("it is of another {name}: {its_value}, not {value}"));
+                // Long values are not for people.
+                let is_short = its_value.len().max(value.len()) <= 40;
+                let values =
+                    if is_short { format!(": {its_value}, not {value}") } else { String::new() };
+                return Err(format!("it is of another {name}{values}"));
             }
         }
         let passes = r.u32()?..r.u32()?;

@@ -107,6 +107,11 @@ impl Common {
         self.time.map_or(Budget::Passes(self.spp), Budget::Time)
     }
 
+    /// Whether something other than a number of passes says when the run ends.
+    pub(crate) fn has_other_budget(&self) -> bool {
+        self.time.is_some() || !self.merge.is_empty()
+    }
+
     /// Time between two previews; `None` makes no previews.
     pub(crate) fn preview(&self) -> Option<Duration> {
         let default =
@@ -151,7 +156,8 @@ const DEFAULT_PREVIEW: Duration = Duration::from_secs(10);
 
 /// A time span; 0 is none.
 fn parse_interval(text: &str) -> Result<Duration, String> {
-    if text.trim() == "0" { Ok(Duration::ZERO) } else { parse_time(text) }
+    let number = text.trim().trim_end_matches(char::is_alphabetic);
+    if number.parse() == Ok(0.0) { Ok(Duration::ZERO) } else { parse_time(text) }
 }
 
 /// Largest picture accepted, in pixels a side.
@@ -200,6 +206,8 @@ mod tests {
         assert!(["640", "0x3", "x", "1e9x2", "-1x4"].iter().all(|t| parse_size(t).is_err()));
         assert_eq!(parse_define("a=b=c"), Ok(("a".into(), "b=c".into())));
         assert!(parse_define("a").is_err());
+        assert!(["0", "0s", "0.0", "0m"].iter().all(|t| parse_interval(t) == Ok(Duration::ZERO)));
+        assert!(["", "s", "-1s"].iter().all(|t| parse_interval(t).is_err()));
         assert_eq!(
             ["500M", "1.5G", "2k", "7"].map(parse_memory),
             [500_000_000, 1_500_000_000, 2000, 7].map(Ok)

@@ -25,7 +25,7 @@ pub(crate) fn arranged(command: Command, resumes: bool) -> Command {
         if flag.get_help_heading().is_some() { flag } else { flag.help_heading(heading) }
     });
     command.after_help(format!(
-        "Example: 16 passes of a scene, with statistics\n  {name} scenes/cornell-box.xml -o out.exr --spp 16 --stats run.json"
+        "Example: a small picture of 4 passes, with statistics\n  {name} scenes/cornell-box.xml -o out.exr --size 256x256 --spp 4 --stats run.json"
     ))
 }
 

@@ -30,6 +30,7 @@ pub(crate) fn identity<P: Program>(
     vec![
         ("program", P::command().get_name().to_string()),
         ("scene", format!("{world:016x}")),
+        ("picture size", format!("{} x {}", camera.size()[0], camera.size()[1])),
         ("camera", format!("{camera:?}")),
         ("filter", format!("{filter:?}")),
         ("seed", common.seed.to_string()),

@@ -39,7 +39,7 @@ fn is_no_preset(flag: &str) -> bool {
 pub(crate) fn with_presets<P: Program>(
     arguments: &[String],
     program: &str,
-    timed: bool,
+    has_other_budget: bool,
     loaded: &Loaded,
 ) -> Result<Vec<String>, Failure> {
     let prefix = format!("gi.{program}.");
@@ -66,8 +66,8 @@ pub(crate) fn with_presets<P: Program>(
                 "error: the scene's preset {name}={value}: {cause}"
             )));
         }
-        // A typed --time is another budget than the scene's number of passes.
-        if !(timed && matches!(flag.as_str(), "spp" | "passes")) {
+        // A typed --time or --merge is another budget than the scene's number of passes.
+        if !(has_other_budget && matches!(flag.as_str(), "spp" | "passes")) {
             all.push(argument);
         }
     }

@@ -11,7 +11,7 @@ use gi_core::technique::{Setting, Technique};
 use gi_scene::{ExportError, Loaded};
 use glam::Vec3A;
 
-use crate::checkpoint::Identity;
+use crate::checkpoint::{Identity, no_state};
 use crate::finish::{Finished, layers};
 use crate::passes::{Making, identity, merge};
 use crate::paths::{Files, check_export};
@@ -39,6 +39,9 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<Option<Signal>, Fa
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
         pool.map_err(|e| Failure::Other(format!("cannot start {threads} threads: {e}")))?;
     }
+    if !P::RESUMES && (common.checkpoint.is_some() || !common.merge.is_empty()) {
+        return Err(no_state());
+    }
     if let Some(out) = &common.export_mitsuba {
         return export(common, out).map(|()| None);
     }
@@ -51,7 +54,7 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<Option<Signal>, Fa
     let clock = Instant::now();
     let loaded = load(common)?;
     let load_time = clock.elapsed();
-    let with_presets = with_presets::<P>(arguments, program, common.time.is_some(), &loaded)?;
+    let with_presets = with_presets::<P>(arguments, program, common.has_other_budget(), &loaded)?;
     let (all, matches) = parse::<P>(&with_presets);
     let Args { common, params } = all.args();
     params.check().map_err(input_error)?;

@@ -163,10 +163,21 @@ fn temporary(path: &Path) -> Result<NamedTempFile> {
     let (folder, start) = beside(path)?;
     let mut builder = tempfile::Builder::new();
     builder.prefix(&start).suffix(PART).rand_bytes(RANDOM);
-    // Rights as for any other file, and not only for the owner.
     #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder)
+    builder.permissions(rights(path));
+    builder.tempfile_in(folder).map_err(|e| {
+        // The temporary name would only confuse.
+        let text = e.to_string();
+        Error::new(e.kind(), text.split(" at path ").next().unwrap_or_default())
+    })
+}
+
+/// The rights of the file that is replaced, or those of any new file.
+#[cfg(unix)]
+fn rights(path: &Path) -> std::fs::Permissions {
+    use std::os::unix::fs::PermissionsExt;
+    let there = std::fs::metadata(path).map(|m| m.permissions().mode() & 0o777);
+    PermissionsExt::from_mode(there.unwrap_or(0o666))
 }
 
 /// Remove temporary files of `path` that killed processes have left. If this fails, they stay.

@@ -166,7 +166,7 @@ pub enum SurfaceLayers {
     /// The first surface that the eye sees
     #[default]
     First,
-    /// The first surface that is not a mirror or clear glass; its albedo is multiplied by what those transmit
+    /// The first surface that is not a mirror or clear glass; its albedo is multiplied by what those reflect or transmit
     NonSpecular,
 }
 

@@ -8,7 +8,6 @@ use gi_core::filter::FilterTable;
 use gi_core::light::Light;
 use gi_core::math::Rgb;
 use gi_core::medium::MediumId;
-use gi_core::options::SurfaceLayers;
 use gi_core::sampler::Sampler;
 use gi_core::walk::{LightEvent, LightVertex, LightWalk, MediumVertex, Roulette, walk_in_order};
 use glam::Vec3;
@@ -188,25 +187,20 @@ impl PathTracer<'_> {
                 let reach = met.as_ref().map_or(f32::INFINITY, |(_, t)| *t);
                 left *= scene.dimmed(medium, reach - ray.tmin);
             }
-            let Some((surface, t)) = met else {
+            let Some((surface, _)) = met else {
                 sample.radiance.direct = left * scene.background(ray.d);
                 break;
             };
             let bsdf = scene.bsdf(&surface, -ray.d, Transport::Radiance);
-            if sample.normal == Vec3::ZERO {
-                (sample.albedo, sample.normal, sample.depth) = (bsdf.albedo(), surface.ns(), t);
-            }
             left *= bsdf.straight_through(-ray.d);
             medium = scene.medium_toward(&surface, ray.d, medium);
             ray = scene.spawn(&surface, ray.d);
         }
-        if self.setting.surface_layers == SurfaceLayers::NonSpecular {
-            self.describe([x, y], index, &mut sample);
-        }
+        self.describe([x, y], index, &mut sample);
         sample
     }
 
-    /// Fill in the layers of the first surface that is not a mirror or clear glass.
+    /// Fill in the layers that describe a surface.
     fn describe(&self, pixel: [usize; 2], index: u32, sample: &mut Sample) {
         let mut walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
         while let Some(v) = &walk.next_vertex() {

@@ -45,7 +45,10 @@ pub(super) fn parse(head: &[u8], own_name: &str) -> Result<Request, Refusal> {
         return Err((400, "a request must have one Host header"));
     };
     if !is_own(host, own_name) {
-        return Err((403, "open the page by the address that the program has printed"));
+        return Err((
+            403,
+            "open the page by the address that the program has printed, or by this machine's IP address",
+        ));
     }
     let path = target.split_once('?').map_or(target, |(path, _)| path);
     Ok(Request { is_head: method == "HEAD", path: path.to_string() })

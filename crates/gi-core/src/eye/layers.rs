@@ -7,28 +7,42 @@ use crate::options::SurfaceLayers;
 use crate::ray::Hit;
 
 impl EyeWalk<'_> {
-    /// Fill in the layers, unless they are to describe a later surface. The surface is at distance `t` from the start of the segment,
-    /// which is `before` from the start of the path (world units).
+    /// Fill in the layers. The surface is at distance `t` from the start of the segment, which is `before` from the start
+    /// of the path (world units). Surfaces that the eye does not see (`null`, open masks) have none.
     #[inline]
     pub(super) fn describe(&mut self, surface: &Surface, bsdf: &Bsdf, t: f32, before: f32) {
-        let (albedo, depth) = match self.surface_layers {
-            SurfaceLayers::First => (bsdf.albedo(), t),
-            SurfaceLayers::NonSpecular if bsdf.is_delta() => return,
+        let albedo = bsdf.albedo();
+        if albedo.is_black() && !bsdf.straight_through(-self.ray.d).is_black() {
+            return;
+        }
+        let albedo = match self.surface_layers {
+            SurfaceLayers::First => albedo,
             SurfaceLayers::NonSpecular => {
                 // What mirrors, glass and media transmit. Roulette may have raised it above one.
                 let transmitted = self.throughput * self.eta_sq;
-                ((bsdf.albedo() * transmitted).map(|v| v.min(1.0)), before + t)
+                (albedo * transmitted).map(|v| v.min(1.0))
             }
         };
+        let depth = before - self.start_length + t;
         (self.sample.albedo, self.sample.normal, self.sample.depth) = (albedo, surface.ns(), depth);
-        self.is_described = true;
+        // A mirror stands for what it shows if the path ends before it reaches another surface.
+        self.is_described = self.surface_layers == SurfaceLayers::First || !bsdf.is_delta();
     }
 
-    /// The same for a surface that the path does not reach, because a medium scatters it before.
-    pub(super) fn describe_behind(&mut self, hit: &Hit) {
-        let (surface, wo) = (self.scene.surface(&self.ray, hit), -self.ray.d);
-        let bsdf = self.scene.bsdf(&surface, wo, Transport::Radiance);
-        self.describe(&surface, &bsdf, hit.t, self.length);
+    /// The same for the surface ahead, which `hit` is on or behind. The path does not reach it, because a medium scatters it
+    /// before.
+    pub(super) fn describe_ahead(&mut self, hit: Hit) {
+        let (mut ray, mut next) = (self.ray, Some(hit));
+        while let Some(hit) = next {
+            let surface = self.scene.surface(&ray, &hit);
+            let bsdf = self.scene.bsdf(&surface, -ray.d, Transport::Radiance);
+            self.describe(&surface, &bsdf, hit.t, self.length);
+            if self.is_described || bsdf.straight_through(-ray.d).is_black() {
+                return;
+            }
+            ray = self.scene.tree().beyond(&ray, hit.t);
+            next = self.scene.closest(&ray);
+        }
     }
 
     /// Whether the layers are filled in.
@@ -108,5 +122,37 @@ mod tests {
         // 4 % reflect at once. 3.5 standard deviations of the count.
         let expected = 0.04 * paths as f32;
         assert!((reflected as f32 - expected).abs() < 3.5 * expected.sqrt(), "{reflected}");
+    }
+
+    #[test]
+    fn surfaces_that_the_eye_does_not_see_have_no_layers() {
+        for surface_layers in [SurfaceLayers::First, SurfaceLayers::NonSpecular] {
+            let wall = layers(Material::Null, surface_layers, 0);
+            assert!((wall.albedo.g - 0.8).abs() < 1e-6, "{wall:?}");
+            assert!((wall.depth - 13.0).abs() < 1e-4, "{wall:?}");
+        }
+    }
+
+    #[test]
+    fn a_mirror_that_shows_the_sky_is_described_itself() {
+        let axes = Frame::from_normal(Vec3::Z);
+        let sphere = Geometry::Sphere { center: Vec3::ZERO, radius: 1.0, axes };
+        let parts = SceneParts {
+            shapes: vec![Shape::new("sphere", sphere, 0)],
+            materials: vec![mirror()],
+            ..SceneParts::default()
+        };
+        let scene = Scene::new(parts).expect("a scene");
+        let ray = Ray::new(3.0 * Vec3::Z, Vec3::NEG_Z);
+        let mut walk = EyeWalk::new(&scene, PathLimits::default(), ray, Sampler::new(1, 0, 0));
+        walk.surface_layers = SurfaceLayers::NonSpecular;
+        while let Some(v) = &walk.next_vertex() {
+            if !walk.scatter(v) {
+                break;
+            }
+        }
+        let sample = walk.sample();
+        assert!((sample.albedo.g - 0.5).abs() < 1e-6 && (sample.depth - 2.0).abs() < 1e-5);
+        assert!(sample.normal.distance(Vec3::Z) < 1e-5);
     }
 }

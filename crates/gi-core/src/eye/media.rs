@@ -109,7 +109,7 @@ impl<'a> EyeWalk<'a> {
             }
             Flight::Scattered { t, weight } => {
                 if let (Some(hit), false) = (hit, self.is_described) {
-                    self.describe_behind(&hit);
+                    self.describe_ahead(hit);
                 }
                 self.is_described = true;
                 self.throughput *= weight;

@@ -75,8 +75,9 @@ pub struct EyeWalk<'a> {
     eta_sq: f32,
     /// Number of segments, the next one included.
     segments: u32,
-    /// Length so far, world units.
+    /// Length so far, world units, and at the start of the path.
     length: f32,
+    start_length: f32,
     /// Whether media scatter the path ([`EyeWalk::through_media`]).
     knows_media: bool,
     /// The medium that the next segment starts in.

@@ -63,6 +63,7 @@ impl<'a> EyeWalk<'a> {
         walk.show = Show::Indirect;
         walk.non_delta = 1;
         (walk.segments, walk.length) = (start.segments, start.length);
+        walk.start_length = start.length;
         walk
     }
 
@@ -83,6 +84,7 @@ impl<'a> EyeWalk<'a> {
             eta_sq: 1.0,
             segments: 1,
             length: 0.0,
+            start_length: 0.0,
             knows_media: false,
             medium: None,
             entered: None,

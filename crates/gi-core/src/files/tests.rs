@@ -48,6 +48,21 @@ fn what_killed_processes_left_is_removed_and_nothing_else() {
     assert_eq!(left, expected);
 }
 
+#[cfg(unix)]
+#[test]
+fn a_new_content_keeps_the_files_rights() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.txt");
+    write(&path, b"old").expect("written");
+    std::fs::set_permissions(&path, PermissionsExt::from_mode(0o600)).expect("its rights");
+    write(&path, b"new").expect("written");
+    let mode = std::fs::metadata(&path).expect("a file").permissions().mode();
+    assert_eq!(mode & 0o777, 0o600);
+    let error = write(&folder.path().join("no/a.txt"), b"new").expect_err("no such folder");
+    assert!(!error.to_string().contains(".part"), "{error}");
+}
+
 #[test]
 fn a_check_changes_nothing_and_finds_what_a_write_would() {
     let folder = tempfile::tempdir().expect("a folder");

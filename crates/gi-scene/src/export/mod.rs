@@ -225,6 +225,12 @@ impl<'a> Exporter<'a> {
             .map_err(|e| format!("cannot make the folder `{}`: {e}", self.side.display()))?;
         let path = self.side.join(format!("{:04}.{extension}", self.converted));
         self.converted += 1;
+        // The name may be a link that leads out of the folder.
+        if let Some(input) = self.loaded.files.iter().find(|input| files::is_same(input, &path)) {
+            let cause =
+                format!("it would overwrite `{}`, which is part of the scene", input.display());
+            return Err(cannot_write(&path, cause));
+        }
         write(&path).map_err(|e| cannot_write(&path, e))?;
         Ok(self.file_name(&path))
     }
