@@ -161,6 +161,51 @@ fn a_preset_number_of_passes_gives_way_to_a_typed_time() {
 }
 
 #[test]
+fn checkpoints_of_a_scene_with_its_own_number_of_passes_can_be_merged() {
+    let folder = Folder::make();
+    let (out, kept, cornell) = (folder.at("p.exr"), folder.at("kept"), scene("cornell-box"));
+    let with = |size: &str, more: &[&str]| {
+        let flags = ["-o", &out, "-D", "gi.pathtrace.spp=2", "--size", size];
+        run(&[&[cornell.as_str()], &flags[..], more].concat())
+    };
+    assert_success(&with("8x8", &["--checkpoint", &kept]));
+    assert_success(&with("8x8", &["--merge", &kept]));
+    let output = with("8x16", &["--merge", &kept]);
+    assert_refused(&output, 2, &["another picture size: 8 x 8, not 8 x 16"]);
+    assert!(!said(&output).contains("Camera {"), "{}", said(&output));
+}
+
+#[cfg(unix)]
+#[test]
+fn an_export_overwrites_no_file_of_the_scene_through_a_link() {
+    let folder = Folder::make();
+    let at = |name: &str| folder.at(name);
+    let texture = gi_core::image_io::Layers::of_rgb([1, 1], [[0.5; 3]].into_iter());
+    let picture = at("texture.pfm");
+    gi_core::image_io::write_file(Path::new(&picture), gi_core::image_io::ImageFile::Pfm, &texture)
+        .expect("written");
+    let before = std::fs::read(&picture).expect("a picture");
+    std::fs::write(
+        at("o.obj"),
+        "mtllib m.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n",
+    )
+    .expect("written");
+    std::fs::write(at("m.mtl"), "newmtl a\nKd 0.5 0.5 0.5\nmap_Kd texture.pfm\n").expect("written");
+    let export = || run(&[&at("o.obj"), "--export-mitsuba", &at("out.xml")]);
+    assert_success(&export());
+    // Every file of the export becomes a link to the texture.
+    for name in program::files(Path::new(&at("out-files"))) {
+        let path = at(&format!("out-files/{name}"));
+        std::fs::remove_file(&path).expect("removed");
+        std::os::unix::fs::symlink("../texture.pfm", &path).expect("a link");
+    }
+    let output = export();
+    assert!(!output.status.success());
+    assert!(said(&output).contains("part of the scene"), "{}", said(&output));
+    assert_eq!(std::fs::read(&picture).expect("a picture"), before);
+}
+
+#[test]
 fn statistics_do_not_overwrite_the_picture() {
     let folder = Folder::make();
     let at = |name: &str| folder.at(name);
