@@ -1,6 +1,5 @@
 //! Tests each signal with each program in each phase, and checks which files remain.
 
-use std::fs::File;
 use std::path::Path;
 use std::process::Command;
 
@@ -60,18 +59,21 @@ fn check_saved(program: &Program, folder: &Folder, stopped: bool) {
     }
 }
 
-/// During reading of the scene: the scene is a pipe without a writer, so reading never ends.
+/// During reading of the scene, which has so many shapes that this takes more than a second. The address of the live page
+/// is printed just before.
 fn while_reading(program: &Program, signal: &str, status: i32) {
-    let (folder, pipes) = (Folder::make(), Folder::make());
-    let pipe = pipes.at("scene.xml");
-    assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo").success());
-    let line = Line { scene: pipe.clone(), ..Line::new(&folder) };
-    let run = Running::start(program.name, &line.arguments(program, &[]));
-    // This call returns when the program has opened the pipe.
-    let _writer = File::options().write(true).open(&pipe).expect("the pipe");
+    let (folder, scenes) = (Folder::make(), Folder::make());
+    let scene = scenes.at("scene.xml");
+    let shapes = r#"<shape type="sphere"/>"#.repeat(100_000);
+    std::fs::write(&scene, format!(r#"<scene version="3.0.0">{shapes}</scene>"#)).expect("written");
+    let line = Line { scene, ..Line::new(&folder) };
+    let mut run =
+        Running::start(program.name, &line.arguments(program, &["--serve", "127.0.0.1:0"]));
+    run.wait_for("live page");
     run.signal(signal);
     let (code, said) = run.end();
     assert_eq!(code, Some(status), "{}: {said}", program.name);
+    assert!(!said.contains("shapes, "), "{}: it has read the scene: {said}", program.name);
     assert_eq!(folder.files(), [""; 0], "{}", program.name);
 }
 
