@@ -1,7 +1,6 @@
 //! Tests each signal with each program in each phase, and checks which files remain.
 
 use std::path::Path;
-use std::process::Command;
 
 use gi_core::image_io::read_exr;
 use gi_tests::program::{Folder, files, scene};

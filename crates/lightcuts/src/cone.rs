@@ -65,7 +65,8 @@ mod tests {
     fn a_union_contains_both_cones_and_is_no_wider_than_necessary() {
         let mut rng = Pcg::new(1, 2);
         let mut cone = |spread: f32| Cone {
-            axis: warp::sphere(rng.next_2d()),
+            // The arc cosine below shows an error of 1e-7 in the length as an angle of 5e-4.
+            axis: warp::sphere(rng.next_2d()).normalize(),
             angle: spread * rng.next_f32(),
         };
         for i in 0..10_000 {

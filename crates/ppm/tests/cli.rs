@@ -91,7 +91,7 @@ fn checkpoints_of_another_run_are_refused_with_the_cause() {
     refuses(&["--seed", "5"], &["seed", "5"]);
     refuses(&["--alpha", "0.5"], &["other parameters", "alpha 0.7"]);
     refuses(&["--method", "ppa"], &["other parameters", "Sppm"]);
-    refuses(&["--size", "25x20"], &["camera"]);
+    refuses(&["--size", "25x20"], &["another picture size: 24 x 20, not 25 x 20"]);
     refuses(&["--component", "caustic"], &["component"]);
     refuses(&["--stop-at-error", "0.1"], &["error"]);
     let bytes = std::fs::read(&kept).expect("the checkpoint");
