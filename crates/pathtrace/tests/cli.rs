@@ -180,7 +180,7 @@ fn checkpoints_of_a_scene_with_its_own_number_of_passes_can_be_merged() {
 fn an_export_overwrites_no_file_of_the_scene_through_a_link() {
     let folder = Folder::make();
     let at = |name: &str| folder.at(name);
-    let texture = gi_core::image_io::Layers::of_rgb([1, 1], [[0.5; 3]].into_iter());
+    let texture = gi_core::image_io::Layers::of_rgb([1, 1], [[0.5; 3]]);
     let picture = at("texture.pfm");
     gi_core::image_io::write_file(Path::new(&picture), gi_core::image_io::ImageFile::Pfm, &texture)
         .expect("written");
