@@ -13,7 +13,7 @@
 //! | `inspectedName()` | the heading of the fourth number |
 //!
 //! It calls `setSize`, then `showViewer` with the pictures. A picture is `{ label, rgb, version }`: `rgb` holds half floats as
-//! [`halves`] makes them, or is null as long as there are none; `version` changes when they do.
+//! [`halves()`] makes them, or is null as long as there are none; `version` changes when they do.
 #![forbid(unsafe_code)]
 
 mod halves;
