@@ -26,7 +26,7 @@ pub struct Common {
     #[arg(help_heading = PICTURE, short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// Number of passes; most techniques take one sample per pixel in each pass
-    #[arg(help_heading = BUDGET, long, visible_alias = "passes", value_name = "N", default_value = "64", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(help_heading = BUDGET, long, visible_alias = "passes", value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub spp: u32,
     /// Time limit for preparation and passes, instead of a number of passes: 30s, 5m, 1.5h
     #[arg(help_heading = BUDGET, long, value_name = "TIME", conflicts_with = "spp", value_parser = parse_time)]

@@ -119,7 +119,8 @@ pub fn main<P: Program>() -> ExitCode {
 /// The command line of a program.
 fn command<P: Program>() -> clap::Command {
     let arranged = help::arranged(P::command(), P::RESUMES).args_override_self(true);
-    arranged.mut_arg("spp", |spp| spp.default_value(P::PASSES)).version(VERSION)
+    let spp = |spp: clap::Arg| spp.required(false).default_value(P::PASSES);
+    arranged.mut_arg("spp", spp).version(VERSION)
 }
 
 /// Parse a command line in which a later flag wins over an earlier one; `--help` and usage errors end the process

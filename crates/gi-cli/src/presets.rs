@@ -2,7 +2,7 @@
 
 use gi_scene::Loaded;
 
-use crate::{Failure, Program};
+use crate::{Failure, Program, command};
 
 /// Flags that a scene cannot set: they are needed before it is read, or say where files go.
 const NOT_PRESETS: [&str; 22] = [
@@ -58,7 +58,7 @@ pub(crate) fn with_presets<P: Program>(
         let argument = format!("--{flag}={value}");
         // Alone it must be understood, so that the message can name the preset.
         let alone = [arguments[0].clone(), argument.clone(), "scene.xml".to_string()];
-        if let Err(problem) = P::command().try_get_matches_from(alone) {
+        if let Err(problem) = command::<P>().try_get_matches_from(alone) {
             let cause = problem.to_string();
             let cause =
                 cause.lines().next().unwrap_or_default().trim_start_matches("error: ").to_string();
