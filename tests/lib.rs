@@ -8,6 +8,7 @@ use gi_core::camera::{Camera, CameraSpec};
 use gi_core::film::{Film, Show};
 use gi_core::filter::Filter;
 use gi_core::geometry::{Geometry, Mesh, Shape};
+use gi_core::light::LightSource;
 use gi_core::material::Material;
 use gi_core::math::{Frame, Rgb};
 use gi_core::options::SurfaceLayers;
@@ -102,6 +103,31 @@ impl World {
         World::new(loaded.parts, &loaded.camera)
     }
 
+    /// A roof of 4 m over 400 m of ground under a white sky, seen from below. All of its light comes from the ground, and
+    /// most of the ground does not matter.
+    pub fn roof_over_wide_ground() -> Self {
+        let shapes = vec![
+            Shape::new("ground", square(200.0, 0.0), 1),
+            Shape::new("roof", square(2.0, 2.0), 1),
+        ];
+        let parts = SceneParts {
+            shapes,
+            materials: vec![grey(0.5), both_sides()],
+            lights: vec![LightSource::Constant { radiance: Rgb::WHITE }],
+            ..SceneParts::default()
+        };
+        let eye = Vec3::new(0.3, 0.2, 0.2);
+        let camera = CameraSpec::look_at(eye, Vec3::new(0.0, 2.0, 0.0), Vec3::Z, 1.0, [16, 16]);
+        World::new(parts, &camera)
+    }
+
+    /// A Cornell box, seen from one side of its opening.
+    pub fn from_the_side(self) -> Self {
+        let (eye, target) = (Vec3::new(200.0, 273.0, -750.0), Vec3::new(278.0, 273.0, 0.0));
+        let camera = CameraSpec::look_at(eye, target, Vec3::Y, 0.65, self.camera.size());
+        World { camera: Camera::new(&camera), ..self }
+    }
+
     /// The film after the given number of passes of a technique.
     pub fn render<'a, T: Technique<'a>>(
         &'a self,
@@ -190,6 +216,12 @@ pub fn cube_inside() -> Geometry {
 pub fn polygon(corners: &[Vec3]) -> Geometry {
     let triangles = (2..corners.len() as u32).map(|k| [0, k - 1, k]).collect();
     Geometry::Mesh(Mesh { positions: corners.to_vec(), triangles, ..Mesh::default() })
+}
+
+/// A horizontal square of half-width `half` at height `y`; its normal points up.
+pub fn square(half: f32, y: f32) -> Geometry {
+    let at = |x, z| Vec3::new(x * half, y, z * half);
+    polygon(&[at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)])
 }
 
 /// A closed box whose walls emit radiance 1 and have albedo `a`: radiance is 1 / (1 - a) everywhere.

@@ -11,7 +11,7 @@ use gi_core::math::Rgb;
 use gi_core::scene::SceneParts;
 use gi_core::texture::Texture;
 use gi_stats::Running;
-use gi_tests::{World, both_sides, furnace, grey, mean_and_variance, polygon, sphere};
+use gi_tests::{World, furnace, grey, mean_and_variance, sphere};
 use glam::Vec3;
 use pathtrace::{Mode, PathTracer};
 use photonmap::{Gather, Params, PhotonMapping, Subsurface};
@@ -203,21 +203,7 @@ fn where_photons_are_few_final_gather_is_not_too_bright() {
 #[test]
 fn a_small_roof_on_wide_ground_gets_its_photons() {
     // A roof of 4 m over 400 m of ground, seen from below: photons that are not aimed hardly ever come near it.
-    let square = |half: f32, y: f32| {
-        let at = |x, z| Vec3::new(x * half, y, z * half);
-        polygon(&[at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)])
-    };
-    let shapes =
-        vec![Shape::new("ground", square(200.0, 0.0), 1), Shape::new("roof", square(2.0, 2.0), 1)];
-    let parts = SceneParts {
-        shapes,
-        materials: vec![grey(0.5), both_sides()],
-        lights: vec![LightSource::Constant { radiance: Rgb::WHITE }],
-        ..SceneParts::default()
-    };
-    let eye = Vec3::new(0.3, 0.2, 0.2);
-    let camera = CameraSpec::look_at(eye, Vec3::new(0.0, 2.0, 0.0), Vec3::Z, 1.0, [16, 16]);
-    let world = World::new(parts, &camera);
+    let world = World::roof_over_wide_ground();
     let (truth, variance) = mean_and_variance(&reference(&world, 256, None, Show::Indirect));
     for gather in [Gather::None, Gather::Direct, Gather::Final] {
         let params = Params { gather, ..Params::default() };

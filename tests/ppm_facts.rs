@@ -14,7 +14,7 @@ use gi_core::scene::SceneParts;
 use gi_core::technique::Technique;
 use gi_core::texture::Texture;
 use gi_stats::{Running, z_test};
-use gi_tests::{ALPHA, World, both_sides, cube_inside, grey, mean_and_variance, polygon, sphere};
+use gi_tests::{ALPHA, World, both_sides, cube_inside, grey, mean_and_variance, sphere, square};
 use glam::{Affine3A, Quat, Vec3};
 use pathtrace::{Mode, PathTracer};
 use ppm::{Method, Params, Ppm};

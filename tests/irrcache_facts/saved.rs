@@ -14,14 +14,7 @@ fn a_saved_cache_gives_the_same_picture_and_helps_another_view() {
         assert_eq!(film.layers().channels, second.layers().channels);
         assert_eq!(statistic(&read, "records_made"), 0.0);
         // A view from the side: records of the first view are reused.
-        let camera = CameraSpec::look_at(
-            Vec3::new(200.0, 273.0, -750.0),
-            Vec3::new(278.0, 273.0, 0.0),
-            Vec3::Y,
-            0.65,
-            [40, 40],
-        );
-        let side = World { camera: gi_core::camera::Camera::new(&camera), ..world };
+        let side = world.from_the_side();
         let (alone, _) = side.run::<IrradianceCaching>(&params, 1, 7, Show::All);
         let (helped, _) = side.run::<IrradianceCaching>(&again, 1, 7, Show::All);
         let (alone, helped) =

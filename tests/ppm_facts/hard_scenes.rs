@@ -7,21 +7,7 @@ fn under_a_roof_on_ground_to_the_horizon_it_agrees_with_the_path_tracer() {
     // A roof of 4 m over 400 m of ground, seen from below. All of its light comes from the ground, and most of the
     // ground does not matter. Photons that are not aimed hit the roof a few times in a million, and discs relative to
     // the scene are wider than it.
-    let square = |half: f32, y: f32| {
-        let at = |x, z| Vec3::new(x * half, y, z * half);
-        polygon(&[at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)])
-    };
-    let shapes =
-        vec![Shape::new("ground", square(200.0, 0.0), 1), Shape::new("roof", square(2.0, 2.0), 1)];
-    let parts = SceneParts {
-        shapes,
-        materials: vec![grey(0.5), both_sides()],
-        lights: vec![LightSource::Constant { radiance: Rgb::WHITE }],
-        ..SceneParts::default()
-    };
-    let eye = Vec3::new(0.3, 0.2, 0.2);
-    let camera = CameraSpec::look_at(eye, Vec3::new(0.0, 2.0, 0.0), Vec3::Z, 1.0, [16, 16]);
-    let world = World::new(parts, &camera);
+    let world = World::roof_over_wide_ground();
     let truth = world.render::<PathTracer>(&Default::default(), 256, 5, Show::Indirect);
     let (truth, variance) = mean_and_variance(&truth);
     // Methods with a radius per pixel, and with one for all.
@@ -40,10 +26,6 @@ fn under_a_roof_on_ground_to_the_horizon_it_agrees_with_the_path_tracer() {
 #[test]
 fn rays_follow_a_lobe_of_roughness_one_tenth_instead_of_gathering_few_photons() {
     // A metal floor in a room under a wide lamp.
-    let square = |half: f32, y: f32| {
-        let at = |x, z| Vec3::new(x * half, y, z * half);
-        polygon(&[at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)])
-    };
     let tenth = Texture::grey(0.1);
     let (distribution, alpha_u, alpha_v) = (Distribution::Ggx, tenth.clone(), tenth);
     let metal = Material::Conductor {
@@ -74,10 +56,6 @@ fn rays_follow_a_lobe_of_roughness_one_tenth_instead_of_gathering_few_photons() 
 #[test]
 fn indirect_light_is_right_along_the_edges_of_boxes_in_the_sun() {
     // Boxes on which no point is far from an edge, on ground that is lit too.
-    let square = |half: f32, y: f32| {
-        let at = |x, z| Vec3::new(x * half, y, z * half);
-        polygon(&[at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)])
-    };
     let mut shapes = vec![Shape::new("ground", square(4.0, 0.0), 1)];
     for (x, z) in [(-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)] {
         let Geometry::Mesh(mut mesh) = cube_inside() else { unreachable!("a mesh") };
