@@ -33,6 +33,28 @@ fn every_program_updates_its_picture_during_the_run_and_it_is_always_complete() 
 }
 
 #[test]
+fn a_long_first_pass_is_seen_tile_by_tile() {
+    let folder = Folder::make();
+    let (scene, out) = (scene("cornell-glossy"), folder.at("out.exr"));
+    let flags = ["-o", &out, "--size", "1024x1024", "--spp", "1", "--preview", "10ms"];
+    let mut run = Running::start("lightcuts", &[&[scene.as_str()], &flags[..]].concat());
+    wait_until("there is a preview", || Path::new(&out).exists());
+    let picture = read_exr(Path::new(&out)).expect("a whole EXR");
+    assert_eq!(says(&picture, "gi.passes").as_deref(), Some("0"));
+    // Some tiles are finished, others are not.
+    let red = picture.channel("R").expect("red");
+    assert!(red.iter().any(|v| *v > 0.0) && red.contains(&0.0));
+    // The first signal finishes the pass, the second one abandons it. The preview stays.
+    run.signal("INT");
+    run.wait_for("finishing this pass");
+    run.signal("INT");
+    let (code, said) = run.end();
+    assert_eq!(code, Some(130));
+    assert!(said.contains("before there was a whole picture"), "{said}");
+    assert_eq!(folder.files(), ["out.exr", "out.png"]);
+}
+
+#[test]
 fn without_previews_no_picture_is_written_during_the_run() {
     let folder = Folder::make();
     let (scene, out, keep) = (scene("cornell-box"), folder.at("out.exr"), folder.at("kept"));

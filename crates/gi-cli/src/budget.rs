@@ -34,7 +34,7 @@ pub fn parse_time(text: &str) -> Result<Duration, String> {
     let value: f64 = number.trim().parse().map_err(|_| "expected a time span: 30s, 5m, 1.5h")?;
     // Thirty years are as good as for ever, and safely within what a Duration holds.
     if !(value * unit > 0.0 && value * unit < 1e9) {
-        return Err("expected a time span above zero".into());
+        return Err("expected a time span above zero and below 30 years".into());
     }
     Ok(Duration::from_secs_f64(value * unit))
 }

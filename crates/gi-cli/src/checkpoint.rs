@@ -108,6 +108,11 @@ impl Checkpoint {
         Ok(Checkpoint { path: path.to_path_buf(), bytes })
     }
 
+    /// Check that it is whole and has this identity.
+    pub(crate) fn check(&self, identity: &Identity) -> Result<(), Failure> {
+        self.parts(identity).map(|_| ()).map_err(|e| self.refuse(e))
+    }
+
     /// Take a run's state from it; returns the passes that were made.
     pub(crate) fn resume<'t>(
         &self,

@@ -52,7 +52,10 @@ impl Display {
 
     fn send_tiles(&mut self, layers: &Layers) -> std::io::Result<()> {
         let names: Vec<&str> = layers.channels.iter().map(|(name, _)| name.as_str()).collect();
-        if self.sent.is_none() {
+        let is_new = self.sent.as_ref().is_none_or(|sent| {
+            !sent.channels.iter().map(|(name, _)| name.as_str()).eq(names.iter().copied())
+        });
+        if is_new {
             self.client.send(PacketCreateImage {
                 image_name: &self.name,
                 grab_focus: true,
@@ -64,7 +67,8 @@ impl Display {
         for y in (0..layers.height).step_by(TILE) {
             for x in (0..layers.width).step_by(TILE) {
                 let tile = tile(layers, [x, y]);
-                if self.sent.as_ref().is_none_or(|sent| self::tile(sent, [x, y]) != tile) {
+                if is_new || self.sent.as_ref().is_none_or(|sent| self::tile(sent, [x, y]) != tile)
+                {
                     self.send_tile(layers, &names, [x, y], &tile)?;
                 }
             }

@@ -8,7 +8,7 @@ use gi_core::image_io::Layers;
 use gi_core::technique::Technique;
 
 use crate::Failure;
-use crate::passes::Making;
+use crate::passes::{Making, passes};
 use crate::progress::span;
 use crate::record::{About, SoFar, add_layers, mean};
 use crate::save::{Output, save_bytes};
@@ -73,10 +73,10 @@ impl Finished<'_> {
         let [load, build, prepare, render, save, total] =
             [load, build, prepare, render, save, load + build + prepare + render + save].map(span);
         say(format!(
-            "{}: {} passes in {total}: scene read in {load}, tree built in {build}, prepared in {prepare}, \
+            "{}: {} in {total}: scene read in {load}, tree built in {build}, prepared in {prepare}, \
              rendered in {render}, saved in {save}",
             self.output.path().display(),
-            self.so_far.passes
+            passes(self.so_far.passes)
         ));
     }
 }

@@ -4,7 +4,8 @@
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
-use std::time::Instant;
+use std::sync::mpsc::{RecvTimeoutError::Timeout, channel};
+use std::time::{Duration, Instant};
 
 use gi_core::camera::Camera;
 use gi_core::film::Film;
@@ -15,6 +16,7 @@ use crate::budget::Budget;
 use crate::checkpoint::{Checkpoint, Identity, Keeper, no_state};
 use crate::preview::Preview;
 use crate::progress::{Part, Passes, Progress};
+use crate::record::{About, SoFar};
 use crate::say::say;
 use crate::serve::{Page, Stage};
 use crate::stop;
@@ -41,6 +43,8 @@ pub(crate) fn identity<P: Program>(
 
 /// Largest index of a pass, plus one: sample numbers are 32-bit integers.
 const MOST_PASSES: u32 = u32::MAX - 1;
+/// Time between two looks at the tiles of the first pass.
+const LOOK_EVERY: Duration = Duration::from_millis(100);
 
 /// The passes of a run, and what is done between them.
 pub(crate) struct Making<'a> {
@@ -75,7 +79,8 @@ impl<'a> Making<'a> {
         };
         if first.checked_add(wanted).is_none_or(|end| end > MOST_PASSES) {
             let text = format!(
-                "error: --first-pass {first}: passes are numbered up to {MOST_PASSES}, and this run would go beyond; give a smaller number"
+                "error: --first-pass {first}: the largest number of a pass is {}, and this run would go beyond; give a smaller number",
+                MOST_PASSES - 1
             );
             return Err(Failure::Input(text));
         }
@@ -102,7 +107,7 @@ impl<'a> Making<'a> {
         &mut self,
         technique: &mut T,
         film: &mut Film,
-        mut previews: Vec<Preview<T>>,
+        (about, mut previews): (&About, Vec<Preview>),
         page: Option<&Page>,
     ) {
         let budget = self.common.budget();
@@ -125,7 +130,11 @@ impl<'a> Making<'a> {
             && (stop::requested().is_none() || self.is_first_pass(film))
         {
             let in_film = film.passes();
-            technique.pass(self.made.end, film);
+            if in_film == 0 && !previews.is_empty() {
+                self.first_pass(technique, film, (about, &mut previews));
+            } else {
+                technique.pass(self.made.end, film);
+            }
             // An abandoned pass does not count.
             self.abandoned = film.passes() == in_film;
             if self.abandoned {
@@ -136,10 +145,38 @@ impl<'a> Making<'a> {
             if stop::requested().is_none() {
                 self.between(technique, film);
                 for preview in &mut previews {
-                    preview.show(technique, film, self.start.elapsed());
+                    let elapsed = self.start.elapsed();
+                    let so_far = || about.so_far(technique, film, elapsed, None);
+                    preview.show(elapsed, || Some((film.layers(), so_far())));
                 }
             }
         }
+    }
+
+    /// Make the first pass. It can take long, so previews show the tiles that are finished.
+    fn first_pass<'t, T: Technique<'t>>(
+        &self,
+        technique: &mut T,
+        film: &mut Film,
+        (about, previews): (&About, &mut [Preview]),
+    ) {
+        let before = about.so_far(technique, film, Duration::ZERO, None);
+        let (watched, index) = (film.watch(), self.made.end);
+        std::thread::scope(|threads| {
+            let (running, ended) = channel::<()>();
+            threads.spawn(move || {
+                let _running = running;
+                technique.pass(index, film);
+            });
+            while ended.recv_timeout(LOOK_EVERY) == Err(Timeout) {
+                let elapsed = self.start.elapsed();
+                let render = elapsed.saturating_sub(about.prepare);
+                let so_far = || SoFar { render, ..before.clone() };
+                for preview in &mut *previews {
+                    preview.show(elapsed, || Some((watched.layers()?, so_far())));
+                }
+            }
+        });
     }
 
     /// Whether no pass is made yet, and none was abandoned. A signal that comes between preparation and the first pass then leaves a
@@ -178,6 +215,12 @@ impl<'a> Making<'a> {
     }
 }
 
+/// Check that the checkpoints that the run needs are of this scene, camera and so on, before the technique prepares.
+pub(crate) fn check_checkpoints(common: &Common, identity: &Identity) -> Result<(), Failure> {
+    let resumed = common.checkpoint.iter().filter(|_| common.resume);
+    common.merge.iter().chain(resumed).try_for_each(|path| Checkpoint::read(path)?.check(identity))
+}
+
 /// Add up the passes of checkpoints.
 pub(crate) fn merge<'a>(
     technique: &mut impl Technique<'a>,
@@ -191,12 +234,24 @@ pub(crate) fn merge<'a>(
             Checkpoint::read(path)?.merge(identity, technique, [&mut *film, &mut *spare])?;
         if let Some(twice) = all.iter().find(|r| r.start < passes.end && passes.start < r.end) {
             let text = format!(
-                "error: {}: its passes {passes:?} overlap with {twice:?} of another",
-                path.display()
+                "error: {}: its passes {} overlap with the passes {} of another file",
+                path.display(),
+                range(&passes),
+                range(twice)
             );
             return Err(Failure::Input(text));
         }
         all.push(passes);
     }
     Ok(())
+}
+
+/// A number of passes, in words.
+pub(crate) fn passes(number: u32) -> String {
+    format!("{number} {}", if number == 1 { "pass" } else { "passes" })
+}
+
+/// The first and the last number of a range.
+fn range(passes: &Range<u32>) -> String {
+    format!("{} to {}", passes.start, passes.end.saturating_sub(1))
 }

@@ -2,40 +2,41 @@
 
 use std::time::{Duration, Instant};
 
-use gi_core::film::Film;
+use gi_core::image_io::Layers;
 
 use crate::Failure;
+use crate::record::SoFar;
 use crate::say::say;
 
 /// Largest part of the run's time that previews may take.
 const SHARE: f64 = 0.01;
 /// Guess of the time to write a pixel, before a preview has been written.
-const SECONDS_PER_PIXEL: f64 = 2e-6;
+const SECONDS_PER_PIXEL: f64 = 5e-7;
 
-/// What is done with a technique and its film some time after the run began.
-type Write<'a, T> = Box<dyn FnMut(&T, &Film, Duration) -> Result<(), Failure> + 'a>;
+/// What is done with the picture so far.
+type Write<'a> = Box<dyn FnMut(Layers, &SoFar) -> Result<(), Failure> + 'a>;
 
 /// Says whether somebody watches: the time that this has taken since it was asked last, besides the previews themselves.
 type Watched<'a> = Box<dyn Fn() -> Option<Duration> + 'a>;
 
 /// Writes previews, or sends them to a viewer.
-pub(crate) struct Preview<'a, T> {
+pub(crate) struct Preview<'a> {
     /// What a preview is called in messages.
     what: &'static str,
     schedule: Schedule,
     watched: Watched<'a>,
-    write: Write<'a, T>,
+    write: Write<'a>,
     /// Whether a failure was reported already.
     failed: bool,
 }
 
-impl<'a, T> Preview<'a, T> {
+impl<'a> Preview<'a> {
     /// Call `write` about `every` so often for a picture of `size` pixels.
     pub(crate) fn new(
         what: &'static str,
         every: Duration,
         [w, h]: [usize; 2],
-        write: impl FnMut(&T, &Film, Duration) -> Result<(), Failure> + 'a,
+        write: impl FnMut(Layers, &SoFar) -> Result<(), Failure> + 'a,
     ) -> Self {
         let cost = Duration::from_secs_f64((w * h) as f64 * SECONDS_PER_PIXEL);
         let schedule = Schedule { every, cost, last: Duration::ZERO };
@@ -50,15 +51,20 @@ impl<'a, T> Preview<'a, T> {
         self
     }
 
-    /// Write the picture if it is time. `elapsed` is the time since the run began.
-    pub(crate) fn show(&mut self, technique: &T, film: &Film, elapsed: Duration) {
+    /// Write the picture if it is time and there is one. `elapsed` is the time since the run began.
+    pub(crate) fn show(
+        &mut self,
+        elapsed: Duration,
+        picture: impl FnOnce() -> Option<(Layers, SoFar)>,
+    ) {
         let Some(besides) = (self.watched)() else { return };
         self.schedule.cost += besides;
         if !self.schedule.is_due(elapsed) {
             return;
         }
         let clock = Instant::now();
-        let written = (self.write)(technique, film, elapsed);
+        let Some((layers, so_far)) = picture() else { return };
+        let written = (self.write)(layers, &so_far);
         self.schedule.done(elapsed, clock.elapsed());
         if let (Err(failure), false) = (&written, self.failed) {
             say(format!("warning: no {}: {}; the run goes on", self.what, failure.text()));
@@ -128,9 +134,8 @@ mod tests {
     #[test]
     fn a_preview_for_a_page_waits_until_somebody_watches_and_pays_for_its_answers() {
         let seconds = Duration::from_secs;
-        let film = Film::new([1, 1], gi_core::filter::Filter::Box, gi_core::options::Show::All);
         let (watched, shown) = (Cell::new(None), Cell::new(0));
-        let show = |(): &_, _: &_, _| {
+        let show = |_, _: &_| {
             shown.set(shown.get() + 1);
             Ok(())
         };
@@ -139,7 +144,7 @@ mod tests {
         // After so many seconds, with so many seconds of answers since the last time.
         let mut at = |time, answers: Option<u64>| {
             watched.set(answers.map(seconds));
-            preview.show(&(), &film, seconds(time));
+            preview.show(seconds(time), || Some((Layers::default(), SoFar::default())));
             shown.get()
         };
         assert_eq!(at(10, None), 0);

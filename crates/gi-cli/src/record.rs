@@ -30,6 +30,7 @@ pub(crate) struct About<'a> {
 }
 
 /// What is known after some passes.
+#[derive(Clone, Default)]
 pub(crate) struct SoFar {
     pub(crate) passes: u32,
     /// Time of the passes, and of what was written between them.

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use gi_core::camera::Camera;
 use gi_core::film::Film;
+use gi_core::image_io::Layers;
 use gi_core::options::Parameters;
 use gi_core::scene::{Scene, SceneParts};
 use gi_core::technique::{Setting, Technique};
@@ -12,13 +13,13 @@ use gi_scene::{ExportError, Loaded};
 use glam::Vec3A;
 
 use crate::checkpoint::{Identity, no_state};
-use crate::finish::{Finished, layers};
-use crate::passes::{Making, identity, merge};
+use crate::finish::Finished;
+use crate::passes::{Making, check_checkpoints, identity, merge};
 use crate::paths::{Files, check_export};
 use crate::presets::with_presets;
 use crate::preview::Preview;
 use crate::progress::{Part, Progress, span};
-use crate::record::About;
+use crate::record::{About, SoFar};
 use crate::save::Output;
 use crate::say::say;
 use crate::serve::Stage;
@@ -46,19 +47,33 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<Option<Signal>, Fa
         return export(common, out).map(|()| None);
     }
     let output = Output::new(common.output(program))?;
-    let mut files = Files::of(common, &output, (&command, &matches), &params.outputs());
-    files.check()?;
+    Files::of(common, &output, (&command, &matches), &params.outputs()).check()?;
     let name = output.path().display().to_string();
     let mut views = Views::open(common, program, name)?;
+    let ended = read_and_render::<P>(arguments, common, &output, &mut views);
+    stop::enter(Phase::Farewell);
+    views.end(&ended);
+    ended
+}
+
+/// Read the scene and render it. `first` is the command line without the presets of the scene.
+fn read_and_render<P: Program>(
+    arguments: &[String],
+    first: &Common,
+    output: &Output,
+    views: &mut Views,
+) -> Result<Option<Signal>, Failure> {
+    let command = P::command();
+    let program = command.get_name();
     let date = crate::identity::date();
     let clock = Instant::now();
-    let loaded = load(common)?;
+    let loaded = load(first)?;
     let load_time = clock.elapsed();
-    let with_presets = with_presets::<P>(arguments, program, common.has_other_budget(), &loaded)?;
+    let with_presets = with_presets::<P>(arguments, program, first.has_other_budget(), &loaded)?;
     let (all, matches) = parse::<P>(&with_presets);
     let Args { common, params } = all.args();
     params.check().map_err(input_error)?;
-    files = Files::of(common, &output, (&command, &matches), &params.outputs());
+    let mut files = Files::of(common, output, (&command, &matches), &params.outputs());
     files.read_by_scene(&loaded.files);
     files.check()?;
     let about = About {
@@ -73,9 +88,7 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<Option<Signal>, Fa
         build: Duration::ZERO,
         prepare: Duration::ZERO,
     };
-    let ended = render::<P>(about, params, loaded, &output, &mut views);
-    views.end(&ended);
-    ended
+    render::<P>(about, params, loaded, output, views)
 }
 
 /// Render a scene that was read.
@@ -107,8 +120,9 @@ fn render<P: Program>(
     };
     let mut film = Film::new(camera.size(), filter, common.component);
     let start = Instant::now();
-    let mut technique = prepare::<P>(&mut about, setting, params, views)?;
     let identity = identity::<P>(common, world, &camera, filter);
+    check_checkpoints(common, &identity)?;
+    let mut technique = prepare::<P>(&mut about, setting, params, views)?;
     let passes = make_passes(&about, &identity, start, &mut technique, &mut film, (output, views))?;
     let elapsed = start.elapsed();
     stop::enter(Phase::Saving);
@@ -116,7 +130,10 @@ fn render<P: Program>(
     views.enter(Stage::Saving);
     let stopped = stop::requested();
     if let (Some(signal), 0) = (stopped, film.passes()) {
-        say(format!("stopped by {} in the first pass: no picture is written", signal.name()));
+        say(format!(
+            "stopped by {} in the first pass, before there was a whole picture",
+            signal.name()
+        ));
         return Ok(stopped);
     }
     let so_far = about.so_far(&technique, &film, elapsed, stopped);
@@ -178,14 +195,14 @@ fn make_passes<'a, 't, T: Technique<'t>>(
     let mut passes = Making::begin(technique, common, film, identity, start)?;
     let mut previews = Vec::new();
     if let Some(every) = common.preview() {
-        let save = |technique: &T, film: &Film, elapsed| {
-            output.save(&layers(about, film, &about.so_far(technique, film, elapsed, None)))
+        let save = |layers, so_far: &SoFar| {
+            output.save(&Layers { metadata: about.metadata(so_far), ..layers })
         };
         previews.push(Preview::new("preview", every, film.size(), save));
     }
     let page = views.page().cloned();
-    previews.extend(views.previews(about, film.size()));
-    passes.run(technique, film, previews, page.as_ref());
+    previews.extend(views.previews(film.size()));
+    passes.run(technique, film, (about, previews), page.as_ref());
     Ok(Some(passes))
 }
 
@@ -245,7 +262,7 @@ fn say_scene(common: &Common, scene: &Scene, film: u64, [w, h]: [usize; 2]) {
         let primitives: usize = scene.shapes().iter().map(|s| s.geometry.primitive_count()).sum();
         let lights = scene.lights().all().len();
         say(format!(
-            "{}: {} shapes, {primitives} primitives, {lights} lights; {w} x {h} pixels in {} MB",
+            "{}: {} shapes, {primitives} primitives, {lights} lights; film of {w} x {h} pixels in {} MB",
             common.scene.display(),
             scene.shapes().len(),
             film.div_ceil(1_000_000)

@@ -50,6 +50,8 @@ pub(crate) enum Phase {
     Preparing,
     Passes,
     Saving,
+    /// Everything is written.
+    Farewell,
 }
 
 static PHASE: Mutex<Phase> = Mutex::new(Phase::Preparing);
@@ -92,6 +94,7 @@ fn react(signal: Signal, (phase, nth): (Phase, u32)) {
             say(format!("{name}: abandoning this pass, then saving; a third signal saves nothing"));
         }
         (Phase::Saving, 1) => say(format!("{name}: saving; a second signal saves nothing more")),
+        (Phase::Farewell, _) => std::process::exit(signal.exit_status().into()),
         _ => end(signal, "again: nothing more is saved"),
     }
 }

@@ -3,11 +3,10 @@
 use std::time::Duration;
 
 use gi_core::film::Film;
-use gi_core::technique::Technique;
 
 use crate::display::Display;
 use crate::preview::Preview;
-use crate::record::{About, SoFar};
+use crate::record::SoFar;
 use crate::say::say;
 use crate::serve::{Page, Stage};
 use crate::stop::Signal;
@@ -52,19 +51,15 @@ impl Views {
     }
 
     /// The previews that are sent during the run.
-    pub(crate) fn previews<'a, 't, T: Technique<'t>>(
-        &'a mut self,
-        about: &'a About,
-        size: [usize; 2],
-    ) -> Vec<Preview<'a, T>> {
+    pub(crate) fn previews(&mut self, size: [usize; 2]) -> Vec<Preview<'_>> {
         let mut all = Vec::new();
         if let Some(display) = &mut self.display {
-            let send = |_: &_, film: &Film, _| display.send(film.layers());
+            let send = |layers, _: &_| display.send(layers);
             all.push(Preview::new("live view", EVERY, size, send));
         }
         if let Some(page) = &self.page {
-            let show = |technique: &T, film: &Film, elapsed| {
-                page.show(film.layers(), &about.so_far(technique, film, elapsed, None));
+            let show = |layers, so_far: &SoFar| {
+                page.show(layers, so_far);
                 Ok(())
             };
             let preview = Preview::new("live page", EVERY, size, show);

@@ -38,7 +38,7 @@ impl Setting<'_> {
 
 /// A technique of global illumination. After any number of passes, the film contains a valid picture. A pass depends
 /// only on the state of `self` after `prepare` and earlier passes.
-pub trait Technique<'a>: Sized {
+pub trait Technique<'a>: Send + Sized {
     /// The technique's parameters.
     type Params;
 

@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 
 use super::request::{self, Refusal, Request};
 
-/// Most connections at a time; others are closed at once. A browser opens six.
-const MOST: usize = 16;
+/// Most connections at a time; others are closed at once. A browser opens six, and may keep some silent.
+const MOST: usize = 64;
 /// How long a client may take to send its request.
 const PATIENCE: Duration = Duration::from_secs(5);
 /// How long a client may take to receive an answer: 100 MB at 3 MB/s.

@@ -10,6 +10,9 @@ mod pixel;
 mod sample;
 mod state;
 mod tiles;
+mod watch;
+
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -22,6 +25,7 @@ use pixel::Pixel;
 pub use sample::{Components, Sample};
 pub use tiles::PerPixel;
 use tiles::{AREA, TILE, Tiles};
+pub use watch::WatchedPass;
 
 /// The picture while it is rendered.
 pub struct Film {
@@ -32,6 +36,8 @@ pub struct Film {
     /// This pass's samples, in the order of the pixels.
     kept: Kept,
     passes: u32,
+    /// Who watches the next pass.
+    watched: Option<Arc<WatchedPass>>,
 }
 
 impl Film {
@@ -41,7 +47,7 @@ impl Film {
         let pixels = vec![Pixel::default(); tiles.pixels()];
         let filter = FilterTable::new(filter);
         let kept = Kept { width: 2 * filter.reach() + 1, floats: Vec::new() };
-        Film { tiles, filter, show, pixels, kept, passes: 0 }
+        Film { tiles, filter, show, pixels, kept, passes: 0, watched: None }
     }
 
     /// Bytes that a film of this size needs during a pass. [`Film::layers`] needs up to 88 bytes more per pixel.
@@ -104,12 +110,22 @@ impl Film {
             return;
         }
         progress::begin(progress::PIXELS, self.tiles.corners.len() as u64);
+        self.take_samples(values, sample);
+        self.watched = None;
+    }
+
+    fn take_samples<T: Send>(
+        &mut self,
+        values: &mut [T],
+        sample: impl Fn([usize; 2], &mut T) -> Sample + Sync,
+    ) {
         if self.filter.reach() == 0 {
             let values = values.par_chunks_mut(AREA);
             self.for_each_pixel(values, Tile::Sampled, |film, at, pixel, i, values| {
                 let sample = sample(at, &mut values[i]);
                 pixel.add_surface(&sample);
                 pixel.add(1.0, &sample.radiance, film.show);
+                film.show.of(&sample.radiance)
             });
             self.passes += u32::from(!progress::is_abandoned());
             return;
@@ -123,12 +139,14 @@ impl Film {
             let sample = sample(at, &mut values[i]);
             pixel.add_surface(&sample);
             keep(&mut runs[i * stride..(i + 1) * stride], &sample, film.filter);
+            film.show.of(&sample.radiance)
         });
         // Samples are missing from an abandoned pass; those that were taken are dropped.
         if !progress::is_abandoned() {
             self.for_each_pixel(self.nothing(), Tile::Filtered, |film, at, pixel, _, ()| {
                 let (weight, radiance) = film.gather(&kept, at);
                 pixel.add(weight, &radiance, film.show);
+                film.show.of(&radiance)
             });
             self.passes += 1;
         }
@@ -144,17 +162,18 @@ impl Film {
             let sample = sample(at);
             pixel.add_surface(&sample);
             pixel.add(1.0, &sample.radiance, film.show);
+            film.show.of(&sample.radiance)
         });
         self.passes += 1;
     }
 
     /// Call `work` for every pixel, tiles in parallel, with the pixel's position, its index in the tile, and the tile's entry of
-    /// `extra`.
+    /// `extra`. `work` returns the radiance of the pixel's sample, for those who watch the pass.
     fn for_each_pixel<E: Send>(
         &mut self,
         extra: impl IndexedParallelIterator<Item = E>,
         tile: Tile,
-        work: impl Fn(&PassContext, [usize; 2], &mut Pixel, usize, &mut E) + Sync,
+        work: impl Fn(&PassContext, [usize; 2], &mut Pixel, usize, &mut E) -> Rgb + Sync,
     ) {
         let frame = PassContext { filter: &self.filter, show: self.show, tiles: &self.tiles };
         let tiles = self.pixels.par_chunks_mut(AREA).zip(extra).zip(&self.tiles.corners);
@@ -163,8 +182,12 @@ impl Film {
             if sampled && progress::is_abandoned() {
                 return;
             }
+            let mut shown = [Rgb::BLACK; AREA];
             for (i, at) in frame.tiles.inside(corner) {
-                work(&frame, at, &mut pixels[i], i, &mut extra);
+                shown[i] = work(&frame, at, &mut pixels[i], i, &mut extra);
+            }
+            if let Some(watched) = self.watched.as_ref().filter(|_| sampled) {
+                watched.show(corner, &shown);
             }
             progress::advance(u64::from(sampled));
         });
