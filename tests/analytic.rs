@@ -25,7 +25,11 @@ fn modes() -> [Mode; 2] {
 
 fn trace(world: &World, mode: Mode, max_depth: Option<u32>, passes: u32) -> Film {
     world.render::<PathTracer>(
-        &Params { mode, limits: PathLimits { max_depth, ..PathLimits::default() } },
+        &Params {
+            mode,
+            limits: PathLimits { max_depth, ..PathLimits::default() },
+            ..Params::default()
+        },
         passes,
         1,
         Show::All,

@@ -35,7 +35,12 @@ fn ball(center: Vec3, radius: f32, material: usize, inside: usize) -> Shape {
 
 fn trace(world: &World, max_depth: Option<u32>, passes: u32) -> Film {
     let limits = PathLimits { max_depth, ..PathLimits::default() };
-    world.render::<PathTracer>(&Params { mode: Mode::VolPath, limits }, passes, 1, Show::All)
+    world.render::<PathTracer>(
+        &Params { mode: Mode::VolPath, limits, ..Params::default() },
+        passes,
+        1,
+        Show::All,
+    )
 }
 
 /// A very narrow camera from `from` to `to`: all rays of the picture are nearly the same.

@@ -55,7 +55,7 @@ fn assert_agree(name: &str, found: &[Running], expected: &[Running]) {
 }
 
 fn mode(mode: Mode, max_depth: Option<u32>) -> Params {
-    Params { mode, limits: PathLimits { max_depth, ..PathLimits::default() } }
+    Params { mode, limits: PathLimits { max_depth, ..PathLimits::default() }, ..Params::default() }
 }
 
 /// Check that a medium is invisible: the picture reads `expected` everywhere.

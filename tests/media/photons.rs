@@ -41,7 +41,7 @@ fn photons_in_a_medium_agree_with_the_volumetric_path_tracer() {
         (Some(3), Show::Indirect, 3, 160_000),
     ] {
         let limits = PathLimits { max_depth, ..PathLimits::default() };
-        let params = Params { mode: Mode::VolPath, limits };
+        let params = Params { mode: Mode::VolPath, limits, ..Params::default() };
         let (truth, noise) = mean_and_variance(&world.render::<PathTracer>(&params, 512, 1, show));
         let params = photonmap::Params {
             limits,

@@ -169,6 +169,17 @@ impl Camera {
         Some(Connection { film, wi: to / distance_sq.sqrt(), end, importance })
     }
 
+    /// [`Connection::importance`] of a point at this distance (world) along a ray of the camera with unit direction `d`. It is also
+    /// the density with which rays through one pixel reach the point, per area perpendicular to the ray.
+    pub fn importance(&self, d: Vec3, distance: f32) -> f32 {
+        if self.orthographic {
+            return 1.0 / self.pixel_area;
+        }
+        let d = self.to_local.transform_vector3(d);
+        let cos = d.z / d.length();
+        1.0 / (self.pixel_area * cos * sqr(cos) * sqr(distance))
+    }
+
     /// Width of the part of a surface that a pixel covers, if the surface faces the camera, relative to its distance.
     /// For orthographic cameras, the distance counts as 1 (world).
     pub fn pixel_width(&self) -> f32 {
@@ -228,6 +239,8 @@ mod tests {
                     "{back:?}"
                 );
                 assert!((back.wi + ray.d).length() < 1e-4);
+                let importance = camera.importance(ray.d, 5.0);
+                assert!((back.importance / importance - 1.0).abs() < 1e-3, "{back:?} {importance}");
             }
             assert!(
                 camera

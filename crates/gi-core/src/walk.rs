@@ -55,6 +55,8 @@ pub struct LightWalk<'a> {
     depth: u32,
     non_delta: u32,
     after_delta: bool,
+    /// Density per solid angle of the last scattering; `None` after delta lobes and at the light.
+    pdf_w: Option<f32>,
     /// Whether media attenuate and scatter the path, and the medium that it is in.
     media: bool,
     medium: Option<MediumId>,
@@ -93,6 +95,7 @@ impl<'a> LightWalk<'a> {
             depth: 0,
             non_delta: 0,
             after_delta: false,
+            pdf_w: None,
             media: false,
             medium: None,
         }
@@ -101,6 +104,17 @@ impl<'a> LightWalk<'a> {
     /// The start of the path.
     pub fn emission(&self) -> &Emission {
         &self.emission
+    }
+
+    /// The unit direction of the next segment, and the density per solid angle with which the last scattering sampled it; `None` at
+    /// the light and after a delta lobe. Passing straight through a surface is no scattering.
+    pub fn turned(&self) -> (Vec3, Option<f32>) {
+        (self.ray.d, self.pdf_w)
+    }
+
+    /// Number of scatterings so far. Passing straight through a surface is not one.
+    pub fn depth(&self) -> u32 {
+        self.depth
     }
 
     /// Number of scatterings so far that were not by delta lobes.
@@ -172,6 +186,7 @@ impl<'a> LightWalk<'a> {
             self.depth += 1;
             self.non_delta += u32::from(!s.delta);
             self.after_delta = s.delta;
+            self.pdf_w = (!s.delta).then_some(s.pdf_w);
         }
         if self.media {
             self.medium = self.scene.medium_toward(surface, s.wi, self.medium);

@@ -11,6 +11,7 @@
 //!
 //! Read next: `gi_core::eye` (the eye walk), `light.rs` (paths from the lights), `params.rs` (the options).
 
+mod bidir;
 mod light;
 mod params;
 
@@ -20,7 +21,8 @@ use gi_core::film::{Film, Sample};
 use gi_core::medium::MediumId;
 use gi_core::technique::{Setting, Technique};
 
-pub use params::{Mode, Params};
+use bidir::Bidirectional;
+pub use params::{Heuristic, Mode, Params};
 
 /// The path tracer.
 pub struct PathTracer<'a> {
@@ -46,6 +48,10 @@ impl<'a> Technique<'a> for PathTracer<'a> {
                 film.add_pass(|pixel| self.path_in_media(pixel, index, medium));
             }
             Mode::Light => self.light_pass(index, film),
+            Mode::Bdpt => {
+                let Params { limits, heuristic, .. } = self.params;
+                Bidirectional::new(self.setting, limits, heuristic).pass(index, film);
+            }
         }
     }
 
@@ -68,7 +74,7 @@ impl<'a> Technique<'a> for PathTracer<'a> {
 
     fn statistics(&self) -> Vec<(String, f64)> {
         match self.params.mode {
-            Mode::Path | Mode::VolPath => Vec::new(),
+            Mode::Path | Mode::VolPath | Mode::Bdpt => Vec::new(),
             Mode::Light => vec![("light_paths".into(), self.light_paths as f64)],
         }
     }
@@ -77,6 +83,9 @@ impl<'a> Technique<'a> for PathTracer<'a> {
         match self.params.mode {
             Mode::Path | Mode::VolPath => "all paths but those from point, spot and directional lights that reach the eye over \
                            delta lobes only after the last rough surface (E S* D S+ L)"
+                .into(),
+            Mode::Bdpt => "all paths but those from point, spot and directional lights on which no two neighbours of eye, light and \
+                          rough surfaces are adjacent: E S+ (D S+)* L"
                 .into(),
             Mode::Light => "E L and E D (S|D)* L, D in media too: what is seen without mirrors or glass; nothing that the eye sees \
                             through a delta lobe"

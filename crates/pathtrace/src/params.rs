@@ -13,6 +13,17 @@ pub enum Mode {
     VolPath,
     /// At the lights; each vertex, on a surface or in a medium, is connected to the eye
     Light,
+    /// At both ends: every vertex of one path is connected with every vertex of the other
+    Bdpt,
+}
+
+/// How the ways to find a path are weighted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Heuristic {
+    /// In proportion to their densities
+    Balance,
+    /// In proportion to the squares of their densities
+    Power,
 }
 
 /// The options of path tracing.
@@ -22,6 +33,9 @@ pub struct Params {
     /// Where paths start
     #[arg(long, value_enum, default_value_t = Mode::Path)]
     pub mode: Mode,
+    /// bdpt: weights of the ways to find a path [Veach97, 9.2]
+    #[arg(long, value_enum, default_value_t = Heuristic::Power)]
+    pub heuristic: Heuristic,
     /// How long paths may be.
     #[command(flatten)]
     pub limits: PathLimits,
@@ -39,10 +53,10 @@ impl Parameters for Params {
     }
 
     fn simulates_media(&self) -> bool {
-        matches!(self.mode, Mode::VolPath | Mode::Light)
+        !matches!(self.mode, Mode::Path)
     }
 
     fn finds_focused_light(&self) -> bool {
-        self.mode == Mode::Light
+        matches!(self.mode, Mode::Light | Mode::Bdpt)
     }
 }

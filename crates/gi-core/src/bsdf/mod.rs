@@ -44,6 +44,14 @@ pub enum Transport {
 }
 
 impl Transport {
+    /// The other direction.
+    pub fn reversed(self) -> Self {
+        match self {
+            Transport::Radiance => Transport::Power,
+            Transport::Power => Transport::Radiance,
+        }
+    }
+
     /// Factor on refraction into a medium whose index is `eta` times that of the medium of `wo`.
     #[inline]
     fn refraction(self, eta: f32) -> f32 {
@@ -133,6 +141,14 @@ impl<'a> Bsdf<'a> {
                 self.components().iter().map(|c| c.pdf_w(wo, wi, self.way)).sum::<f32>() / total
             }
         }
+    }
+
+    /// The density with which [`Bsdf::sample`] returns `wo` for a path that comes from `wi`, if it does not take the BSDF as seen
+    /// from there: `None` for surfaces that look different from `wi`, or that the direction of transport changes.
+    #[inline]
+    pub fn turned_pdf_w(&self, wo: Vec3, wi: Vec3) -> Option<f32> {
+        let simple = self.components().iter().all(|c| c.bend.is_none() && c.lobe.is_opaque());
+        simple.then(|| self.pdf_w(wi, wo))
     }
 
     /// The albedo and the frame of the commonest BSDF, seen from the eye: a diffuse lobe without changes. It needs

@@ -228,6 +228,17 @@ impl<'a> EyeWalk<'a> {
         self.throughput
     }
 
+    /// The unit direction of the next segment, and the density per solid angle with which the last scattering sampled it; `None` at
+    /// the camera and after a delta lobe. Passing straight through a surface is no scattering.
+    pub fn turned(&self) -> (Vec3, Option<f32>) {
+        (self.ray.d, self.last.map(|last| last.pdf_w))
+    }
+
+    /// The start of the next segment; at first, the point of the lens.
+    pub fn origin(&self) -> Vec3 {
+        self.ray.o
+    }
+
     /// Number of segments, the next one included. Passing straight through a surface does not change it.
     pub fn segments(&self) -> u32 {
         self.segments

@@ -87,7 +87,17 @@ impl Film {
     /// Take one sample in every pixel, tiles in parallel, and filter. `sample` must be a pure function of the pixel.
     pub fn add_pass(&mut self, sample: impl Fn([usize; 2]) -> Sample + Sync) {
         let mut nothing = vec![(); self.pixels.len()]; // takes no memory
-        self.sample_all(&mut nothing, |at, ()| sample(at));
+        self.sample_all(&mut nothing, None, |at, ()| sample(at));
+    }
+
+    /// The same, and add to every pixel light that other paths have brought to it, in row order. It is filtered already.
+    pub fn add_pass_and_splats(
+        &mut self,
+        splats: &[Components],
+        sample: impl Fn([usize; 2]) -> Sample + Sync,
+    ) {
+        let mut nothing = vec![(); self.pixels.len()]; // takes no memory
+        self.sample_all(&mut nothing, Some(splats), |at, ()| sample(at));
     }
 
     /// The same, with data that a technique keeps per pixel.
@@ -97,12 +107,13 @@ impl Film {
         sample: impl Fn([usize; 2], &mut T) -> Sample + Sync,
     ) {
         assert_eq!(kept.tiles.size, self.size(), "what is kept is of another picture");
-        self.sample_all(&mut kept.values, sample);
+        self.sample_all(&mut kept.values, None, sample);
     }
 
     fn sample_all<T: Send>(
         &mut self,
         values: &mut [T],
+        splats: Option<&[Components]>,
         sample: impl Fn([usize; 2], &mut T) -> Sample + Sync,
     ) {
         // What the technique has prepared for this pass may be incomplete.
@@ -110,19 +121,23 @@ impl Film {
             return;
         }
         progress::begin(progress::PIXELS, self.tiles.corners.len() as u64);
-        self.take_samples(values, sample);
+        self.take_samples(values, splats, sample);
         self.watched = None;
     }
 
     fn take_samples<T: Send>(
         &mut self,
         values: &mut [T],
+        splats: Option<&[Components]>,
         sample: impl Fn([usize; 2], &mut T) -> Sample + Sync,
     ) {
+        let width = self.tiles.size[0];
+        let splat = |[x, y]: [usize; 2]| splats.map(|all| &all[y * width + x]);
         if self.filter.reach() == 0 {
             let values = values.par_chunks_mut(AREA);
             self.for_each_pixel(values, Tile::Sampled, |film, at, pixel, i, values| {
-                let sample = sample(at, &mut values[i]);
+                let mut sample = sample(at, &mut values[i]);
+                splat(at).inspect(|splat| sample.radiance.add(splat, 1.0));
                 pixel.add_surface(&sample);
                 pixel.add(1.0, &sample.radiance, film.show);
                 film.show.of(&sample.radiance)
@@ -144,7 +159,8 @@ impl Film {
         // Samples are missing from an abandoned pass; those that were taken are dropped.
         if !progress::is_abandoned() {
             self.for_each_pixel(self.nothing(), Tile::Filtered, |film, at, pixel, _, ()| {
-                let (weight, radiance) = film.gather(&kept, at);
+                let (weight, mut radiance) = film.gather(&kept, at);
+                splat(at).inspect(|splat| radiance.add(splat, weight));
                 pixel.add(weight, &radiance, film.show);
                 film.show.of(&radiance)
             });

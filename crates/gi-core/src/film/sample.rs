@@ -39,6 +39,14 @@ impl Components {
         self.direct + self.indirect + self.caustic
     }
 
+    /// Add `weight` times other components.
+    #[inline]
+    pub fn add(&mut self, other: &Components, weight: f32) {
+        self.direct += other.direct * weight;
+        self.indirect += other.indirect * weight;
+        self.caustic += other.caustic * weight;
+    }
+
     /// The component of a path with `non_delta` scatterings from the eye, after which there are only delta scatterings up to the
     /// light (`then_delta`), or none.
     #[inline]

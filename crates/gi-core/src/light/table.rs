@@ -85,6 +85,10 @@ pub struct LightSample {
     pub delta: bool,
     /// The emitting primitive and its shape, if the light is a surface.
     pub primitive: Option<[u32; 2]>,
+    /// Index of the light.
+    pub light: u32,
+    /// Unit geometric normal at `p` if the light is a surface, else the direction in which the light travels.
+    pub ng: Vec3,
     /// Index of an environment map whose radiance is not yet looked up: it is still a factor on `radiance`.
     pub(crate) map: Option<u32>,
 }
@@ -92,16 +96,19 @@ pub struct LightSample {
 impl LightSample {
     /// Light that arrives at `p` from a point with this intensity; none at the point itself.
     #[inline]
-    fn of_point(p: Vec3, position: Vec3, intensity: Rgb) -> Option<Self> {
+    fn of_point(light: u32, p: Vec3, position: Vec3, intensity: Rgb) -> Option<Self> {
         let to = position - p;
         let distance_sq = to.length_squared();
+        let wi = to / distance_sq.sqrt();
         (distance_sq > 0.0).then(|| LightSample {
-            wi: to / distance_sq.sqrt(),
+            wi,
             p: Some(position),
             radiance: intensity / distance_sq,
             pdf_w: 1.0,
             delta: true,
             primitive: None,
+            light,
+            ng: -wi,
             map: None,
         })
     }
@@ -200,9 +207,11 @@ impl Lights {
         u: [f32; 2],
         emission: impl Fn(u32, u32, &EmitterPoint) -> Rgb,
     ) -> Option<LightSample> {
-        let distant = |wi, radiance, pdf_w| {
-            let (delta, primitive, map) = (false, None, None);
-            Some(LightSample { wi, p: None, radiance, pdf_w, delta, primitive, map })
+        let index = light as u32;
+        let distant = |wi: Vec3, radiance, pdf_w| {
+            let (delta, primitive, light, map) = (false, None, index, None);
+            let ng = -wi;
+            Some(LightSample { wi, p: None, radiance, pdf_w, delta, primitive, light, ng, map })
         };
         match &self.lights[light] {
             Light::Area { emitter, shape, primitive } => {
@@ -210,14 +219,17 @@ impl Lights {
                 let wi = (point.p - p).try_normalize()?;
                 let radiance = emission(*shape, *primitive, &point);
                 let primitive = Some([*shape, *primitive]);
-                let (p, delta, map) = (Some(point.p), false, None);
-                Some(LightSample { wi, p, radiance, pdf_w, delta, primitive, map })
+                let (p, ng, delta, map) = (Some(point.p), point.normal, false, None);
+                let light = index;
+                Some(LightSample { wi, p, radiance, pdf_w, delta, primitive, light, ng, map })
             }
-            Light::Point { position, intensity } => LightSample::of_point(p, *position, *intensity),
+            Light::Point { position, intensity } => {
+                LightSample::of_point(index, p, *position, *intensity)
+            }
             Light::Spot { position, intensity, .. } => {
                 let d = (p - *position).normalize_or_zero();
                 let intensity = *intensity * self.lights[light].spot_fade(d);
-                LightSample::of_point(p, *position, intensity)
+                LightSample::of_point(index, p, *position, intensity)
             }
             Light::Directional { frame, irradiance } => Some(LightSample {
                 wi: -frame.n,
@@ -226,6 +238,8 @@ impl Lights {
                 pdf_w: 1.0,
                 delta: true,
                 primitive: None,
+                light: index,
+                ng: frame.n,
                 map: None,
             }),
             Light::Constant { radiance } => distant(warp::sphere(u), *radiance, warp::sphere_pdf()),

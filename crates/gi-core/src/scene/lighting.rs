@@ -63,14 +63,20 @@ impl Scene {
     /// Density per solid angle at `p` with which [`Scene::sample_light`] samples the emitting point `surface`.
     #[inline]
     pub fn light_pdf_w(&self, p: Vec3, surface: &Surface) -> f32 {
-        let primitive = surface.prim - self.first_primitive(surface.shape as usize);
-        let Some(k) = self.lights.of_primitive(surface.shape, primitive) else { return 0.0 };
+        let Some(k) = self.light_at(surface) else { return 0.0 };
         match &self.lights.all()[k] {
             Light::Area { emitter, .. } => {
                 self.lights.probability(k) * emitter.pdf_w(p, surface.p, surface.ng)
             }
             _ => 0.0,
         }
+    }
+
+    /// Index of the light that `surface` belongs to.
+    #[inline]
+    pub fn light_at(&self, surface: &Surface) -> Option<usize> {
+        let primitive = surface.prim - self.first_primitive(surface.shape as usize);
+        self.lights.of_primitive(surface.shape, primitive)
     }
 
     /// Begin a light path, see [`Emission`].

@@ -130,7 +130,7 @@ impl Scene {
     }
 
     /// The same to a point of the flat primitive `end`, see [`Scene::transmittance_to`].
-    fn transmittance_through_media_to(
+    pub fn transmittance_through_media_to(
         &self,
         ray: Ray,
         end: Option<u32>,

@@ -141,4 +141,18 @@ impl Scene {
         let id = self.shapes[surface.shape as usize].material;
         Bsdf::resolve(&self.materials, id, surface, &|| self.tangents(surface), wo, transport)
     }
+
+    /// Density per solid angle with which a path from the other end of the scene, which comes along `wi`, continues along `wo`.
+    /// `bsdf` is that of the path with the direction `transport` from `wo` to `wi`.
+    #[inline]
+    pub fn reverse_pdf_w(
+        &self,
+        (surface, bsdf): (&Surface, &Bsdf),
+        transport: Transport,
+        wo: Vec3,
+        wi: Vec3,
+    ) -> f32 {
+        bsdf.turned_pdf_w(wo, wi)
+            .unwrap_or_else(|| self.bsdf(surface, wi, transport.reversed()).pdf_w(wi, wo))
+    }
 }

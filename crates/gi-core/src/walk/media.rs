@@ -133,7 +133,10 @@ impl<'a> LightWalk<'a> {
         self.depth += 1;
         self.non_delta += 1;
         self.after_delta = false;
-        let wi = self.scene.medium(vertex.medium).phase.sample(vertex.wo, u);
+        let phase = &self.scene.medium(vertex.medium).phase;
+        let wi = phase.sample(vertex.wo, u);
+        // A phase function equals its own density.
+        self.pdf_w = Some(phase.eval(vertex.wo, wi));
         self.power = vertex.power / survival;
         self.ray = Ray::new(vertex.p, wi);
         self.left = None;

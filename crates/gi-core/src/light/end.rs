@@ -1,0 +1,78 @@
+//! Densities at the light's end of a path, for multiple importance sampling of paths that are sampled from both ends.
+
+use std::f32::consts::PI;
+
+use glam::Vec3;
+
+use super::{Light, LightSample, Lights};
+use crate::math::sqr;
+use crate::warp;
+
+/// A point of a light as seen from the next vertex z of the path: densities of the ways to sample it. The measure of the
+/// point is area for surfaces, solid angle for lights at infinity, and a count for lights without extent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightEnd {
+    /// A light path begins at this point and reaches z: density of the point, times density per area at z perpendicular
+    /// to the segment.
+    pub emit: f32,
+    /// [`crate::scene::Scene::sample_light`] at z samples this point: density of the point.
+    pub direct: f32,
+    /// Density of the point for a path from the eye whose density per solid angle at z is 1; 0 if it cannot find the point.
+    pub reach: f32,
+}
+
+/// Smallest cosine at a light. Light along its surface would have no density.
+const MIN_COS: f32 = 1e-6;
+
+impl Lights {
+    /// The point `y` of light `light`, where light leaves along the unit vector `d` toward z. `ng` is the unit geometric
+    /// normal at `y` if the light is a surface.
+    pub fn end(&self, light: usize, [y, ng]: [Vec3; 2], d: Vec3, z: Vec3) -> LightEnd {
+        let probability = self.probability(light);
+        let distance_sq = y.distance_squared(z);
+        let point = |pdf_w: f32| LightEnd {
+            emit: probability * pdf_w / distance_sq,
+            direct: probability,
+            reach: 0.0,
+        };
+        match &self.all()[light] {
+            Light::Area { emitter, .. } => {
+                let cos = ng.dot(d).max(MIN_COS);
+                let reach = cos / distance_sq;
+                LightEnd {
+                    emit: probability / emitter.area() * cos / PI / distance_sq,
+                    direct: probability * emitter.pdf_w(z, y, ng) * reach,
+                    reach,
+                }
+            }
+            Light::Point { .. } => point(warp::sphere_pdf()),
+            Light::Spot { cutoff, .. } => point(warp::cone_pdf(1.0 - cutoff.cos())),
+            Light::Directional { .. } => {
+                LightEnd { emit: probability * self.disc_pdf(), direct: probability, reach: 0.0 }
+            }
+            distant => self.end_at_infinity(probability * distant.escaped(-d).1),
+        }
+    }
+
+    /// The point of a light sample that was taken at `z`.
+    pub fn end_of_sample(&self, sample: &LightSample, z: Vec3) -> LightEnd {
+        let y = match sample.p {
+            None if !sample.delta => return self.end_at_infinity(sample.pdf_w),
+            None => z,
+            Some(y) => y,
+        };
+        let end = self.end(sample.light as usize, [y, sample.ng], -sample.wi, z);
+        // The density with which the sample was taken, even where rounding moves it off the light.
+        LightEnd { direct: if sample.delta { end.direct } else { sample.pdf_w * end.reach }, ..end }
+    }
+
+    /// A point at infinity that light sampling chooses with this density per solid angle.
+    pub fn end_at_infinity(&self, pdf_w: f32) -> LightEnd {
+        LightEnd { emit: pdf_w * self.disc_pdf(), direct: pdf_w, reach: 1.0 }
+    }
+
+    /// Density per area with which light from infinity enters the scene's bounding sphere.
+    fn disc_pdf(&self) -> f32 {
+        1.0 / (PI * sqr(self.sphere().1))
+    }
+}

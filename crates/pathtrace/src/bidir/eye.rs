@@ -1,0 +1,198 @@
+//! Paths from the eye: at every vertex, all ways to complete the path to a light.
+
+use gi_core::bsdf::Transport;
+use gi_core::eye::{EyeEvent, EyeWalk};
+use gi_core::film::{Components, Sample};
+use gi_core::geometry::Surface;
+use gi_core::math::Rgb;
+use glam::Vec3;
+
+use super::Bidirectional;
+use super::light_paths::{LightPaths, LightVertex};
+use super::vertex::{Site, Vertex, facing};
+use super::weight::{self, Partials};
+
+/// What a way to complete the path has found.
+pub(crate) struct Found {
+    /// Number of vertices on the light's side, the point on the light included.
+    pub(crate) s: u32,
+    /// Number of vertices on the eye's side, the point on the lens included.
+    pub(crate) t: u32,
+    /// Radiance, not weighted.
+    pub(crate) radiance: Rgb,
+    /// Weight among all ways to find the same path.
+    pub(crate) weight: f32,
+    /// Scatterings on the whole path that are not by delta lobes, and whether the light was focused after the only one: see
+    /// [`Components::of_path`].
+    pub(crate) kind: (u32, bool),
+}
+
+impl Bidirectional<'_> {
+    /// The sample of a pixel. `paths` are the light paths of the pass; path and pixel have the same number.
+    pub(crate) fn sample(&self, pixel: [usize; 2], index: u32, paths: &LightPaths) -> Sample {
+        let mut radiance = Components::default();
+        let sample = self.eye_path(pixel, index, paths, &mut |found: Found| {
+            let (non_delta, then_delta) = found.kind;
+            *radiance.of_path(non_delta, then_delta) += found.radiance * found.weight;
+        });
+        Sample { radiance, ..sample }
+    }
+
+    /// Walk a path from the eye, and call `add` with everything that it finds. The sample's radiance is of no use.
+    pub(crate) fn eye_path(
+        &self,
+        pixel: [usize; 2],
+        index: u32,
+        paths: &LightPaths,
+        add: &mut impl FnMut(Found),
+    ) -> Sample {
+        let scene = self.setting.scene;
+        let number = (pixel[1] * self.setting.camera.size()[0] + pixel[0]) as u32;
+        let light_path = paths.path(number);
+        let walk = EyeWalk::through_pixel(&self.setting, self.limits, pixel, index);
+        let mut walk = walk.through_media(self.camera_medium);
+        let mut after_delta = false;
+        // The last vertex that has turned the path, and the partials that left it; at first, the lens.
+        let (mut from, mut leaving) = (walk.origin(), None::<Partials>);
+        let mut non_delta = 0;
+        while let Some(event) = &walk.next_event() {
+            let (site, wo) = match event {
+                EyeEvent::Surface(v) => {
+                    let (surface, bsdf, medium) = (&v.surface, &v.bsdf, v.medium);
+                    (Site::Surface { surface, bsdf, medium }, v.wo)
+                }
+                EyeEvent::Medium(v) => (Site::Medium { p: v.p, medium: v.medium }, v.wo),
+            };
+            let (segments, carried) = (walk.segments(), walk.throughput());
+            if let Site::Surface { surface, .. } = site {
+                let radiance = carried * scene.emitted(surface, wo);
+                if !radiance.is_black() {
+                    let weight = self.weight_of_hit(surface, wo, (from, &leaving));
+                    let (s, t, kind) = (0, segments + 1, (non_delta, after_delta));
+                    add(Found { s, t, radiance, weight, kind });
+                }
+            }
+            let p = match site {
+                Site::Surface { surface, .. } => surface.p,
+                Site::Medium { p, .. } => p,
+            };
+            let vertex_facing = facing(site, wo);
+            let partials = match &leaving {
+                Some(leaving) => leaving.reach(&self.ways, vertex_facing, from.distance_squared(p)),
+                None => {
+                    let importance = self.setting.camera.importance(-wo, from.distance(p));
+                    Partials::of_eye(&self.ways, importance, vertex_facing)
+                }
+            };
+            let transport = Transport::Radiance;
+            let vertex =
+                Vertex { scene, site, transport, wo, carried, partials, segments, non_delta };
+            if vertex.connects() && self.limits.goes_on(segments) {
+                self.sample_light(&vertex, &mut walk, add);
+                for light in light_path {
+                    if self.limits.goes_on(segments + light.segments()) {
+                        self.connect(&vertex, light, add);
+                    }
+                }
+            }
+            let goes_on = match event {
+                EyeEvent::Surface(v) => walk.scatter(v),
+                EyeEvent::Medium(v) => walk.scatter_within(v),
+            };
+            if !goes_on {
+                return walk.sample();
+            }
+            if walk.segments() > segments {
+                let turned = walk.turned();
+                leaving = Some(self.leave(&vertex, turned));
+                after_delta = turned.1.is_none();
+                non_delta += u32::from(!after_delta);
+                from = p;
+            }
+        }
+        self.background(&walk, &leaving, (non_delta, after_delta), add);
+        walk.sample()
+    }
+    /// Weight of a path that hits a light (s = 0). Light that the camera sees directly is found in no other way.
+    fn weight_of_hit(
+        &self,
+        surface: &Surface,
+        wo: Vec3,
+        (from, leaving): (Vec3, &Option<Partials>),
+    ) -> f32 {
+        let lights = self.setting.scene.lights();
+        let (Some(leaving), Some(light)) = (leaving, self.setting.scene.light_at(surface)) else {
+            return 1.0;
+        };
+        let end = lights.end(light, [surface.p, surface.ng], wo, from);
+        weight::hit_light(&self.ways, leaving, &end)
+    }
+
+    /// Light from infinity along the next segment (s = 0).
+    fn background(
+        &self,
+        walk: &EyeWalk,
+        leaving: &Option<Partials>,
+        kind: (u32, bool),
+        add: &mut impl FnMut(Found),
+    ) {
+        let scene = self.setting.scene;
+        for (radiance, pdf_w) in scene.escaped(walk.turned().0) {
+            let end = scene.lights().end_at_infinity(pdf_w);
+            let weight =
+                leaving.map_or(1.0, |leaving| weight::hit_light(&self.ways, &leaving, &end));
+            let radiance = walk.throughput() * radiance;
+            add(Found { s: 0, t: walk.segments() + 1, radiance, weight, kind });
+        }
+    }
+
+    /// Sample a light (s = 1).
+    fn sample_light(&self, vertex: &Vertex, walk: &mut EyeWalk, add: &mut impl FnMut(Found)) {
+        let (scene, p) = (self.setting.scene, vertex.p());
+        let Some(light) = scene.sample_light(p, walk.sampler.next_2d()) else { return };
+        let (f_cos, pdf_w) = vertex.f_cos_pdf(light.wi);
+        let radiance = vertex.carried * f_cos * light.radiance / light.pdf_w;
+        if radiance.is_black() {
+            return;
+        }
+        let radiance = radiance * vertex.visibility(&light);
+        let end = scene.lights().end_of_sample(&light, p);
+        let joint = vertex.joint(light.wi, 1.0);
+        let weight = weight::light_sample(&self.ways, &vertex.partials, &end, pdf_w, &joint);
+        let kind = (vertex.non_delta + 1, false);
+        add(Found { s: 1, t: vertex.segments + 1, radiance, weight, kind });
+    }
+
+    /// Connect a vertex of the eye with one of a light path (s > 1, t > 1).
+    fn connect(&self, eye: &Vertex, kept: &LightVertex, add: &mut impl FnMut(Found)) {
+        let scene = self.setting.scene;
+        kept.visit(scene, |light| {
+            let to = light.p() - eye.p();
+            let distance_sq = to.length_squared();
+            // Points that coincide cannot be connected; merging finds such paths.
+            if distance_sq == 0.0 {
+                return;
+            }
+            let d = to / distance_sq.sqrt();
+            let ((f_eye, pdf_eye), (f_light, pdf_light)) = (eye.f_cos_pdf(d), light.f_cos_pdf(-d));
+            let radiance = eye.carried * f_eye * f_light * light.carried / distance_sq;
+            if radiance.is_black() {
+                return;
+            }
+            let radiance = radiance * eye.transmittance_to(light.p(), d, kept.flat(scene));
+            if radiance.is_black() {
+                return;
+            }
+            let joints =
+                [eye.joint(d, pdf_light / distance_sq), light.joint(-d, pdf_eye / distance_sq)];
+            let weight = weight::connection(
+                &self.ways,
+                (&eye.partials, &joints[0]),
+                (&light.partials, &joints[1]),
+            );
+            let (s, t) = (light.segments + 1, eye.segments + 1);
+            let kind = (eye.non_delta + light.non_delta + 2, false);
+            add(Found { s, t, radiance, weight, kind });
+        });
+    }
+}

@@ -1,0 +1,268 @@
+//! The light paths of a pass: traced once, connected with the camera, and kept for the paths from the eye.
+
+use gi_core::bsdf::Transport;
+use gi_core::camera::Connection;
+use gi_core::film::Components;
+use gi_core::filter::FilterTable;
+use gi_core::geometry::Surface;
+use gi_core::math::Rgb;
+use gi_core::medium::MediumId;
+use gi_core::sampler::Sampler;
+use gi_core::scene::Scene;
+use gi_core::walk::{LightEvent, LightWalk, Roulette, walk_in_order};
+use glam::Vec3;
+
+use super::Bidirectional;
+use super::vertex::{Site, Vertex, facing};
+use super::weight::{self, Partials};
+
+/// Number of paths per task.
+const CHUNK: u32 = 4096;
+
+/// The light paths of a pass, one per pixel.
+pub(crate) struct LightPaths {
+    /// By task, in the order of the paths.
+    chunks: Vec<Vec<LightVertex>>,
+    /// For each path, its first vertex in its task's list; one entry more than paths per task.
+    first: Vec<Vec<u32>>,
+}
+
+/// A vertex of a light path where it can be connected.
+pub(crate) struct LightVertex {
+    /// Number of the path.
+    path: u32,
+    place: Place,
+    /// Unit direction back along the path.
+    wo: Vec3,
+    /// Power that arrives, not divided by the number of paths.
+    power: Rgb,
+    partials: Partials,
+    segments: u32,
+    non_delta: u32,
+    /// Whether the last scattering before it was by a delta lobe.
+    after_delta: bool,
+    /// What it brings to a pixel.
+    splat: Option<Splat>,
+}
+
+enum Place {
+    Surface { surface: Surface, medium: Option<MediumId> },
+    Medium { p: Vec3, medium: MediumId },
+}
+
+/// Light that a light path brings to a pixel.
+#[derive(Clone, Copy)]
+struct Splat {
+    pixel: u32,
+    /// Not divided by the number of paths.
+    radiance: Rgb,
+    weight: f32,
+}
+
+impl LightVertex {
+    /// Call `visit` with the vertex. Its BSDF is evaluated for the call.
+    pub(crate) fn visit<R>(&self, scene: &Scene, visit: impl FnOnce(&Vertex) -> R) -> R {
+        let bsdf;
+        let site = match &self.place {
+            Place::Surface { surface, medium } => {
+                bsdf = scene.bsdf(surface, self.wo, Transport::Power);
+                Site::Surface { surface, bsdf: &bsdf, medium: *medium }
+            }
+            Place::Medium { p, medium } => Site::Medium { p: *p, medium: *medium },
+        };
+        visit(&Vertex {
+            scene,
+            site,
+            transport: Transport::Power,
+            wo: self.wo,
+            carried: self.power,
+            partials: self.partials,
+            segments: self.segments,
+            non_delta: self.non_delta,
+        })
+    }
+
+    /// The flat primitive that it lies on.
+    pub(crate) fn flat(&self, scene: &Scene) -> Option<u32> {
+        match &self.place {
+            Place::Surface { surface, .. } => scene.flat_at(surface),
+            Place::Medium { .. } => None,
+        }
+    }
+
+    /// Number of segments from the light.
+    pub(crate) fn segments(&self) -> u32 {
+        self.segments
+    }
+}
+
+impl LightPaths {
+    /// Trace the paths of a pass.
+    pub(crate) fn trace(of: &Bidirectional, pass: u32, filter: &FilterTable) -> Self {
+        let paths = of.ways.light_paths as u32;
+        let chunks =
+            walk_in_order(paths, CHUNK, |path, left| of.light_path(pass, path, filter, left));
+        let first = chunks.iter().enumerate().map(|(k, chunk)| {
+            let from = k as u32 * CHUNK;
+            let numbers = from..=from + CHUNK;
+            numbers.map(|path| chunk.partition_point(|v| v.path < path) as u32).collect()
+        });
+        let first = first.collect();
+        LightPaths { chunks, first }
+    }
+
+    /// The vertices of a path.
+    pub(crate) fn path(&self, path: u32) -> &[LightVertex] {
+        let (chunk, within) = ((path / CHUNK) as usize, (path % CHUNK) as usize);
+        let first = &self.first[chunk];
+        &self.chunks[chunk][first[within] as usize..first[within + 1] as usize]
+    }
+
+    /// The light that the paths bring to the pixels, in row order. The sums do not depend on the number of threads.
+    pub(crate) fn splats(&self, of: &Bidirectional, pixels: usize) -> Vec<Components> {
+        let mut picture = vec![Components::default(); pixels];
+        for (v, splat) in self.vertices().filter_map(|v| Some((v, v.splat?))) {
+            let then_delta = v.non_delta == 0 && v.after_delta;
+            let scale = splat.weight / of.ways.light_paths;
+            *picture[splat.pixel as usize].of_path(v.non_delta + 1, then_delta) +=
+                splat.radiance * scale;
+        }
+        picture
+    }
+
+    /// All vertices, path by path.
+    pub(crate) fn vertices(&self) -> impl Iterator<Item = &LightVertex> {
+        self.chunks.iter().flatten()
+    }
+}
+
+impl<'a> Bidirectional<'a> {
+    /// Walk one light path. Connect its vertices with the camera, and keep them.
+    fn light_path(&self, pass: u32, path: u32, filter: &FilterTable, left: &mut Vec<LightVertex>) {
+        let scene = self.setting.scene;
+        // Each pass is a stream; within a stream, paths are the points of a sequence.
+        let sampler = Sampler::new(self.setting.seed ^ 0x6264_7074, pass, path);
+        let Some(walk) = LightWalk::begin(scene, sampler) else { return };
+        let mut walk = walk.through_media();
+        let roulette = Roulette::ByAlbedo { from: self.limits.rr_depth };
+        let emission = *walk.emission();
+        // The last vertex that has turned the path, and the partials that left it; at first, the light.
+        let (mut from, mut leaving) = (emission.p, None::<Partials>);
+        while let Some(event) = walk.next_event() {
+            let (depth, p) = (event.depth(), event.p());
+            // Segments from the light to here; a connection would be one more.
+            if !self.limits.goes_on(depth + 1) {
+                return;
+            }
+            let (site, wo, carried) = match &event {
+                LightEvent::Surface(v) => {
+                    let (surface, bsdf, medium) = (&v.surface, &v.bsdf, v.medium);
+                    (Site::Surface { surface, bsdf, medium }, v.wo, v.power)
+                }
+                LightEvent::Medium(v) => (Site::Medium { p, medium: v.medium }, v.wo, v.power),
+            };
+            let facing = facing(site, wo);
+            let partials = match &leaving {
+                Some(leaving) => leaving.reach(&self.ways, facing, from.distance_squared(p)),
+                None => {
+                    let light = emission.light as usize;
+                    let end = scene.lights().end(light, [emission.p, emission.ng], -wo, p);
+                    Partials::of_light(&self.ways, &end, facing)
+                }
+            };
+            let vertex = Vertex {
+                scene,
+                site,
+                transport: Transport::Power,
+                wo,
+                carried,
+                partials,
+                segments: depth + 1,
+                non_delta: event.non_delta(),
+            };
+            if vertex.connects() {
+                let splat = self.connect_camera(&vertex, filter, walk.sampler());
+                left.push(keep(path, &event, &vertex, splat));
+            }
+            let goes_on = match &event {
+                LightEvent::Surface(v) => walk.scatter(v, roulette),
+                LightEvent::Medium(v) => walk.scatter_within(v, roulette),
+            };
+            if !goes_on {
+                return;
+            }
+            if walk.depth() > depth {
+                leaving = Some(self.leave(&vertex, walk.turned()));
+                from = p;
+            }
+        }
+    }
+
+    /// The partials of a path that leaves `vertex` in a direction that was sampled with this density.
+    pub(crate) fn leave(&self, vertex: &Vertex, (d, pdf_w): (Vec3, Option<f32>)) -> Partials {
+        let facing = vertex.facing(d);
+        match pdf_w {
+            Some(pdf_w) => {
+                let densities = [pdf_w, vertex.reverse_pdf_w(d)];
+                vertex.partials.scatter(&self.ways, facing, densities, vertex.merges())
+            }
+            None => vertex.partials.scatter_delta(&self.ways, facing),
+        }
+    }
+
+    /// Connect a vertex with the camera (t = 1).
+    fn connect_camera(
+        &self,
+        vertex: &Vertex,
+        filter: &FilterTable,
+        sampler: &mut Sampler,
+    ) -> Option<Splat> {
+        let (c, pixel, filtered) = self.project(vertex.p(), filter, sampler)?;
+        let (f_cos, _) = vertex.f_cos_pdf(c.wi);
+        let radiance = vertex.carried * f_cos * (c.importance * filtered);
+        if radiance.is_black() {
+            return None;
+        }
+        let radiance = radiance * vertex.transmittance_to(c.end, c.wi, None);
+        let weight =
+            weight::camera(&self.ways, &vertex.partials, &vertex.joint(c.wi, c.importance));
+        (!radiance.is_black()).then_some(Splat { pixel, radiance, weight })
+    }
+
+    /// Where the camera sees a point: the connection, the pixel, and the weight of the filter.
+    fn project(
+        &self,
+        p: Vec3,
+        filter: &FilterTable,
+        sampler: &mut Sampler,
+    ) -> Option<(Connection, u32, f32)> {
+        let (u_lens, u_filter) = (sampler.next_2d(), sampler.next_2d());
+        let camera = self.setting.camera;
+        let c = camera.connect(p, u_lens, filter.filter().radius())?;
+        let ([x, y], weight) = filter.splat(c.film, u_filter);
+        let [w, h] = camera.size();
+        let inside = (0..w as i32).contains(&x) && (0..h as i32).contains(&y);
+        (inside && weight != 0.0).then(|| (c, (y as usize * w + x as usize) as u32, weight))
+    }
+}
+
+/// A vertex as it is kept.
+fn keep(path: u32, event: &LightEvent, vertex: &Vertex, splat: Option<Splat>) -> LightVertex {
+    let (place, after_delta) = match event {
+        LightEvent::Surface(v) => {
+            (Place::Surface { surface: v.surface, medium: v.medium }, v.after_delta)
+        }
+        LightEvent::Medium(v) => (Place::Medium { p: v.p, medium: v.medium }, v.after_delta),
+    };
+    LightVertex {
+        path,
+        place,
+        wo: vertex.wo,
+        power: vertex.carried,
+        partials: vertex.partials,
+        segments: vertex.segments,
+        non_delta: vertex.non_delta,
+        after_delta,
+        splat,
+    }
+}
