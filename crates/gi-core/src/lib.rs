@@ -24,6 +24,7 @@ pub mod files;
 pub mod film;
 pub mod filter;
 pub mod geometry;
+pub mod grid;
 pub mod guard;
 pub mod image_io;
 pub mod light;

@@ -13,7 +13,7 @@ use crate::sampler::Sampler;
 use crate::scene::Scene;
 pub use focused::{Focused, focused};
 pub use media::{LightEvent, MediumVertex};
-pub use photon::{Photon, PhotonKind, walk_in_order};
+pub use photon::{Photon, PhotonKind, shading_correction, walk_in_order};
 
 mod focused;
 mod media;

@@ -48,9 +48,8 @@ impl<'a> Technique<'a> for PathTracer<'a> {
                 film.add_pass(|pixel| self.path_in_media(pixel, index, medium));
             }
             Mode::Light => self.light_pass(index, film),
-            Mode::Bdpt => {
-                let Params { limits, heuristic, .. } = self.params;
-                Bidirectional::new(self.setting, limits, heuristic).pass(index, film);
+            Mode::Bdpt | Mode::Vcm => {
+                Bidirectional::new(self.setting, &self.params, index).pass(index, film);
             }
         }
     }
@@ -74,7 +73,7 @@ impl<'a> Technique<'a> for PathTracer<'a> {
 
     fn statistics(&self) -> Vec<(String, f64)> {
         match self.params.mode {
-            Mode::Path | Mode::VolPath | Mode::Bdpt => Vec::new(),
+            Mode::Path | Mode::VolPath | Mode::Bdpt | Mode::Vcm => Vec::new(),
             Mode::Light => vec![("light_paths".into(), self.light_paths as f64)],
         }
     }
@@ -86,6 +85,9 @@ impl<'a> Technique<'a> for PathTracer<'a> {
                 .into(),
             Mode::Bdpt => "all paths but those from point, spot and directional lights on which no two neighbours of eye, light and \
                           rough surfaces are adjacent: E S+ (D S+)* L"
+                .into(),
+            Mode::Vcm => "all paths; those that only merging finds are blurred within a radius that shrinks with the passes. In media, \
+                          as bdpt"
                 .into(),
             Mode::Light => "E L and E D (S|D)* L, D in media too: what is seen without mirrors or glass; nothing that the eye sees \
                             through a delta lobe"

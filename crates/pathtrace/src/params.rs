@@ -1,7 +1,7 @@
 //! The options of path tracing.
 
 use clap::{Args, ValueEnum};
-use gi_core::options::{Parameters, PathLimits, defaults, rr_depth};
+use gi_core::options::{Parameters, PathLimits, defaults, number, rr_depth};
 
 /// Where paths start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -15,6 +15,8 @@ pub enum Mode {
     Light,
     /// At both ends: every vertex of one path is connected with every vertex of the other
     Bdpt,
+    /// The same, and vertices near each other are merged as in photon mapping; the blur shrinks with the passes
+    Vcm,
 }
 
 /// How the ways to find a path are weighted.
@@ -27,15 +29,21 @@ pub enum Heuristic {
 }
 
 /// The options of path tracing.
-#[derive(Args, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Args, Clone, Copy, Debug, PartialEq)]
 #[command(arg(rr_depth()))]
 pub struct Params {
     /// Where paths start
     #[arg(long, value_enum, default_value_t = Mode::Path)]
     pub mode: Mode,
-    /// bdpt: weights of the ways to find a path [Veach97, 9.2]
+    /// bdpt, vcm: weights of the ways to find a path [Veach97, 9.2]
     #[arg(long, value_enum, default_value_t = Heuristic::Power)]
     pub heuristic: Heuristic,
+    /// vcm: radius of the first pass within which vertices are merged, in scene radii
+    #[arg(long, value_name = "R", default_value_t = 0.003, value_parser = number("a radius above 0", |r: &f32| *r > 0.0 && *r < 1.0))]
+    pub radius: f32,
+    /// vcm: how fast the radius shrinks: r^2 of a pass is (i + alpha) / (i + 1) times that of the pass before [Knaus11]
+    #[arg(long, value_name = "ALPHA", default_value_t = 0.75, value_parser = number("a number above 0, up to 1", |a: &f32| *a > 0.0 && *a <= 1.0))]
+    pub alpha: f32,
     /// How long paths may be.
     #[command(flatten)]
     pub limits: PathLimits,
@@ -57,6 +65,6 @@ impl Parameters for Params {
     }
 
     fn finds_focused_light(&self) -> bool {
-        matches!(self.mode, Mode::Light | Mode::Bdpt)
+        matches!(self.mode, Mode::Light | Mode::Bdpt | Mode::Vcm)
     }
 }

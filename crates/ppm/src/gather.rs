@@ -10,8 +10,7 @@ use gi_core::math::Rgb;
 use gi_core::scene::Scene;
 use glam::Vec3;
 
-use crate::grid::Grid;
-use crate::photons::{Arrival, SAME_SURFACE};
+use crate::photons::{Arrival, Photons, SAME_SURFACE};
 use crate::statistics::Pass;
 use gi_core::walk::PhotonKind;
 
@@ -91,7 +90,7 @@ pub(crate) fn covers(bsdf: &Bsdf, wo: Vec3, min_roughness: f32) -> Option<Covers
 /// fails, or photons of another surface lie within the radius, the visibility of every photon is tested.
 pub(crate) fn gather_seen(
     scene: &Scene,
-    grid: &Grid,
+    grid: &Photons,
     point: &Point,
     discs: Discs,
     u: impl FnMut() -> [f32; 2],
@@ -116,14 +115,14 @@ pub(crate) fn gather_seen(
 }
 
 /// Gather at a point.
-pub(crate) fn gather(grid: &Grid, point: &Point, discs: Discs) -> Gathered {
+pub(crate) fn gather(grid: &Photons, point: &Point, discs: Discs) -> Gathered {
     gather_where(grid, point, discs, |_, _| true)
 }
 
 /// Gather the photons whose position and side `takes` accepts (side 1 is that of the geometric normal).
 #[inline]
 fn gather_where(
-    grid: &Grid,
+    grid: &Photons,
     point: &Point,
     discs: Discs,
     takes: impl Fn(Vec3, f32) -> bool,
@@ -158,7 +157,7 @@ fn gather_where(
 /// Sum over the accepted photons within the radius. `f` is the BSDF.
 #[inline]
 fn sum(
-    grid: &Grid,
+    grid: &Photons,
     point: &Point,
     discs: Discs,
     takes: impl Fn(Vec3, f32) -> bool,
@@ -211,7 +210,7 @@ fn sum(
 /// The radius of the disc that contains `count` contributing photons, between `least` and `most`. The search starts at
 /// `guess`. `None` if there is no photon within `most`.
 pub(crate) fn radius_of(
-    grid: &Grid,
+    grid: &Photons,
     point: &Point,
     count: usize,
     guess: f32,

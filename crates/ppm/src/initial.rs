@@ -9,9 +9,8 @@ use gi_core::scene::Scene;
 use glam::Vec3;
 
 use crate::gather::{Point, radius_of};
-use crate::grid::Grid;
 use crate::methods::Method;
-use crate::photons::{Photon, SAME_SURFACE};
+use crate::photons::{Photon, Photons, SAME_SURFACE};
 use crate::region::{Look, Region};
 use crate::statistics::Statistics;
 
@@ -48,7 +47,7 @@ pub(crate) fn regions(look: &Look, photons: &[Vec<Photon>]) -> (PerPixel<Region>
         let stored = photons.iter().map(Vec::len).sum::<usize>().max(1);
         let share = params.initial_photons as f32 / stored as f32;
         let guess = scene.radius() * (2.0 * share.sqrt()).min(MOST);
-        let grid = Grid::build(photons, guess);
+        let grid = Photons::build(photons, guess);
         let found = PerPixel::new(size, |at| nearest(look, at, &grid, guess));
         for n in found.rows().flatten() {
             bounds.least += u64::from(n.radius <= n.least);
@@ -82,7 +81,7 @@ struct Nearest {
 }
 
 /// Search around the first gather point of a pixel.
-fn nearest(look: &Look, at: [usize; 2], grid: &Grid, guess: f32) -> Option<Nearest> {
+fn nearest(look: &Look, at: [usize; 2], grid: &Photons, guess: f32) -> Option<Nearest> {
     let setting = look.setting;
     let pixel = pixel_width(setting.camera);
     let count = look.params.initial_photons as usize;

@@ -23,7 +23,6 @@ mod aim;
 mod checkpoint;
 mod error;
 mod gather;
-pub mod grid;
 mod initial;
 pub mod methods;
 mod params;
@@ -38,10 +37,9 @@ use gi_core::film::{Film, PerPixel, Show};
 use gi_core::technique::{Picture, Setting, Technique};
 
 pub use crate::error::Moments;
-use crate::grid::Grid;
 use crate::initial::{AtBounds, PILOT};
 pub use crate::params::{Figure, Method, Params};
-use crate::photons::{Emission, Photon};
+use crate::photons::{Emission, Photon, Photons};
 use crate::region::{Look, Region};
 pub use crate::shows::Trace;
 use crate::statistics::{Pass, Statistics};
@@ -97,7 +95,7 @@ impl<'a> Technique<'a> for Ppm<'a> {
     /// One pass: trace photons, build the grid, then gather at every pixel.
     fn pass(&mut self, index: u32, film: &mut Film) {
         let photons = trace(&self.setting, &self.params, &self.emission, index);
-        let grid = Grid::build(&photons, self.mean_radius());
+        let grid = Photons::build(&photons, self.mean_radius());
         drop(photons);
         let look = Look {
             setting: &self.setting,

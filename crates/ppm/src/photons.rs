@@ -1,5 +1,6 @@
 //! The photons of a pass: light paths leave a photon wherever the eye may gather.
 
+use gi_core::grid::{Grid, Item};
 use gi_core::light::Targets;
 use gi_core::math::Rgb;
 use gi_core::sampler::Sampler;
@@ -14,13 +15,10 @@ const CHUNK: u32 = 4096;
 const PHOTONS: u32 = 0x7068_6f74;
 
 /// Light that has reached a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Photon {
-    /// Position, world.
-    pub p: Vec3,
-    /// All but the position.
-    pub arrival: Arrival,
-}
+pub type Photon = Item<Arrival>;
+
+/// The photons of a pass, for searches.
+pub type Photons = Grid<Arrival>;
 
 /// A photon without its position.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -110,8 +108,8 @@ impl Emission {
                 return;
             }
             if (self.direct || vertex.depth > 0) && gathers(&vertex) {
-                let arrival = Arrival::at(&vertex, self.paths);
-                photons.push(Photon { p: vertex.surface.p, arrival });
+                let value = Arrival::at(&vertex, self.paths);
+                photons.push(Photon { p: vertex.surface.p, value });
             }
             let goes_on = match &self.targets {
                 Some(targets) => walk.scatter_toward(&vertex, roulette, targets),

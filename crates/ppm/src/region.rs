@@ -12,9 +12,9 @@ use glam::Vec3;
 
 use crate::error::Moments;
 use crate::gather::{Discs, Gathered, Point, covers, gather_seen};
-use crate::grid::Grid;
 use crate::methods::{Method, adaptive_radius, derivative_radius, probabilistic_radius};
 use crate::params::Params;
+use crate::photons::Photons;
 use crate::statistics::{Pass, Statistics};
 
 /// Data that a pixel keeps from pass to pass.
@@ -96,7 +96,7 @@ impl<'a> Look<'_, 'a> {
     }
 
     /// Follow a path through a pixel, and gather photons at its vertices.
-    pub(crate) fn pixel(&self, at: [usize; 2], region: &mut Region, grid: &Grid) -> Sample {
+    pub(crate) fn pixel(&self, at: [usize; 2], region: &mut Region, grid: &Photons) -> Sample {
         self.choose_radius(region);
         let (sample, gathered) = match self.params.method {
             Method::Ppm => self.at_hit_points(at, region, grid),
@@ -138,7 +138,7 @@ impl<'a> Look<'_, 'a> {
     }
 
     /// Find new hit points, and gather at all of them with the radius of the pixel.
-    fn anew(&self, at: [usize; 2], region: &Region, grid: &Grid) -> (Sample, Gathered) {
+    fn anew(&self, at: [usize; 2], region: &Region, grid: &Photons) -> (Sample, Gathered) {
         let scene = self.setting.scene;
         let radius = region.statistics.radius;
         let (discs, density) = (self.discs(radius, region.initial), per_area(radius));
@@ -175,7 +175,7 @@ impl<'a> Look<'_, 'a> {
         &self,
         at: [usize; 2],
         region: &mut Region,
-        grid: &Grid,
+        grid: &Photons,
     ) -> (Sample, Gathered) {
         let scene = self.setting.scene;
         let mut walk = self.walk(at, self.index);

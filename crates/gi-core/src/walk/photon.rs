@@ -67,10 +67,10 @@ impl Photon {
     }
 }
 
-/// |wi . ns| / |wi . ng|: photons arrive in proportion to the cosine with the geometric normal, but irradiance uses the shading normal [Veach97, 5.3.2]. Zero along the surface.
-/// [Veach97, 5.3.2]. Zero along the surface.
+/// |wi . ns| / |wi . ng|: photons arrive in proportion to the cosine with the geometric normal, but irradiance uses the
+/// shading normal [Veach97, 5.3.2]. Zero along the surface.
 #[inline]
-fn shading_correction(wi: Vec3, ng: Vec3, ns: Vec3) -> f32 {
+pub fn shading_correction(wi: Vec3, ng: Vec3, ns: Vec3) -> f32 {
     if ns == ng {
         return 1.0;
     }

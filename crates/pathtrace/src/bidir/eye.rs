@@ -7,10 +7,10 @@ use gi_core::geometry::Surface;
 use gi_core::math::Rgb;
 use glam::Vec3;
 
-use super::Bidirectional;
-use super::light_paths::{LightPaths, LightVertex};
+use super::light_paths::LightVertex;
 use super::vertex::{Site, Vertex, facing};
 use super::weight::{self, Partials};
+use super::{Bidirectional, PassPaths};
 
 /// What a way to complete the path has found.
 pub(crate) struct Found {
@@ -20,6 +20,8 @@ pub(crate) struct Found {
     pub(crate) t: u32,
     /// Radiance, not weighted.
     pub(crate) radiance: Rgb,
+    /// Whether two vertices were merged; both count.
+    pub(crate) merged: bool,
     /// Weight among all ways to find the same path.
     pub(crate) weight: f32,
     /// Scatterings on the whole path that are not by delta lobes, and whether the light was focused after the only one: see
@@ -27,9 +29,12 @@ pub(crate) struct Found {
     pub(crate) kind: (u32, bool),
 }
 
+/// Smallest cosine between the normals of two points that are merged.
+const SAME_SURFACE: f32 = 0.5;
+
 impl Bidirectional<'_> {
     /// The sample of a pixel. `paths` are the light paths of the pass; path and pixel have the same number.
-    pub(crate) fn sample(&self, pixel: [usize; 2], index: u32, paths: &LightPaths) -> Sample {
+    pub(crate) fn sample(&self, pixel: [usize; 2], index: u32, paths: &PassPaths) -> Sample {
         let mut radiance = Components::default();
         let sample = self.eye_path(pixel, index, paths, &mut |found: Found| {
             let (non_delta, then_delta) = found.kind;
@@ -43,12 +48,12 @@ impl Bidirectional<'_> {
         &self,
         pixel: [usize; 2],
         index: u32,
-        paths: &LightPaths,
+        paths: &PassPaths,
         add: &mut impl FnMut(Found),
     ) -> Sample {
         let scene = self.setting.scene;
         let number = (pixel[1] * self.setting.camera.size()[0] + pixel[0]) as u32;
-        let light_path = paths.path(number);
+        let light_path = paths.light.path(number);
         let walk = EyeWalk::through_pixel(&self.setting, self.limits, pixel, index);
         let mut walk = walk.through_media(self.camera_medium);
         let mut after_delta = false;
@@ -69,7 +74,7 @@ impl Bidirectional<'_> {
                 if !radiance.is_black() {
                     let weight = self.weight_of_hit(surface, wo, (from, &leaving));
                     let (s, t, kind) = (0, segments + 1, (non_delta, after_delta));
-                    add(Found { s, t, radiance, weight, kind });
+                    add(Found { s, t, radiance, weight, kind, merged: false });
                 }
             }
             let p = match site {
@@ -94,6 +99,7 @@ impl Bidirectional<'_> {
                         self.connect(&vertex, light, add);
                     }
                 }
+                self.merge(&vertex, paths, add);
             }
             let goes_on = match event {
                 EyeEvent::Surface(v) => walk.scatter(v),
@@ -142,7 +148,7 @@ impl Bidirectional<'_> {
             let weight =
                 leaving.map_or(1.0, |leaving| weight::hit_light(&self.ways, &leaving, &end));
             let radiance = walk.throughput() * radiance;
-            add(Found { s: 0, t: walk.segments() + 1, radiance, weight, kind });
+            add(Found { s: 0, t: walk.segments() + 1, radiance, weight, kind, merged: false });
         }
     }
 
@@ -160,7 +166,7 @@ impl Bidirectional<'_> {
         let joint = vertex.joint(light.wi, 1.0);
         let weight = weight::light_sample(&self.ways, &vertex.partials, &end, pdf_w, &joint);
         let kind = (vertex.non_delta + 1, false);
-        add(Found { s: 1, t: vertex.segments + 1, radiance, weight, kind });
+        add(Found { s: 1, t: vertex.segments + 1, radiance, weight, kind, merged: false });
     }
 
     /// Connect a vertex of the eye with one of a light path (s > 1, t > 1).
@@ -192,7 +198,40 @@ impl Bidirectional<'_> {
             );
             let (s, t) = (light.segments + 1, eye.segments + 1);
             let kind = (eye.non_delta + light.non_delta + 2, false);
-            add(Found { s, t, radiance, weight, kind });
+            add(Found { s, t, radiance, weight, kind, merged: false });
+        });
+    }
+    /// Merge a vertex of the eye with the light vertices around it, as in photon mapping.
+    fn merge(&self, eye: &Vertex, paths: &PassPaths, add: &mut impl FnMut(Found)) {
+        let (Some(grid), Site::Surface { surface, bsdf, .. }) = (&paths.grid, eye.site) else {
+            return;
+        };
+        if !eye.merges() {
+            return;
+        }
+        grid.within(surface.p, self.radius, |_, id, _| {
+            let kept = paths.light.vertex(*id);
+            // The two points become one.
+            let segments = eye.segments + kept.segments();
+            let Some(photon) = kept.photon().filter(|_| self.limits.goes_on(segments - 1)) else {
+                return;
+            };
+            // Both sides agree, and both points are on the same surface.
+            let sides = (photon.wi.dot(photon.ng) * photon.wi.dot(surface.ng)).signum();
+            if photon.ng.dot(surface.ng) * sides < SAME_SURFACE {
+                return;
+            }
+            let radiance = eye.carried * bsdf.f(eye.wo, photon.wi) * photon.power;
+            if radiance.is_black() {
+                return;
+            }
+            let radiance = radiance / self.ways.merges;
+            let (forward, backward) = (bsdf.pdf_w(eye.wo, photon.wi), eye.reverse_pdf_w(photon.wi));
+            let partials = [&eye.partials, photon.partials];
+            let weight = weight::merging(&self.ways, partials, [forward, backward]);
+            let kind = (eye.non_delta + 1 + photon.kind.0, photon.kind.1);
+            let (s, t) = (kept.segments() + 1, eye.segments + 1);
+            add(Found { s, t, radiance, weight, kind, merged: true });
         });
     }
 }

@@ -5,12 +5,14 @@ use gi_core::camera::Connection;
 use gi_core::film::Components;
 use gi_core::filter::FilterTable;
 use gi_core::geometry::Surface;
+use gi_core::grid::{Grid, Item};
 use gi_core::math::Rgb;
 use gi_core::medium::MediumId;
 use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
-use gi_core::walk::{LightEvent, LightWalk, Roulette, walk_in_order};
+use gi_core::walk::{LightEvent, LightWalk, Roulette, shading_correction, walk_in_order};
 use glam::Vec3;
+use rayon::prelude::*;
 
 use super::Bidirectional;
 use super::vertex::{Site, Vertex, facing};
@@ -45,9 +47,28 @@ pub(crate) struct LightVertex {
     splat: Option<Splat>,
 }
 
+/// Where a vertex is kept.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct VertexId {
+    chunk: u32,
+    place: u32,
+}
+
 enum Place {
     Surface { surface: Surface, medium: Option<MediumId> },
     Medium { p: Vec3, medium: MediumId },
+}
+
+/// Light that has reached a surface, to be merged with a path from the eye.
+pub(crate) struct Merged<'v> {
+    pub(crate) ng: Vec3,
+    /// Unit direction back to where the light came from.
+    pub(crate) wi: Vec3,
+    /// Power, not divided by the number of paths.
+    pub(crate) power: Rgb,
+    /// Scatterings before that were not by delta lobes, and whether there were only delta lobes.
+    pub(crate) kind: (u32, bool),
+    pub(crate) partials: &'v Partials,
 }
 
 /// Light that a light path brings to a pixel.
@@ -80,6 +101,16 @@ impl LightVertex {
             segments: self.segments,
             non_delta: self.non_delta,
         })
+    }
+
+    /// The photon that the path leaves here, as [`gi_core::walk::Photon::at`] has it; `None` in media.
+    pub(crate) fn photon(&self) -> Option<Merged<'_>> {
+        let Place::Surface { surface, .. } = &self.place else { return None };
+        let (wi, ng) = (self.wo, surface.ng);
+        let power = self.power * shading_correction(wi, ng, surface.ns());
+        let depth = self.segments - 1;
+        let kind = (self.non_delta, depth > 0 && self.non_delta == 0);
+        Some(Merged { ng, wi, power, kind, partials: &self.partials })
     }
 
     /// The flat primitive that it lies on.
@@ -128,6 +159,29 @@ impl LightPaths {
                 splat.radiance * scale;
         }
         picture
+    }
+
+    /// The vertices on surfaces in a grid, for searches within about `radius`.
+    pub(crate) fn grid(&self, radius: f32) -> Grid<VertexId> {
+        let of_chunk = |(chunk, vertices): (usize, &Vec<LightVertex>)| {
+            let places = vertices.iter().enumerate();
+            let on_surfaces = places.filter_map(|(place, v)| match &v.place {
+                Place::Surface { surface, .. } => {
+                    let value = VertexId { chunk: chunk as u32, place: place as u32 };
+                    Some(Item { p: surface.p, value })
+                }
+                Place::Medium { .. } => None,
+            });
+            on_surfaces.collect()
+        };
+        let items: Vec<Vec<Item<VertexId>>> =
+            self.chunks.par_iter().enumerate().map(of_chunk).collect();
+        Grid::build(&items, radius)
+    }
+
+    /// A vertex of [`LightPaths::grid`].
+    pub(crate) fn vertex(&self, id: VertexId) -> &LightVertex {
+        &self.chunks[id.chunk as usize][id.place as usize]
     }
 
     /// All vertices, path by path.

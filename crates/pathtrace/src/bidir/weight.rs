@@ -170,8 +170,7 @@ pub(crate) fn connection(ways: &Ways, eye: (&Partials, &Joint), light: (&Partial
 #[inline]
 pub(crate) fn merging(
     ways: &Ways,
-    eye: &Partials,
-    light: &Partials,
+    [eye, light]: [&Partials; 2],
     [forward, backward]: [f32; 2],
 ) -> f32 {
     let part = |p: &Partials, pdf_w| p.vcm * ways.connecting() + p.vm * ways.of(pdf_w);

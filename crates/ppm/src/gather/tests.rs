@@ -1,5 +1,5 @@
 use super::*;
-use crate::photons::Photon;
+use crate::photons::{Photon, Photons};
 use gi_core::bsdf::Transport;
 use gi_core::geometry::{Geometry, Mesh, Shape};
 use gi_core::material::Material;
@@ -32,15 +32,15 @@ fn seen(scene: &Scene, photons: Vec<Photon>, max_segments: Option<u32>) -> Gathe
     let point =
         Point { surface: &surface, wo, bsdf: &bsdf, covers, max_segments, throughput: Rgb::WHITE };
     let discs = Discs { radius: 0.5, derivative: Some(0.6) };
-    gather(&Grid::build(&[photons], 0.5), &point, discs)
+    gather(&Photons::build(&[photons], 0.5), &point, discs)
 }
 
 /// A photon of power 2 from `wi` on a surface with normal `ng`.
 fn photon(p: Vec3, wi: Vec3, ng: Vec3, kind: PhotonKind) -> Photon {
     let wi = wi.normalize();
     let normal = (ng * 127f32.copysign(wi.dot(ng))).to_array().map(|v| v.round() as i8);
-    let arrival = Arrival { power: Rgb::grey(2.0), wi, normal, kind, segments: 2 };
-    Photon { p, arrival }
+    let value = Arrival { power: Rgb::grey(2.0), wi, normal, kind, segments: 2 };
+    Photon { p, value }
 }
 
 #[test]

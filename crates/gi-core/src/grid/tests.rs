@@ -1,10 +1,9 @@
 use super::*;
-use gi_core::math::Rgb;
-use gi_core::rng::Pcg;
+use crate::rng::Pcg;
 
-/// Photons on the walls of the unit cube and in a cluster, in chunks of different sizes; the power is the photon's
+/// Photons on the walls of the unit cube and in a cluster, in chunks of different sizes; the value is the photon's
 /// index.
-fn photons(n: usize) -> Vec<Vec<Photon>> {
+fn photons(n: usize) -> Vec<Vec<Item<u32>>> {
     let mut rng = Pcg::new(5, 1);
     let mut chunks = vec![Vec::new()];
     for i in 0..n {
@@ -14,32 +13,31 @@ fn photons(n: usize) -> Vec<Vec<Photon>> {
         } else {
             p[i % 3] = (i % 2) as f32;
         }
-        let arrival = Arrival { power: Rgb::grey(i as f32), ..Arrival::default() };
         if rng.next_below(700) == 0 {
             chunks.push(Vec::new());
         }
-        chunks.last_mut().expect("a chunk").push(Photon { p, arrival });
+        chunks.last_mut().expect("a chunk").push(Item { p, value: i as u32 });
     }
     chunks
 }
 
-fn found(grid: &Grid, p: Vec3, radius: f32) -> Vec<u32> {
+fn found(grid: &Grid<u32>, p: Vec3, radius: f32) -> Vec<u32> {
     let mut found = Vec::new();
-    grid.within(p, radius, |_, a, _| found.push(a.power.r as u32));
+    grid.within(p, radius, |_, a, _| found.push(*a));
     found.sort_unstable();
     found
 }
 
-fn brute_force(chunks: &[Vec<Photon>], p: Vec3, radius: f32) -> Vec<u32> {
-    let near = |q: &&Photon| {
+fn brute_force(chunks: &[Vec<Item<u32>>], p: Vec3, radius: f32) -> Vec<u32> {
+    let near = |q: &&Item<u32>| {
         let d = q.p - p;
         d.x * d.x + d.y * d.y + d.z * d.z < radius * radius
     };
-    chunks.iter().flatten().filter(near).map(|q| q.arrival.power.r as u32).collect()
+    chunks.iter().flatten().filter(near).map(|q| q.value).collect()
 }
 
 /// Test queries in and around the box of the photons, with radii from far below to far above the cell size.
-fn assert_finds_each_once(name: &str, grid: &Grid, chunks: &[Vec<Photon>]) {
+fn assert_finds_each_once(name: &str, grid: &Grid<u32>, chunks: &[Vec<Item<u32>>]) {
     let mut rng = Pcg::new(9, 2);
     let mut total = 0;
     for case in 0..400 {
@@ -93,20 +91,18 @@ fn cells_that_share_a_bucket_do_not_count_a_photon_twice() {
 #[test]
 fn the_order_is_by_path_within_a_cell_for_any_number_of_threads_and_any_chunks() {
     let chunks = photons(5000);
-    let one: Vec<Photon> = chunks.iter().flatten().copied().collect();
+    let one: Vec<Item<u32>> = chunks.iter().flatten().copied().collect();
     for cell in [0.08, 0.01] {
         let expected = Grid::build(std::slice::from_ref(&one), cell);
         for threads in [1, 2, 4] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
             let grid = pool.expect("threads").install(|| Grid::build(&chunks, cell));
             assert!(grid.start == expected.start && grid.columns == expected.columns);
-            assert!(grid.arrivals == expected.arrivals, "{threads} threads");
+            assert!(grid.values == expected.values, "{threads} threads");
         }
         for bucket in expected.start.windows(2) {
-            let order: Vec<f32> = expected.arrivals[bucket[0] as usize..bucket[1] as usize]
-                .iter()
-                .map(|a| a.power.r)
-                .collect();
+            let order: Vec<u32> =
+                expected.values[bucket[0] as usize..bucket[1] as usize].iter().copied().collect();
             assert!(order.is_sorted(), "{order:?}");
         }
     }
@@ -114,7 +110,7 @@ fn the_order_is_by_path_within_a_cell_for_any_number_of_threads_and_any_chunks()
 
 #[test]
 fn no_photons_one_photon_and_photons_in_one_place() {
-    let at = |p| Photon { p, arrival: Arrival::default() };
+    let at = |p| Item { p, value: 0 };
     let none = Grid::build(&[], 0.1);
     assert_eq!((none.len(), found(&none, Vec3::ZERO, 9.0).len()), (0, 0));
     let one = Grid::build(&[vec![at(Vec3::ONE)], Vec::new()], 0.1);

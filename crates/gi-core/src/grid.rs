@@ -1,33 +1,44 @@
-//! The photons of one pass in a grid.
+//! Points in a grid, for searches within a radius: the photons of a pass of progressive photon mapping, and the light vertices that
+//! bidirectional paths merge with.
 //!
-//! Photons are sorted into cubic cells. If their bounding box has few cells compared to the number of photons, the
+//! Points are sorted into cubic cells. If their bounding box has few cells compared to the number of points, the
 //! cells form an array, and the cells of a row along x are adjacent. Otherwise cells are hashed, and several may share
-//! a bucket. The build runs in parallel. The order is the same for any number of threads: by cell, and within a cell by
-//! path.
+//! a bucket. The build runs in parallel. The order is the same for any number of threads: by cell, and within a cell as
+//! given.
 
 mod build;
+mod radius;
 
 use std::ops::Range;
 
-use gi_core::math::Bounds;
 use glam::{IVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::photons::{Arrival, Photon};
+use crate::math::Bounds;
+pub use radius::probabilistic_radius;
 
-/// Photons sorted into cells.
-pub struct Grid {
-    /// Smallest corner of the bounding box of the photons, and number of cells per world unit.
+/// A point and what is stored there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Item<T> {
+    /// Position, world.
+    pub p: Vec3,
+    /// What is stored.
+    pub value: T,
+}
+
+/// Points sorted into cells.
+pub struct Grid<T> {
+    /// Smallest corner of the bounding box of the points, and number of cells per world unit.
     origin: Vec3,
     inverse_cell: f32,
     /// Last cell along each axis.
     last: IVec3,
     layout: Layout,
-    /// First photon of each bucket; one entry more than buckets.
+    /// First point of each bucket; one entry more than buckets.
     start: Vec<u32>,
     /// Positions, one column per axis, so that several distances are computed at once.
     columns: [Vec<f32>; 3],
-    arrivals: Vec<Arrival>,
+    values: Vec<T>,
 }
 
 /// How cells map to buckets.
@@ -39,8 +50,8 @@ enum Layout {
     Hashed { bits: u32 },
 }
 
-/// The array is used up to this many cells per photon.
-const CELLS_A_PHOTON: usize = 4;
+/// The array is used up to this many cells per point.
+const CELLS_A_POINT: usize = 4;
 /// Maximum number of cells along an axis. Floats still distinguish neighbouring cells, and coordinates cannot overflow.
 const MOST_CELLS: f32 = (1 << 20) as f32;
 
@@ -69,15 +80,15 @@ impl Layout {
     }
 }
 
-impl Grid {
-    /// Sort photons into cells of about `cell` (world units). `chunks` are joined in order.
-    pub fn build(chunks: &[Vec<Photon>], cell: f32) -> Self {
+impl<T: Copy + Default + Send + Sync> Grid<T> {
+    /// Sort points into cells of about `cell` (world units). `chunks` are joined in order.
+    pub fn build(chunks: &[Vec<Item<T>>], cell: f32) -> Self {
         let n = chunks.iter().map(Vec::len).sum::<usize>();
         let bounds = bounds(chunks);
         let (cell, last) = cells(bounds, cell);
         let [width, height, depth] = last.to_array().map(|c| c as usize + 1);
         let layout = match width.checked_mul(height).and_then(|area| area.checked_mul(depth)) {
-            Some(cells) if cells <= CELLS_A_PHOTON * n.max(1) => {
+            Some(cells) if cells <= CELLS_A_POINT * n.max(1) => {
                 Layout::Dense { width, height, depth }
             }
             _ => Layout::Hashed { bits: n.max(2).next_power_of_two().ilog2().min(28) },
@@ -86,7 +97,7 @@ impl Grid {
     }
 
     fn with_layout(
-        chunks: &[Vec<Photon>],
+        chunks: &[Vec<Item<T>>],
         origin: Vec3,
         cell: f32,
         last: IVec3,
@@ -95,7 +106,7 @@ impl Grid {
         let n = chunks.iter().map(Vec::len).sum::<usize>();
         assert!(
             u32::try_from(n).is_ok(),
-            "a pass of {n} photons exceeds the range of the grid's 32-bit indices"
+            "{n} points exceed the range of the grid's 32-bit indices"
         );
         let empty = || vec![0.0; n];
         let mut grid = Grid {
@@ -105,25 +116,25 @@ impl Grid {
             layout,
             start: vec![0; layout.buckets() + 1],
             columns: [empty(), empty(), empty()],
-            arrivals: vec![Arrival::default(); n],
+            values: vec![T::default(); n],
         };
         grid.sort(chunks);
         grid
     }
 
-    /// Number of photons.
+    /// Number of points.
     pub fn len(&self) -> usize {
-        self.arrivals.len()
+        self.values.len()
     }
 
-    /// Whether there are no photons.
+    /// Whether there are no points.
     pub fn is_empty(&self) -> bool {
-        self.arrivals.is_empty()
+        self.values.is_empty()
     }
 
-    /// Call `visit` once for every photon nearer to `p` than `radius`, with its position and squared distance.
+    /// Call `visit` once for every point nearer to `p` than `radius`, with its position and squared distance.
     #[inline]
-    pub fn within(&self, p: Vec3, radius: f32, mut visit: impl FnMut(Vec3, &Arrival, f32)) {
+    pub fn within(&self, p: Vec3, radius: f32, mut visit: impl FnMut(Vec3, &T, f32)) {
         let (low, high) = (self.cell_at(p - radius), self.cell_at(p + radius));
         let outside = high.cmplt(IVec3::ZERO).any() || low.cmpgt(self.last).any();
         if self.is_empty() || outside {
@@ -138,11 +149,11 @@ impl Grid {
                         // Neighbours along x are adjacent.
                         let first = self.layout.bucket(IVec3::new(low.x, y, z));
                         let buckets = first..first + extent.x as usize;
-                        self.scan(self.photons(buckets), p, radius, |at, a, d| visit(at, a, d));
+                        self.scan(self.points(buckets), p, radius, |at, a, d| visit(at, a, d));
                     }
                 }
             }
-            // The query covers more cells than there are photons: scan all photons.
+            // The query covers more cells than there are points: scan all points.
             Layout::Hashed { .. } if extent.x * extent.y * extent.z >= self.len() as u64 => {
                 self.scan(0..self.len(), p, radius, visit);
             }
@@ -153,13 +164,13 @@ impl Grid {
                             let cell = IVec3::new(x, y, z);
                             let bucket = self.layout.bucket(cell);
                             // Other cells share the bucket, and this query may visit those too. So in each visit, only
-                            // the photons of the visited cell count.
-                            let own = |at, a: &Arrival, d| {
+                            // the points of the visited cell count.
+                            let own = |at, a: &T, d| {
                                 if self.cell_of(at) == cell {
                                     visit(at, a, d);
                                 }
                             };
-                            self.scan(self.photons(bucket..bucket + 1), p, radius, own);
+                            self.scan(self.points(bucket..bucket + 1), p, radius, own);
                         }
                     }
                 }
@@ -167,27 +178,27 @@ impl Grid {
         }
     }
 
-    /// The photons of a range of buckets.
+    /// The points of a range of buckets.
     #[inline]
-    fn photons(&self, buckets: Range<usize>) -> Range<usize> {
+    fn points(&self, buckets: Range<usize>) -> Range<usize> {
         self.start[buckets.start] as usize..self.start[buckets.end] as usize
     }
 
-    /// Visit the photons of a range that are near. Distances are computed per block first.
+    /// Visit the points of a range that are near. Distances are computed per block first.
     #[inline]
     fn scan(
         &self,
         range: Range<usize>,
         p: Vec3,
         radius: f32,
-        mut visit: impl FnMut(Vec3, &Arrival, f32),
+        mut visit: impl FnMut(Vec3, &T, f32),
     ) {
         const BLOCK: usize = 32;
         let radius_sq = radius * radius;
         let [x, y, z] = [0, 1, 2].map(|axis| &self.columns[axis][range.clone()]);
-        let arrivals = &self.arrivals[range];
-        for first in (0..arrivals.len()).step_by(BLOCK) {
-            let end = (first + BLOCK).min(arrivals.len());
+        let values = &self.values[range];
+        for first in (0..values.len()).step_by(BLOCK) {
+            let end = (first + BLOCK).min(values.len());
             let (x, y, z) = (&x[first..end], &y[first..end], &z[first..end]);
             let mut distances = [0f32; BLOCK];
             for (((d, x), y), z) in distances.iter_mut().zip(x).zip(y).zip(z) {
@@ -201,7 +212,7 @@ impl Grid {
             }
             for &i in &near[..count.min(BLOCK)] {
                 let i = usize::from(i);
-                visit(Vec3::new(x[i], y[i], z[i]), &arrivals[first + i], distances[i]);
+                visit(Vec3::new(x[i], y[i], z[i]), &values[first + i], distances[i]);
             }
         }
     }
@@ -212,16 +223,16 @@ impl Grid {
         ((p - self.origin) * self.inverse_cell).floor().as_ivec3()
     }
 
-    /// The cell of a photon.
+    /// The cell of a point.
     #[inline]
     fn cell_of(&self, p: Vec3) -> IVec3 {
         self.cell_at(p).clamp(IVec3::ZERO, self.last)
     }
 }
 
-/// Bounding box of all photons; a point if there are none.
-fn bounds(chunks: &[Vec<Photon>]) -> Bounds {
-    let of = |chunk: &Vec<Photon>| Bounds::of(chunk.iter().map(|p| p.p));
+/// Bounding box of all points; one point if there are none.
+fn bounds<T: Sync>(chunks: &[Vec<Item<T>>]) -> Bounds {
+    let of = |chunk: &Vec<Item<T>>| Bounds::of(chunk.iter().map(|p| p.p));
     let bounds = chunks.par_iter().map(of).reduce(|| Bounds::EMPTY, Bounds::union);
     if bounds.is_empty() { Bounds::of([Vec3::ZERO]) } else { bounds }
 }
