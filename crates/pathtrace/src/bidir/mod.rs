@@ -78,3 +78,6 @@ impl<'a> Bidirectional<'a> {
         PassPaths { light, grid }
     }
 }
+
+#[cfg(test)]
+mod tests;
