@@ -72,6 +72,22 @@ fn paths_from_the_eye_and_from_the_lights_agree_in_the_cornell_box() {
 }
 
 #[test]
+fn paths_from_both_ends_agree_with_paths_from_one_in_each_component() {
+    let world = World::load("cornell-glossy.xml", [32, 32], &[]);
+    for show in [Show::Direct, Show::Indirect] {
+        let [eye, both] = [(Mode::Path, 256), (Mode::Bdpt, 128)].map(|(mode, passes)| {
+            world.render::<PathTracer>(&Params { mode, ..Params::default() }, passes, 5, show)
+        });
+        assert_agree(&format!("cornell-glossy, {show:?}"), &eye, &both, 8);
+    }
+    let world = World::load("ring.xml", [24, 24], &[]);
+    let [light, both] = [(Mode::Light, 512), (Mode::Bdpt, 256)].map(|(mode, passes)| {
+        world.render::<PathTracer>(&Params { mode, ..Params::default() }, passes, 5, Show::Caustic)
+    });
+    assert_agree("the ring's caustic", &light, &both, 8);
+}
+
+#[test]
 fn paths_from_the_eye_and_from_the_lights_agree_on_a_caustic() {
     // Rays from the eye rarely find the small lamp, so many are needed to estimate their variance.
     let world = World::load("ring.xml", [24, 24], &[]);

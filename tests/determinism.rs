@@ -14,12 +14,12 @@ fn bits(world: &World, mode: Mode, threads: usize, seed: u32) -> Vec<(String, Ve
 
 #[test]
 fn every_layer_has_the_same_bits_at_1_2_and_4_threads() {
-    const ALL: [Mode; 3] = [Mode::Path, Mode::Light, Mode::VolPath];
+    const ALL: [Mode; 5] = [Mode::Path, Mode::Light, Mode::Bdpt, Mode::Vcm, Mode::VolPath];
     for (scene, size, modes) in [
-        ("cornell-spheres.xml", [50, 40], &ALL[..2]),
-        ("patio.xml", [40, 30], &ALL[..2]),
+        ("cornell-spheres.xml", [50, 40], &ALL[..4]),
+        ("patio.xml", [40, 30], &ALL[..3]),
         ("fog.xml", [40, 40], &ALL[1..]),
-        ("marble.xml", [40, 40], &ALL[2..]),
+        ("marble.xml", [40, 40], &ALL[3..]),
     ] {
         for &mode in modes {
             let world = World::load(scene, size, &[]);

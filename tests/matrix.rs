@@ -42,6 +42,8 @@ enum Program {
     Path,
     VolPath,
     Light,
+    Bdpt,
+    Vcm,
     Irrcache,
     Radcache,
     Photonmap,
@@ -62,6 +64,13 @@ impl Program {
             Path => path(Mode::Path, 24),
             VolPath => path(Mode::VolPath, 24),
             Light => path(Mode::Light, 48),
+            Bdpt => path(Mode::Bdpt, 16),
+            Vcm => {
+                // With so few paths, merging counts only over a wide radius.
+                let params =
+                    pathtrace::Params { mode: Mode::Vcm, radius: 0.02, ..Default::default() };
+                world.render::<pathtrace::PathTracer>(&params, 16 * effort, seed, Show::All)
+            }
             Irrcache => {
                 let params = irrcache::Params { rays: 400, ..Default::default() };
                 world.render::<irrcache::IrradianceCaching>(&params, 4 * effort, seed, Show::All)
@@ -102,8 +111,10 @@ impl Program {
 /// Allowed bias in the mean of a picture, from the blur of photons, the interpolation of caches and the error of cuts.
 /// In the plain room, the measured values are below 1 %, 1 % and 0.5 %. The errors that the matrix is meant to find are
 /// several times as large.
-const ALL: [(Program, f64); 8] = [
+const ALL: [(Program, f64); 10] = [
     (Light, 0.0),
+    (Bdpt, 0.0),
+    (Vcm, 0.01),
     (Irrcache, 0.02),
     (Radcache, 0.02),
     (Photonmap, 0.04),
@@ -196,7 +207,9 @@ fn all_programs_agree_beside_a_wall_with_a_slit() {
 #[test]
 fn no_light_leaks_through_a_wall_without_thickness() {
     let world = World::of_xml(&hall(2.0));
-    for program in [Path, Light, Irrcache, Radcache, Photonmap, Ppm, InstantRadiosity, Lightcuts] {
+    for program in
+        [Path, Light, Bdpt, Vcm, Irrcache, Radcache, Photonmap, Ppm, InstantRadiosity, Lightcuts]
+    {
         let mean = mean_and_variance(&program.render(&world, 1, 5)).0;
         // In the lit half, the mean is 0.7.
         assert!(mean < 5e-4, "{program:?}: {mean}");

@@ -191,15 +191,20 @@ fn pictures(world: &World, mode: Mode, passes: u32, side: usize, seed: u32) -> V
     all
 }
 
-/// Compare both modes on a scene. Returns a description of the differences, if any.
+/// Compare paths from the eye, from the lights and from both ends on a scene. Returns a description of the differences, if any.
 fn compare(seed: u64, passes: u32) -> Option<String> {
     let body = Dice(Pcg::new(seed, 0x7261)).scene();
     let world = World::of_xml(&body);
-    let [eye, light] =
-        [Mode::Path, Mode::Light].map(|mode| pictures(&world, mode, passes, 8, seed as u32));
+    let modes = [(Mode::Path, passes), (Mode::Light, passes), (Mode::Bdpt, passes / 2)];
+    let [eye, light, both] =
+        modes.map(|(mode, passes)| pictures(&world, mode, passes, 8, seed as u32));
     let brightest = eye.iter().map(Running::mean).fold(0.0, f64::max);
-    let level = sidak(1e-5, eye.len());
-    for (k, (a, b)) in eye.iter().zip(&light).enumerate() {
+    let level = sidak(1e-5, 2 * eye.len());
+    let pairs = [("light", &light), ("both", &both)];
+    let pairs = pairs.into_iter().flat_map(|(other, means)| {
+        eye.iter().zip(means).enumerate().map(move |(k, (a, b))| (other, k, a, b))
+    });
+    for (other, k, a, b) in pairs {
         // A few bright samples in a dark block are not normally distributed, so differences that are invisible do not
         // count.
         let off = (a.mean() - b.mean()).abs();
@@ -208,7 +213,7 @@ fn compare(seed: u64, passes: u32) -> Option<String> {
             let [ea, eb] = [a, b].map(|r| r.variance_of_mean().sqrt());
             let (a, b) = (a.mean(), b.mean());
             return Some(format!(
-                "seed {seed}, block {k}: eye {a:.5} +- {ea:.1e}, light {b:.5} +- {eb:.1e}\n{body}"
+                "seed {seed}, block {k}: eye {a:.5} +- {ea:.1e}, {other} {b:.5} +- {eb:.1e}\n{body}"
             ));
         }
     }

@@ -129,7 +129,7 @@ pub(super) fn media() -> Vec<Row> {
         name,
         body: ball(shape),
         truth: Truth::Exact(1.0),
-        programs: vec![(VolPath, 0.0), (Light, 0.0)],
+        programs: vec![(VolPath, 0.0), (Light, 0.0), (Bdpt, 0.0), (Vcm, 0.0)],
     };
     let cube = r#"<shape type="cube">"#;
     let inward = r#"<shape type="cube"><transform name="to_world"><scale x="-1"/></transform>"#;
@@ -173,6 +173,8 @@ pub(super) fn hall(wall: f32) -> String {
 pub(super) fn slits() -> Vec<Row> {
     let programs = vec![
         (Light, 0.0),
+        (Bdpt, 0.0),
+        (Vcm, 0.01),
         (Irrcache, 0.06),
         (Radcache, 0.06),
         (Photonmap, 0.1),
@@ -222,6 +224,6 @@ pub(super) fn bulbs() -> Vec<Row> {
         r#"{}<shape type="cube"><boolean name="flip_normals" value="true"/><transform name="to_world"><scale value="2"/></transform>{GREY}</shape>{bulb}"#,
         camera("")
     );
-    let programs = vec![(Photonmap, 0.04), (Ppm, 0.04)];
+    let programs = vec![(Bdpt, 0.0), (Vcm, 0.02), (Photonmap, 0.04), (Ppm, 0.04)];
     vec![Row { name: "lamp in a bulb", body, truth: Truth::Of(Light), programs }]
 }

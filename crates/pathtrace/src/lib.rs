@@ -19,7 +19,7 @@ use gi_core::bytes::{Reader, Writer};
 use gi_core::eye::{EyeEvent, EyeWalk};
 use gi_core::film::{Film, Sample};
 use gi_core::medium::MediumId;
-use gi_core::technique::{Setting, Technique};
+use gi_core::technique::{Picture, Setting, Technique};
 
 use bidir::Bidirectional;
 pub use params::{Heuristic, Mode, Params};
@@ -30,13 +30,15 @@ pub struct PathTracer<'a> {
     params: Params,
     /// Number of light paths so far.
     light_paths: u64,
+    /// Number of vertices of light paths that the last pass kept, and their memory in bytes.
+    kept: (u64, u64),
 }
 
 impl<'a> Technique<'a> for PathTracer<'a> {
     type Params = Params;
 
     fn prepare(setting: Setting<'a>, params: &Params) -> Result<Self, String> {
-        Ok(PathTracer { setting, params: *params, light_paths: 0 })
+        Ok(PathTracer { setting, params: params.clone(), light_paths: 0, kept: (0, 0) })
     }
 
     /// One path per pixel.
@@ -49,14 +51,14 @@ impl<'a> Technique<'a> for PathTracer<'a> {
             }
             Mode::Light => self.light_pass(index, film),
             Mode::Bdpt | Mode::Vcm => {
-                Bidirectional::new(self.setting, &self.params, index).pass(index, film);
+                self.kept = Bidirectional::new(self.setting, &self.params, index).pass(index, film);
             }
         }
     }
 
     fn save_state(&self) -> Option<Vec<u8>> {
         let mut w = Writer::default();
-        w.text(&format!("{:?}", self.params));
+        w.text(&self.identity());
         w.u64(self.light_paths);
         Some(w.into_bytes())
     }
@@ -64,7 +66,7 @@ impl<'a> Technique<'a> for PathTracer<'a> {
     fn restore(&mut self, state: &[u8]) -> Result<(), String> {
         let mut r = Reader::new(state);
         let params = r.text()?;
-        if params != format!("{:?}", self.params) {
+        if params != self.identity() {
             return Err(format!("it was made with other parameters: {params}"));
         }
         self.light_paths = r.u64()?;
@@ -73,9 +75,20 @@ impl<'a> Technique<'a> for PathTracer<'a> {
 
     fn statistics(&self) -> Vec<(String, f64)> {
         match self.params.mode {
-            Mode::Path | Mode::VolPath | Mode::Bdpt | Mode::Vcm => Vec::new(),
+            Mode::Path | Mode::VolPath => Vec::new(),
+            Mode::Bdpt | Mode::Vcm => vec![
+                ("light_vertices".into(), self.kept.0 as f64),
+                ("light_vertices_bytes".into(), self.kept.1 as f64),
+            ],
             Mode::Light => vec![("light_paths".into(), self.light_paths as f64)],
         }
+    }
+
+    fn pictures(&self, film: &Film) -> Vec<Picture> {
+        if self.params.figures.is_empty() {
+            return Vec::new();
+        }
+        bidir::strategies::draw(self.setting, &self.params, film)
     }
 
     fn reach(&self) -> String {
@@ -97,6 +110,11 @@ impl<'a> Technique<'a> for PathTracer<'a> {
 }
 
 impl PathTracer<'_> {
+    /// The options that the picture depends on.
+    fn identity(&self) -> String {
+        format!("{:?}", Params { figures: Vec::new(), ..self.params.clone() })
+    }
+
     /// A path from the eye: at every vertex add emitted light, sample a light, and sample the BSDF for the next
     /// direction.
     #[inline]

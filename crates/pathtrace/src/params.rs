@@ -19,6 +19,14 @@ pub enum Mode {
     Vcm,
 }
 
+/// A picture of the technique.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Figure {
+    /// For paths of up to 5 segments: what each way to connect them finds, weighted and not. With s vertices on the light's side
+    /// and t on the eye's, the pictures are sStT and sStT-unweighted
+    Strategies,
+}
+
 /// How the ways to find a path are weighted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Heuristic {
@@ -29,7 +37,7 @@ pub enum Heuristic {
 }
 
 /// The options of path tracing.
-#[derive(Args, Clone, Copy, Debug, PartialEq)]
+#[derive(Args, Clone, Debug, PartialEq)]
 #[command(arg(rr_depth()))]
 pub struct Params {
     /// Where paths start
@@ -44,6 +52,9 @@ pub struct Params {
     /// vcm: how fast the radius shrinks: r^2 of a pass is (i + alpha) / (i + 1) times that of the pass before [Knaus11]
     #[arg(long, value_name = "ALPHA", default_value_t = 0.75, value_parser = number("a number above 0, up to 1", |a: &f32| *a > 0.0 && *a <= 1.0))]
     pub alpha: f32,
+    /// bdpt, vcm: pictures to draw; each becomes OUT.WHAT.png and layers of the EXR
+    #[arg(long = "show", value_enum, value_delimiter = ',', value_name = "WHAT")]
+    pub figures: Vec<Figure>,
     /// How long paths may be.
     #[command(flatten)]
     pub limits: PathLimits,
@@ -56,6 +67,14 @@ impl Default for Params {
 }
 
 impl Parameters for Params {
+    fn check(&self) -> Result<(), String> {
+        let connects = matches!(self.mode, Mode::Bdpt | Mode::Vcm);
+        if self.figures.is_empty() || connects {
+            return Ok(());
+        }
+        Err("error: --show strategies: only --mode bdpt and --mode vcm connect paths".into())
+    }
+
     fn max_depth(&self) -> Option<u32> {
         self.limits.max_depth
     }

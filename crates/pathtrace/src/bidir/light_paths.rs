@@ -15,6 +15,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::Bidirectional;
+use super::eye::Found;
 use super::vertex::{Site, Vertex, facing};
 use super::weight::{self, Partials};
 
@@ -152,13 +153,27 @@ impl LightPaths {
     /// The light that the paths bring to the pixels, in row order. The sums do not depend on the number of threads.
     pub(crate) fn splats(&self, of: &Bidirectional, pixels: usize) -> Vec<Components> {
         let mut picture = vec![Components::default(); pixels];
-        for (v, splat) in self.vertices().filter_map(|v| Some((v, v.splat?))) {
-            let then_delta = v.non_delta == 0 && v.after_delta;
-            let scale = splat.weight / of.ways.light_paths;
-            *picture[splat.pixel as usize].of_path(v.non_delta + 1, then_delta) +=
-                splat.radiance * scale;
-        }
+        self.for_each_splat(of.ways.light_paths, |pixel, found| {
+            let (non_delta, then_delta) = found.kind;
+            *picture[pixel].of_path(non_delta, then_delta) += found.radiance * found.weight;
+        });
         picture
+    }
+
+    /// Call `visit` with every pixel that a path lights, and the light (t = 1), in the order of the paths.
+    pub(crate) fn for_each_splat(&self, light_paths: f32, mut visit: impl FnMut(usize, Found)) {
+        for v in self.chunks.iter().flatten() {
+            let Some(Splat { pixel, radiance, weight }) = v.splat else { continue };
+            let (s, t, radiance) = (v.segments + 1, 1, radiance / light_paths);
+            let kind = (v.non_delta + 1, v.non_delta == 0 && v.after_delta);
+            visit(pixel as usize, Found { s, t, merged: false, radiance, weight, kind });
+        }
+    }
+
+    /// Number of vertices that are kept, and the memory that they need in bytes.
+    pub(crate) fn memory(&self) -> (u64, u64) {
+        let vertices = self.chunks.iter().map(Vec::len).sum::<usize>() as u64;
+        (vertices, vertices * size_of::<LightVertex>() as u64)
     }
 
     /// The vertices on surfaces in a grid, for searches within about `radius`.
@@ -182,11 +197,6 @@ impl LightPaths {
     /// A vertex of [`LightPaths::grid`].
     pub(crate) fn vertex(&self, id: VertexId) -> &LightVertex {
         &self.chunks[id.chunk as usize][id.place as usize]
-    }
-
-    /// All vertices, path by path.
-    pub(crate) fn vertices(&self) -> impl Iterator<Item = &LightVertex> {
-        self.chunks.iter().flatten()
     }
 }
 

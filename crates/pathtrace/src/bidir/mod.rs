@@ -17,6 +17,7 @@
 
 mod eye;
 mod light_paths;
+pub(crate) mod strategies;
 mod vertex;
 mod weight;
 
@@ -64,11 +65,13 @@ impl<'a> Bidirectional<'a> {
         Bidirectional { setting, limits: params.limits, camera_medium, ways, radius }
     }
 
-    /// Trace the light paths, then a path from the eye per pixel.
-    pub(crate) fn pass(&self, index: u32, film: &mut Film) {
+    /// Trace the light paths, then a path from the eye per pixel. Returns the number of vertices of light paths that were kept, and
+    /// the memory that they need in bytes.
+    pub(crate) fn pass(&self, index: u32, film: &mut Film) -> (u64, u64) {
         let paths = self.trace(index, film.filter());
         let splats = paths.light.splats(self, film.size().iter().product());
         film.add_pass_and_splats(&splats, |pixel| self.sample(pixel, index, &paths));
+        paths.light.memory()
     }
 
     /// Trace the light paths of a pass.
