@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use gi_core::geometry::Mesh;
 use gi_core::guard::guarded;
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{Affine3A, Vec3};
 
 use super::{obj, ply, serialized, smooth};
 use crate::budget::Claim;
@@ -81,8 +81,16 @@ impl MeshFile {
 
 /// The memory that a mesh takes, with the normals that it may get.
 pub(crate) fn bytes(mesh: &Mesh) -> u64 {
-    let vertex = 2 * size_of::<Vec3>() + if mesh.uvs.is_empty() { 0 } else { size_of::<Vec2>() };
-    (mesh.positions.len() * vertex + mesh.triangles.len() * size_of::<[u32; 3]>()) as u64
+    own_bytes(mesh) + size_of_val(&mesh.uvs[..]) as u64 + triangle_bytes(mesh)
+}
+
+/// The part of this memory that another shape with the same mesh does not share: its positions and normals.
+pub(crate) fn own_bytes(mesh: &Mesh) -> u64 {
+    (mesh.positions.len() * 2 * size_of::<Vec3>()) as u64
+}
+
+fn triangle_bytes(mesh: &Mesh) -> u64 {
+    size_of_val(&mesh.triangles[..]) as u64
 }
 
 /// Check what must be true of every mesh, in any format.
@@ -124,21 +132,32 @@ impl Placement {
     }
 
     /// Transform the mesh. As in Mitsuba, a mesh without normals gets smooth ones unless face normals are requested.
-    /// Returns the number of invalid normals that were replaced.
-    pub(crate) fn apply(&self, mesh: &mut Mesh) -> usize {
+    /// Returns the number of invalid normals that were replaced. The claim keeps the memory of what this shape no longer
+    /// shares with others.
+    pub(crate) fn apply(&self, mesh: &mut Mesh, mut claim: Claim<'_>) -> Result<usize, String> {
         if self.face_normals || !self.to_world.inverse().is_finite() {
             mesh.normals.clear();
         }
         let replaced = smooth::replace_bad_normals(mesh);
         mesh.transform(&self.to_world);
         if self.face_normals {
-            return replaced;
+            return Ok(replaced);
         }
         match self.max_smooth_angle {
-            Some(degrees) => smooth::smooth_up_to(mesh, degrees.to_radians()),
+            Some(degrees) => {
+                claim.set(mesh.triangles.len() as u64 * smooth::BYTES)?;
+                smooth::smooth_up_to(mesh, degrees.to_radians());
+                claim.keep(bytes(mesh))?;
+            }
             None if mesh.normals.is_empty() => mesh.smooth_normals(),
-            None => smooth::face_the_normals(mesh),
+            None if smooth::face_their_normals(mesh) => {}
+            None => {
+                if mesh.triangles.is_shared() {
+                    claim.keep(triangle_bytes(mesh))?;
+                }
+                smooth::face_the_normals(mesh);
+            }
         }
-        replaced
+        Ok(replaced)
     }
 }

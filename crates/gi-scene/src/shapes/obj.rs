@@ -225,7 +225,7 @@ impl Reader {
         let uvs = if has(1) { part.corners.iter().map(uv).collect() } else { Vec::new() };
         let normal = |c: &Corner| self.normals[c[2] as usize].normalize_or_zero();
         let normals = if all(2) { part.corners.iter().map(normal).collect() } else { Vec::new() };
-        Mesh { positions, normals, uvs, triangles: part.triangles }
+        Mesh { positions, normals, uvs: uvs.into(), triangles: part.triangles.into() }
     }
 }
 

@@ -110,6 +110,7 @@ fn vertices(
     let count = source.at_most(e.count)?;
     claim.at_least(mesh_file::bytes(mesh) + 2 * 32 * count as u64)?; // growing vectors double
     mesh.positions.reserve(count);
+    let uvs: &mut Vec<Vec2> = &mut mesh.uvs;
     let mut row = vec![0.0; e.properties.len()];
     for _ in 0..count {
         for (slot, p) in row.iter_mut().zip(&e.properties) {
@@ -128,7 +129,7 @@ fn vertices(
             mesh.normals.push(Vec3::new(row[x], row[y], row[z]).normalize_or_zero());
         }
         if let [Some(u), Some(v)] = uv {
-            mesh.uvs.push(Vec2::new(row[u], if flip { 1.0 - row[v] } else { row[v] }));
+            uvs.push(Vec2::new(row[u], if flip { 1.0 - row[v] } else { row[v] }));
         }
     }
     Ok(())
@@ -140,6 +141,7 @@ fn faces(
     (mesh, claim): (&mut Mesh, &mut Claim<'_>),
 ) -> Result<(), String> {
     let vertices = mesh_file::bytes(mesh);
+    let triangles: &mut Vec<[u32; 3]> = &mut mesh.triangles;
     let is_corners = |p: &Property| {
         ["vertex_indices", "vertex_index"].contains(&p.name.as_str()) && p.list.is_some()
     };
@@ -153,7 +155,7 @@ fn faces(
                 continue;
             };
             let n = source.list_length(list)?;
-            claim.at_least(vertices + 24 * (mesh.triangles.len() as u64 + n))?; // it may double
+            claim.at_least(vertices + 24 * (triangles.len() as u64 + n))?; // it may double
             if !is_corners(p) {
                 for _ in 0..n {
                     source.next(p.kind)?;
@@ -168,7 +170,7 @@ fn faces(
                 }
                 let index = index as u32;
                 if j >= 2 {
-                    mesh.triangles.push([fan[0], fan[1], index]);
+                    triangles.push([fan[0], fan[1], index]);
                 }
                 fan[usize::from(j > 0)] = index;
             }
@@ -213,7 +215,7 @@ pub(crate) fn write(mesh: &Mesh) -> Vec<u8> {
             ply.body.f32s(&uv.to_array());
         }
     }
-    for t in &mesh.triangles {
+    for t in mesh.triangles.iter() {
         ply.body.u8(3);
         t.iter().for_each(|i| ply.body.u32(*i));
     }

@@ -57,7 +57,7 @@ pub(crate) fn parse(bytes: &[u8], index: usize, claim: &mut Claim<'_>) -> Result
         positions: positions.into_iter().map(Vec3::from).collect(),
         normals: normals.collect(),
         uvs: uvs.into_iter().map(Vec2::from).collect(),
-        triangles,
+        triangles: triangles.into(),
     })
 }
 

@@ -32,7 +32,7 @@ pub(crate) fn rectangle(to_world: &Affine3A) -> Mesh {
         positions: corners.iter().map(|&(x, y)| Vec3::new(x, y, 0.0)).collect(),
         normals: Vec::new(),
         uvs: corners.iter().map(|&(x, y)| 0.5 * Vec2::new(x + 1.0, y + 1.0)).collect(),
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        triangles: vec![[0, 1, 2], [0, 2, 3]].into(),
     };
     place(mesh, to_world)
 }
