@@ -160,6 +160,7 @@ mod tests {
         while let Some(vertex) = walk.next_vertex() {
             let here = vertex.surface.p.length();
             assert!(here > radius, "{here} after {radius}");
+            assert_eq!(vertex.wo, -walk.emission().d, "it stays on its line");
             (met, radius) = (met + 1, here);
             if !walk.scatter(&vertex, Roulette::Off) {
                 break;
