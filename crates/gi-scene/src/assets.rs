@@ -27,6 +27,8 @@ pub(crate) struct Assets {
     bitmap_of: HashMap<ObjectId, usize>,
     bitmaps: Vec<(BitmapFile, Option<Arc<Bitmap>>)>,
     meshes: HashMap<ObjectId, (MeshFile, bool, Mesh)>,
+    /// How much mesh files round positions, in world units.
+    pub(crate) rounding: f32,
     /// Hash of all bytes that were read.
     pub(crate) hash: Hash,
 }

@@ -4,15 +4,15 @@
 use std::collections::HashMap;
 use std::path::PathBuf;
 
-use gi_core::geometry::Mesh;
 use rayon::prelude::*;
 
 use super::{Assets, Wanted, first_of, note_failure, unique};
 use crate::budget::Budget;
 use crate::diagnostics::Report;
-use crate::document::{Document, Node};
+use crate::document::{Document, Node, ObjectId};
 use crate::files;
 use crate::hash::Hash;
+use crate::local;
 use crate::shapes::mesh_file::{self, MeshFile, Placement, ReadMesh};
 use crate::shapes::smooth;
 
@@ -36,8 +36,14 @@ impl Assets {
             if let Some(note) = read.as_ref().and_then(|(mesh, _)| mesh.note.as_ref()) {
                 report.warn(span, note);
             }
-            raw.push(read.map(|(read, _)| (read.mesh, read.portable)));
+            raw.push(read.map(|(read, _)| read));
         }
+        let extents: Vec<_> =
+            raw.iter().map(|read| read.as_ref().and_then(mesh_file::extent)).collect();
+        let of_object: HashMap<ObjectId, usize> =
+            wanted.iter().zip(&index).map(|(w, i)| (w.object, *i)).collect();
+        let place = local::place(doc, report, |id| extents[*of_object.get(&id)?]);
+        doc.local.replace(place);
         let place = |object| Placement::of(Node { doc, report, id: object });
         let jobs: Vec<_> = copies(raw, wanted, index, report)
             .into_iter()
@@ -48,10 +54,12 @@ impl Assets {
             .into_par_iter()
             .map(|(place, mut copy)| {
                 let claim = budget.claim(copy.want.key.path.display());
-                (place.apply(&mut copy.mesh, claim), copy)
+                let rounding = place.scale() * copy.read.rounding;
+                (place.apply(&mut copy.read, claim), rounding, copy)
             })
             .collect();
-        for (replaced, Copy { want, portable, mesh }) in done {
+        for (replaced, rounding, Copy { want, read }) in done {
+            self.rounding = self.rounding.max(rounding);
             let Some(replaced) = note_failure(replaced, &want.key.path, want.span, report) else {
                 continue;
             };
@@ -59,7 +67,7 @@ impl Assets {
                 let path = want.key.path.display().to_string();
                 report.warn(want.span, smooth::bad_normals(replaced, &path));
             }
-            self.meshes.insert(want.object, (want.key, portable, mesh));
+            self.meshes.insert(want.object, (want.key, read.portable, read.mesh));
         }
     }
 }
@@ -85,14 +93,13 @@ fn read_files(keys: &[MeshFile], budget: &Budget) -> Vec<Result<(ReadMesh, u64),
 /// The mesh of one shape.
 struct Copy {
     want: Wanted<MeshFile>,
-    portable: bool,
-    mesh: Mesh,
+    read: ReadMesh,
 }
 
 /// The mesh of each shape. The vertices are the shape's own, because it moves them to its place; the rest is shared. The
 /// last shape that uses a mesh takes the original.
 fn copies(
-    mut raw: Vec<Option<(Mesh, bool)>>,
+    mut raw: Vec<Option<ReadMesh>>,
     wanted: Vec<Wanted<MeshFile>>,
     index: Vec<usize>,
     report: &Report,
@@ -104,10 +111,10 @@ fn copies(
     }
     // Nothing is copied before all copies are allowed.
     for (i, mesh) in raw.iter_mut().enumerate() {
-        let Some((of_it, _)) = mesh else { continue };
+        let Some(read) = mesh else { continue };
         let Wanted { key, span, .. } = &wanted[last[i]];
         let claim = report.budget.claim(key.path.display());
-        if let Err(why) = claim.keep((uses[i] - 1) * mesh_file::own_bytes(of_it)) {
+        if let Err(why) = claim.keep((uses[i] - 1) * mesh_file::own_bytes(&read.mesh)) {
             let (path, n) = (key.path.display(), uses[i]);
             report.error(*span, format!("{n} shapes use the mesh `{path}`: {why}"), "");
             *mesh = None;
@@ -115,8 +122,8 @@ fn copies(
     }
     let mut copies = Vec::new();
     for (w, (want, i)) in wanted.into_iter().zip(index).enumerate() {
-        let mesh = if last[i] == w { raw[i].take() } else { raw[i].clone() };
-        copies.extend(mesh.map(|(mesh, portable)| Copy { want, portable, mesh }));
+        let read = if last[i] == w { raw[i].take() } else { raw[i].clone() };
+        copies.extend(read.map(|read| Copy { want, read }));
     }
     copies
 }

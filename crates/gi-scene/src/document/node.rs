@@ -1,5 +1,5 @@
 use gi_core::math::Rgb;
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DAffine3, DVec3, Vec3};
 
 use super::{Child, Class, Document, Object, ObjectId, Property, Target, Value};
 use crate::diagnostics::{Report, Span};
@@ -170,20 +170,37 @@ impl<'a> Node<'a> {
     }
 
     pub(crate) fn vector(self, name: &'static str) -> Option<Vec3> {
+        self.point(name).map(|p| p.as_vec3())
+    }
+
+    /// The same in double precision.
+    pub(crate) fn point(self, name: &'static str) -> Option<DVec3> {
         self.get(name, "a point or vector", |v| match v {
             Value::Vector(p) => Some(*p),
-            Value::Color(c) => Some(Vec3::from(c.to_array())),
+            Value::Color(c) => Some(Vec3::from(c.to_array()).as_dvec3()),
             _ => None,
         })
     }
 
     /// A transform; the identity if not given.
     pub(crate) fn transform(self, name: &'static str) -> Affine3A {
+        self.transform64(name).as_affine3a()
+    }
+
+    fn transform64(self, name: &'static str) -> DAffine3 {
         let read = |v: &Value| match v {
             Value::Transform(m) => Some(*m),
             _ => None,
         };
-        self.get(name, "a transform", read).unwrap_or(Affine3A::IDENTITY)
+        self.get(name, "a transform", read).unwrap_or(DAffine3::IDENTITY)
+    }
+
+    /// The object's `to_world`. In a scene far from the origin of its coordinates, it leads to the scene's own origin
+    /// instead; that of a shape in a group leads to the group's.
+    pub(crate) fn to_world(self) -> DAffine3 {
+        let local = self.doc.local.borrow();
+        let origin = if local.in_groups.contains(&self.id) { DVec3::ZERO } else { local.origin };
+        DAffine3::from_translation(-origin) * self.transform64("to_world")
     }
 
     /// A colour, given as a property or as a `<spectrum type=...>` child.

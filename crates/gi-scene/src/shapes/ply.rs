@@ -3,7 +3,7 @@
 use gi_core::bytes::{Reader, TOO_SHORT};
 use gi_core::geometry::Mesh;
 use gi_core::points::Ply;
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2};
 
 use super::mesh_file;
 use crate::budget::Claim;
@@ -15,19 +15,32 @@ mod header;
 /// Most corners of a face; a larger number means a damaged file.
 const MAX_CORNERS: u64 = 1 << 16;
 
-/// Read a mesh.
-pub(crate) fn parse(bytes: &[u8], flip: bool, claim: &mut Claim<'_>) -> Result<Mesh, String> {
+/// Read a mesh, whose positions are relative to `origin`.
+pub(crate) fn parse(
+    bytes: &[u8],
+    (flip, origin): (bool, DVec3),
+    claim: &mut Claim<'_>,
+) -> Result<Mesh, String> {
     let (header, body) = Header::parse(bytes)?;
     let mut source = Source::new(&header, body)?;
     let mut mesh = Mesh::default();
     for element in &header.elements {
         match element.name.as_str() {
-            "vertex" => vertices(element, &mut source, (&mut mesh, claim), flip)?,
+            "vertex" => vertices(element, &mut source, (&mut mesh, claim), (flip, origin))?,
             "face" => faces(element, &mut source, (&mut mesh, claim))?,
             _ => skip(element, &mut source)?,
         }
     }
     Ok(mesh)
+}
+
+/// Whether a file stores positions in single precision.
+pub(crate) fn is_single(bytes: &[u8]) -> bool {
+    let Ok((header, _)) = Header::parse(bytes) else { return false };
+    let mut vertices = header.elements.iter().filter(|e| e.name == "vertex");
+    let has_float =
+        |e: &Element| e.properties.iter().any(|p| p.name == "x" && matches!(p.kind, Kind::F32));
+    !matches!(header.format, Format::Ascii) && vertices.any(has_float)
 }
 
 /// A sequence of numbers.
@@ -93,7 +106,7 @@ fn vertices(
     e: &Element,
     source: &mut Source<'_>,
     (mesh, claim): (&mut Mesh, &mut Claim<'_>),
-    flip: bool,
+    (flip, origin): (bool, DVec3),
 ) -> Result<(), String> {
     let at = |names: &[&str]| {
         e.properties.iter().position(|p| names.contains(&p.name.as_str()) && p.list.is_none())
@@ -115,7 +128,7 @@ fn vertices(
     for _ in 0..count {
         for (slot, p) in row.iter_mut().zip(&e.properties) {
             *slot = match p.list {
-                None => source.next(p.kind)? as f32,
+                None => source.next(p.kind)?,
                 Some(list) => {
                     for _ in 0..source.list_length(list)? {
                         source.next(p.kind)?;
@@ -124,12 +137,15 @@ fn vertices(
                 }
             };
         }
-        mesh.positions.push(Vec3::new(row[x], row[y], row[z]));
+        let p = DVec3::new(row[x], row[y], row[z]);
+        mesh.positions.push((p - origin).as_vec3());
         if let [Some(x), Some(y), Some(z)] = normal {
-            mesh.normals.push(Vec3::new(row[x], row[y], row[z]).normalize_or_zero());
+            let n = DVec3::new(row[x], row[y], row[z]).as_vec3();
+            mesh.normals.push(n.normalize_or_zero());
         }
         if let [Some(u), Some(v)] = uv {
-            uvs.push(Vec2::new(row[u], if flip { 1.0 - row[v] } else { row[v] }));
+            let (u, v) = (row[u] as f32, row[v] as f32);
+            uvs.push(Vec2::new(u, if flip { 1.0 - v } else { v }));
         }
     }
     Ok(())

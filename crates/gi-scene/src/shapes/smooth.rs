@@ -82,11 +82,11 @@ pub(crate) fn smooth_up_to(mesh: &mut Mesh, angle: f32) {
     let limit = angle.cos();
     let mut out = Mesh::default();
     let mut known = HashMap::new();
-    for k in 0..mesh.triangles.len() {
+    for (k, &face) in faces.iter().enumerate() {
         let corner = |j: usize| {
             let i = mesh.triangles[k][j] as usize;
             let p = mesh.positions[i];
-            let n = at[&key(p)].sum(faces[k], limit).try_normalize().unwrap_or(Vec3::Z);
+            let n = at[&key(p)].sum(face, limit).try_normalize().unwrap_or(Vec3::Z);
             let uv = mesh.uvs.get(i).copied().unwrap_or(Vec2::ZERO);
             let id = (key(p), key(n), uv.to_array().map(f32::to_bits));
             *known.entry(id).or_insert_with(|| {
@@ -108,11 +108,11 @@ pub(crate) fn smooth_up_to(mesh: &mut Mesh, angle: f32) {
 mod tests {
     use super::*;
     use crate::shapes::solids;
-    use glam::Affine3A;
+    use glam::DAffine3;
 
     #[test]
     fn a_cube_stays_sharp_below_ninety_degrees_and_becomes_smooth_above() {
-        let mut sharp = solids::cube(&Affine3A::IDENTITY);
+        let mut sharp = solids::cube(&DAffine3::IDENTITY);
         smooth_up_to(&mut sharp, 45f32.to_radians());
         for k in 0..sharp.triangles.len() {
             let face = sharp.area_vector(k).normalize();
@@ -120,7 +120,7 @@ mod tests {
                 assert!((sharp.normals[i as usize] - face).length() < 1e-6);
             }
         }
-        let mut round = solids::cube(&Affine3A::IDENTITY);
+        let mut round = solids::cube(&DAffine3::IDENTITY);
         smooth_up_to(&mut round, 100f32.to_radians());
         for (p, n) in round.positions.iter().zip(&round.normals) {
             assert!((p.normalize() - *n).length() < 1e-5, "{p} {n}");
@@ -129,7 +129,7 @@ mod tests {
 
     #[test]
     fn triangles_follow_their_normals() {
-        let mut mesh = solids::rectangle(&Affine3A::IDENTITY);
+        let mut mesh = solids::rectangle(&DAffine3::IDENTITY);
         mesh.normals = vec![-Vec3::Z; 4];
         face_the_normals(&mut mesh);
         assert!(mesh.area_vector(0).z < 0.0 && mesh.area_vector(1).z < 0.0);

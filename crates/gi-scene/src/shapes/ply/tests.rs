@@ -1,8 +1,9 @@
 use super::*;
 use crate::budget::Budget;
+use glam::Vec3;
 
 fn parse(bytes: &[u8], flip: bool) -> Result<Mesh, String> {
-    super::parse(bytes, flip, &mut Budget::new(u64::MAX).claim("a test"))
+    super::parse(bytes, (flip, DVec3::ZERO), &mut Budget::new(u64::MAX).claim("a test"))
 }
 
 fn mesh() -> Mesh {
