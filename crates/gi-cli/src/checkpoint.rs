@@ -168,3 +168,6 @@ impl Checkpoint {
         Failure::Input(format!("error: cannot use {}: {cause}", self.path.display()))
     }
 }
+
+#[cfg(test)]
+mod tests;
