@@ -14,11 +14,13 @@ use crate::hash::Hash;
 use crate::local::Local;
 use crate::spectrum::Spectrum;
 
+mod colors;
 mod node;
 mod parse;
 mod ranges;
 
-pub(crate) use node::{Meaning, Node};
+pub(crate) use colors::Meaning;
+pub(crate) use node::Node;
 pub(crate) use parse::parse;
 
 /// Index into [`Document::objects`].
