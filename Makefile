@@ -1,7 +1,7 @@
 # Targets for building, testing and documenting the project.
 CARGO ?= cargo
 
-.PHONY: all build test test-slow fuzz lint ci scenes bench figures compare install man
+.PHONY: all build test test-slow fuzz asan lint ci scenes bench figures compare install man
 
 all: build
 
@@ -37,10 +37,15 @@ test:
 test-slow:
 	$(CARGO) test --workspace --release -- --include-ignored
 
-# Load damaged files, MINUTES for each kind: the kinds share the machine.
+# Damage files of every kind, and scenes up to their pixels, MINUTES for each kind: the kinds share the machine.
 MINUTES ?= 10
 fuzz:
-	GILAB_FUZZ_SECONDS=$$(($(MINUTES) * 60)) $(CARGO) test --release -p gi-scene --test fuzz -- --nocapture
+	GILAB_FUZZ_SECONDS=$$(($(MINUTES) * 60)) $(CARGO) test --release --workspace --test fuzz -- --nocapture
+	GILAB_FUZZ_SECONDS=$$(($(MINUTES) * 60)) $(CARGO) test --release -p gi-cli --lib damaged -- --nocapture
+
+# Tests of the unsafe code and of the loaders under AddressSanitizer, which needs a nightly toolchain.
+asan:
+	scripts/asan.sh
 
 # Style, lints, documentation, and the dependency rules.
 lint:

@@ -222,7 +222,7 @@ fn an_empty_world_and_one_without_light_are_black() {
             Vec3::new(1.0, -1.0, 2.0),
             Vec3::new(0.0, 1.0, 2.0),
         ],
-        triangles: vec![[0, 2, 1]],
+        triangles: vec![[0, 2, 1]].into(),
         ..Mesh::default()
     };
     let dark = SceneParts {

@@ -12,6 +12,7 @@
 mod bins;
 mod bounds;
 mod collapse;
+mod collect;
 mod dispatch;
 mod emit;
 mod input;

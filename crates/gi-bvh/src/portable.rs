@@ -65,7 +65,7 @@ pub(super) const FOUND: Hit =
     Hit { t: 0.0, u: 0.0, v: 0.0, prim: u32::MAX, instance: Hit::NO_INSTANCE };
 
 /// Where the ray enters each child, and whether it intersects it within its interval.
-fn slabs(node: &Node, ray: &Ray, walk: &Walk) -> ([f32; WIDTH], [bool; WIDTH]) {
+pub(super) fn slabs(node: &Node, ray: &Ray, walk: &Walk) -> ([f32; WIDTH], [bool; WIDTH]) {
     let mut near = [ray.tmin; WIDTH];
     let mut far = [ray.tmax; WIDTH];
     for axis in 0..3 {
@@ -81,38 +81,37 @@ fn slabs(node: &Node, ray: &Ray, walk: &Walk) -> ([f32; WIDTH], [bool; WIDTH]) {
     (near, std::array::from_fn(|s| near[s] <= far[s]))
 }
 
-/// The nearest hit of four triangles, watertight \[Woop13\].
+/// The nearest hit of four triangles.
 fn triangles(block: &Block, ray: &Ray, walk: &Walk) -> Option<Hit> {
-    let [kx, ky, kz] = walk.axes;
-    let [sx, sy, sz] = walk.shear;
     let mut best: Option<Hit> = None;
     for lane in 0..LANES {
-        // Transform the vertices so that the ray is the z axis.
-        let vertex = |v: usize| {
-            let at = |axis: usize| block.rows[3 * v + axis][lane] - ray.o[axis];
-            let z = at(kz);
-            [at(kx) - sx * z, at(ky) - sy * z, z]
-        };
-        let (a, b, c) = (vertex(0), vertex(1), vertex(2));
-        // Edge functions: exactly opposite for the two triangles that share an edge.
-        let u = c[0] * b[1] - c[1] * b[0];
-        let v = a[0] * c[1] - a[1] * c[0];
-        let w = b[0] * a[1] - b[1] * a[0];
-        let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
-        let det = u + (v + w);
-        if !inside || det == 0.0 {
-            continue;
-        }
-        let t = (u * a[2] + (v * b[2] + w * c[2])) * sz / det;
-        if t > ray.tmin && t <= best.map_or(ray.tmax, |h| h.t) {
-            best = Some(Hit {
-                t,
-                u: v / det,
-                v: w / det,
-                prim: block.id[lane],
-                instance: Hit::NO_INSTANCE,
-            });
-        }
+        let tmax = best.map_or(ray.tmax, |h| h.t);
+        best = triangle(block, lane, &Ray { tmax, ..*ray }, walk).or(best);
     }
     best
+}
+
+/// The hit of one triangle of a block, watertight \[Woop13\].
+pub(super) fn triangle(block: &Block, lane: usize, ray: &Ray, walk: &Walk) -> Option<Hit> {
+    let [kx, ky, kz] = walk.axes;
+    let [sx, sy, sz] = walk.shear;
+    // Transform the vertices so that the ray is the z axis.
+    let vertex = |v: usize| {
+        let at = |axis: usize| block.rows[3 * v + axis][lane] - ray.o[axis];
+        let z = at(kz);
+        [at(kx) - sx * z, at(ky) - sy * z, z]
+    };
+    let (a, b, c) = (vertex(0), vertex(1), vertex(2));
+    // Edge functions: exactly opposite for the two triangles that share an edge.
+    let u = c[0] * b[1] - c[1] * b[0];
+    let v = a[0] * c[1] - a[1] * c[0];
+    let w = b[0] * a[1] - b[1] * a[0];
+    let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
+    let det = u + (v + w);
+    if !inside || det == 0.0 {
+        return None;
+    }
+    let t = (u * a[2] + (v * b[2] + w * c[2])) * sz / det;
+    let (prim, instance) = (block.id[lane], Hit::NO_INSTANCE);
+    (t > ray.tmin && t <= ray.tmax).then(|| Hit { t, u: v / det, v: w / det, prim, instance })
 }

@@ -116,6 +116,16 @@ impl PlacedSolid {
         }
     }
 
+    /// The tree of an instance, the ray in its coordinates, and its index; `None` for other solids.
+    pub(super) fn inner(&self, ray: &Ray) -> Option<(&Bvh, Ray, u32)> {
+        match &self.shape {
+            Shape::Instance { tree, to_local, index } => {
+                Some((tree, localised(ray, to_local), *index))
+            }
+            _ => None,
+        }
+    }
+
     pub(super) fn is_instance(&self) -> bool {
         matches!(self.shape, Shape::Instance { .. })
     }

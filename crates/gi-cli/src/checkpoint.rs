@@ -173,3 +173,6 @@ impl Checkpoint {
         Failure::Input(format!("error: cannot use {}: {cause}", self.path.display()))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -129,7 +129,11 @@ mod tests {
 
     fn mesh(corners: [[f32; 3]; 4]) -> Geometry {
         let positions = corners.map(Vec3::from_array).to_vec();
-        Geometry::Mesh(Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() })
+        Geometry::Mesh(Mesh {
+            positions,
+            triangles: vec![[0, 1, 2], [0, 2, 3]].into(),
+            ..Mesh::default()
+        })
     }
 
     /// A floor from -1 to 1. Above the line x = 0.05 stands a wall of the given material, which may be transparent.

@@ -10,7 +10,7 @@ use crate::light::{Emission, Targets};
 use crate::math::Rgb;
 use crate::ray::Ray;
 use crate::sampler::Sampler;
-use crate::scene::Scene;
+use crate::scene::{Line, Scene};
 pub use focused::{Focused, focused};
 pub use media::{LightEvent, MediumVertex};
 pub use photon::{Photon, PhotonKind, shading_correction, walk_in_order};
@@ -47,6 +47,8 @@ pub struct LightWalk<'a> {
     sampler: Sampler,
     emission: Emission,
     ray: Ray,
+    /// What the path has passed straight through.
+    line: Line,
     /// The flat primitive that the ray leaves.
     left: Option<u32>,
     power: Rgb,
@@ -89,6 +91,7 @@ impl<'a> LightWalk<'a> {
             sampler,
             emission,
             ray,
+            line: Line::default(),
             left: scene.flat_light(emission.light),
             power,
             met: 0,
@@ -144,8 +147,13 @@ impl<'a> LightWalk<'a> {
             return None;
         }
         self.sampler.jump_to(EMISSION_DIMENSIONS + self.met * VERTEX_DIMENSIONS);
-        let (surface, _) = self.scene.intersect_behind(self.ray, self.left)?;
+        let (surface, _) = self.intersect(f32::INFINITY)?;
         Some(self.vertex(surface))
+    }
+
+    /// The next surface, and its distance, if it is nearer than `tmax`.
+    fn intersect(&mut self, tmax: f32) -> Option<(Surface, f32)> {
+        self.scene.intersect_behind(&mut self.line, self.ray, self.left, tmax)
     }
 
     /// The vertex at `surface`, which the path has reached.
@@ -179,7 +187,12 @@ impl<'a> LightWalk<'a> {
         let surface = &vertex.surface;
         let mut factor = s.weight;
         // Passing straight through is not a scattering.
-        if !s.null {
+        if s.null {
+            if !self.line.cross() {
+                return false;
+            }
+        } else {
+            self.line.turn();
             let survival = roulette.survival(u_roulette, factor, vertex.depth);
             let Some(survival) = survival else { return false };
             factor = factor / survival;

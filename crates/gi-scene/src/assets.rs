@@ -1,6 +1,8 @@
 //! Mesh and picture files that a scene names. All names are collected first; then the files are read in parallel, each
 //! once.
 
+mod meshes;
+
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -9,13 +11,11 @@ use gi_core::geometry::Mesh;
 use gi_core::texture::{Bitmap, Lookup, Wrap};
 use rayon::prelude::*;
 
-use crate::budget::Budget;
 use crate::diagnostics::{Report, Span};
 use crate::document::{Class, Document, Node, ObjectId};
 use crate::files::{self, Found};
 use crate::hash::Hash;
-use crate::shapes::mesh_file::{self, MeshFile, Placement, ReadMesh};
-use crate::shapes::smooth;
+use crate::shapes::mesh_file::MeshFile;
 use crate::texels::BitmapFile;
 
 /// Number of missing files that an error lists.
@@ -27,6 +27,8 @@ pub(crate) struct Assets {
     bitmap_of: HashMap<ObjectId, usize>,
     bitmaps: Vec<(BitmapFile, Option<Arc<Bitmap>>)>,
     meshes: HashMap<ObjectId, (MeshFile, bool, Mesh)>,
+    /// How much mesh files round positions, in world units.
+    pub(crate) rounding: f32,
     /// Hash of all bytes that were read.
     pub(crate) hash: Hash,
 }
@@ -88,40 +90,6 @@ impl Assets {
         self.bitmap_of = wanted.iter().zip(index).map(|(w, i)| (w.object, i)).collect();
     }
 
-    fn read_meshes(&mut self, wanted: Vec<Wanted<MeshFile>>, doc: &Document, report: &Report) {
-        let (keys, index) = unique(&wanted);
-        keys.iter().for_each(|key| report.reads(&key.path));
-        let read = read_files(&keys, &report.budget);
-        let first = first_of(&index, keys.len());
-        let mut raw = Vec::new();
-        for (i, (key, result)) in keys.iter().zip(read).enumerate() {
-            let span = wanted[first[i]].span;
-            let read = note_failure(result, &key.path, span, report);
-            self.hash.word(read.as_ref().map_or(0, |r| r.1));
-            if let Some(note) = read.as_ref().and_then(|(mesh, _)| mesh.note.as_ref()) {
-                report.warn(span, note);
-            }
-            raw.push(read.map(|(read, _)| (read.mesh, read.portable)));
-        }
-        let copies = copies(raw, wanted, index, report);
-        let place = |object| Placement::of(Node { doc, report, id: object });
-        let jobs: Vec<_> = copies.into_iter().map(|copy| (place(copy.want.object), copy)).collect();
-        let done: Vec<_> = jobs
-            .into_par_iter()
-            .map(|(place, Copy { want, portable, mut mesh })| {
-                let replaced = place.apply(&mut mesh);
-                (want.span, replaced, (want.object, (want.key, portable, mesh)))
-            })
-            .collect();
-        for (span, replaced, (_, (file, ..))) in
-            done.iter().filter(|(_, replaced, _)| *replaced > 0)
-        {
-            let path = file.path.display().to_string();
-            report.warn(*span, smooth::bad_normals(*replaced, &path));
-        }
-        self.meshes = done.into_iter().map(|(.., mesh)| mesh).collect();
-    }
-
     /// The picture that an object names, or `None` if it could not be read. (The error is reported already.)
     pub(crate) fn bitmap(&self, object: ObjectId) -> Option<Arc<Bitmap>> {
         self.bitmaps[*self.bitmap_of.get(&object)?].1.clone()
@@ -137,63 +105,6 @@ impl Assets {
     pub(crate) fn take_mesh(&mut self, object: ObjectId) -> Option<(MeshFile, bool, Mesh)> {
         self.meshes.remove(&object)
     }
-}
-
-/// Read the meshes of all keys, with the hash of their files. Each file is read once, even if it contains many meshes.
-fn read_files(keys: &[MeshFile], budget: &Budget) -> Vec<Result<(ReadMesh, u64), String>> {
-    let mut of_path: HashMap<&PathBuf, Vec<usize>> = HashMap::new();
-    keys.iter().enumerate().for_each(|(i, key)| of_path.entry(&key.path).or_default().push(i));
-    let read = of_path.into_par_iter().flat_map(|(path, wanted)| {
-        let mut claim = budget.claim(path.display());
-        let file = files::read_bytes(path, &mut claim).map(|bytes| (hash_of(&bytes), bytes));
-        let parse = |i: usize| {
-            let (hash, bytes) = file.as_ref().map_err(String::clone)?;
-            Ok((keys[i].parse(bytes, budget.claim(path.display()))?, *hash))
-        };
-        wanted.into_par_iter().map(|i| (i, parse(i))).collect::<Vec<_>>()
-    });
-    let mut read: Vec<_> = read.collect();
-    read.sort_by_key(|(i, _)| *i);
-    read.into_iter().map(|(_, mesh)| mesh).collect()
-}
-
-/// The mesh of one shape.
-struct Copy {
-    want: Wanted<MeshFile>,
-    portable: bool,
-    mesh: Mesh,
-}
-
-/// A copy of the mesh for each shape that uses it, because each moves its own into place. The last shape that uses a
-/// file takes the original.
-fn copies(
-    mut raw: Vec<Option<(Mesh, bool)>>,
-    wanted: Vec<Wanted<MeshFile>>,
-    index: Vec<usize>,
-    report: &Report,
-) -> Vec<Copy> {
-    let (mut last, mut uses) = (vec![0; raw.len()], vec![0u64; raw.len()]);
-    for (w, &i) in index.iter().enumerate() {
-        last[i] = w;
-        uses[i] += 1;
-    }
-    // Nothing is copied before all copies are allowed.
-    for (i, mesh) in raw.iter_mut().enumerate() {
-        let Some((of_it, _)) = mesh else { continue };
-        let Wanted { key, span, .. } = &wanted[last[i]];
-        let claim = report.budget.claim(key.path.display());
-        if let Err(why) = claim.keep((uses[i] - 1) * mesh_file::bytes(of_it)) {
-            let (path, n) = (key.path.display(), uses[i]);
-            report.error(*span, format!("{n} shapes use the mesh `{path}`: {why}"), "");
-            *mesh = None;
-        }
-    }
-    let mut copies = Vec::new();
-    for (w, (want, i)) in wanted.into_iter().zip(index).enumerate() {
-        let mesh = if last[i] == w { raw[i].take() } else { raw[i].clone() };
-        copies.extend(mesh.map(|(mesh, portable)| Copy { want, portable, mesh }));
-    }
-    copies
 }
 
 /// The distinct keys in order of first appearance, and for each entry of `wanted` the index of its key.
@@ -215,12 +126,6 @@ fn first_of(index: &[usize], count: usize) -> Vec<usize> {
     let mut first = vec![0; count];
     index.iter().enumerate().rev().for_each(|(wish, &key)| first[key] = wish);
     first
-}
-
-fn hash_of(bytes: &[u8]) -> u64 {
-    let mut hash = Hash::default();
-    hash.bytes(bytes);
-    hash.value()
 }
 
 fn note_failure<T>(

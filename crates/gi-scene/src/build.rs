@@ -75,7 +75,7 @@ impl<'a> Builder<'a> {
     }
 
     fn instance(&mut self, node: Node<'_>) {
-        let to_world = node.transform("to_world");
+        let to_world = node.to_world().as_affine3a();
         if !to_world.inverse().is_finite() {
             let message = "the instance is flat: its `to_world` cannot be inverted";
             node.report.warn(node.span_of("to_world"), message);

@@ -6,18 +6,21 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::PathBuf;
 
 use gi_core::math::Rgb;
-use glam::{Affine3A, Vec3};
+use glam::{DAffine3, DVec3};
 
 use crate::diagnostics::{Report, Span};
 use crate::files::Folders;
 use crate::hash::Hash;
+use crate::local::Local;
 use crate::spectrum::Spectrum;
 
+mod colors;
 mod node;
 mod parse;
 mod ranges;
 
-pub(crate) use node::{Meaning, Node};
+pub(crate) use colors::Meaning;
+pub(crate) use node::Node;
 pub(crate) use parse::parse;
 
 /// Index into [`Document::objects`].
@@ -89,8 +92,8 @@ pub(crate) enum Value {
     Text(String),
     Color(Rgb),
     Spectrum(Spectrum),
-    Vector(Vec3),
-    Transform(Affine3A),
+    Vector(DVec3),
+    Transform(DAffine3),
 }
 
 impl Value {
@@ -174,6 +177,8 @@ pub(crate) struct Document {
     pub(crate) unknown_things: bool,
     /// Hash of the text of all files and of the defines.
     pub(crate) hash: Hash,
+    /// Where shapes, lights and cameras are placed.
+    pub(crate) local: RefCell<Local>,
 }
 
 impl Document {

@@ -80,8 +80,8 @@ fn light_color(node: Node<'_>, name: &'static str) -> Rgb {
 
 /// A position, from `position` or `to_world`.
 fn place(node: Node<'_>) -> Vec3 {
-    let m = node.transform("to_world");
-    node.vector("position").map_or(m.translation.into(), |p| m.transform_point3(p))
+    let m = node.to_world();
+    node.point("position").map_or(m.translation, |p| m.transform_point3(p)).as_vec3()
 }
 
 fn point(node: Node<'_>) -> LightSource {
@@ -132,7 +132,7 @@ fn plain_spot(node: Node<'_>) -> Option<LightSource> {
         return None;
     }
     Some(LightSource::Spot {
-        position: node.transform("to_world").translation.into(),
+        position: node.to_world().translation.as_vec3(),
         direction: direction(node, "direction")?,
         intensity: light_color(node, "intensity"),
         cutoff: cutoff.to_radians(),

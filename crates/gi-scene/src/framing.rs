@@ -31,8 +31,9 @@ pub(crate) fn frame(
     let radius = (0.5 * bounds.extent().length()).max(1e-3);
     let fov = camera.fov.unwrap_or(DEFAULT_FOV).to_radians();
     let narrow = ((0.5 * fov).tan() * (size[1] as f32 / size[0] as f32).min(1.0)).atan();
-    let target = camera.target.unwrap_or(center);
-    let origin = camera.origin.unwrap_or(target + Vec3::Z * (radius / narrow.sin()));
+    let CameraOverride { origin, target, .. } = camera.relative_to(parts.origin);
+    let target = target.unwrap_or(center);
+    let origin = origin.unwrap_or(target + Vec3::Z * (radius / narrow.sin()));
     let target = if origin == target { origin - Vec3::Z } else { target };
     let Some(view) = (target - origin).try_normalize() else {
         let (from, to) = (list(origin), list(target));
@@ -52,16 +53,17 @@ pub(crate) fn bounds_of(parts: &SceneParts) -> Bounds {
 }
 
 /// The scene's own camera, moved, turned and zoomed by the options. Everything that they leave open stays.
-/// `None` if an error was reported.
+/// `None` if an error was reported. `own_origin` is that of the scene.
 pub(crate) fn moved(
     seen: CameraSpec,
     camera: &CameraOverride,
+    own_origin: Vec3,
     report: &Report,
 ) -> Option<CameraSpec> {
     if !check(camera, report) {
         return None;
     }
-    let CameraOverride { origin, target, up: upward, fov } = *camera;
+    let CameraOverride { origin, target, up: upward, fov } = camera.relative_to(own_origin);
     let mut moved = seen;
     if let Some(fov) = fov {
         match &mut moved.projection {
@@ -80,7 +82,7 @@ pub(crate) fn moved(
     let Some(view) = target.map_or(Some(own_view), |t| (t - origin).try_normalize()) else {
         report.error_nowhere(format!(
             "--target {} is the position of the camera: give another one, or --origin",
-            list(origin)
+            list(origin + own_origin)
         ));
         return None;
     };
@@ -103,6 +105,18 @@ pub(crate) fn moved(
     moved.to_world.matrix3 = turned.matrix3 * rest;
     moved.to_world.translation = turned.translation;
     Some(moved)
+}
+
+impl CameraOverride {
+    /// The same camera in coordinates relative to the scene's own origin.
+    fn relative_to(&self, own_origin: Vec3) -> CameraOverride {
+        let relative = |p: Vec3| (p.as_dvec3() - own_origin.as_dvec3()).as_vec3();
+        CameraOverride {
+            origin: self.origin.map(relative),
+            target: self.target.map(relative),
+            ..*self
+        }
+    }
 }
 
 /// Whether the numbers describe a valid camera; reports an error if not.

@@ -19,6 +19,7 @@ mod framing;
 mod hash;
 mod integrator;
 mod load;
+mod local;
 mod materials;
 mod media;
 mod obj_scene;

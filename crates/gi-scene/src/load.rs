@@ -32,9 +32,6 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
         report.error_nowhere(format!("`{}` contains no scene", path.display()));
     }
     let mut loaded = loaded;
-    if let Some(loaded) = &loaded {
-        precision::check(&loaded.parts, &report);
-    }
     for warning in loaded.iter_mut().flat_map(|l| l.parts.enclose_media()) {
         report.warn_nowhere(warning);
     }
@@ -69,11 +66,15 @@ fn load_xml(path: &Path, options: &Options, report: &Report) -> Option<Loaded> {
     world.word(assets.hash.value());
     let mut builder = Builder::new(report, assets);
     builder.scene(&doc);
+    builder.parts.origin = doc.local.borrow().origin.as_vec3();
+    precision::check(&builder.parts, builder.assets.rounding, report);
     refuse_other_dialects(path, &doc, &builder.parts, report);
     let integrator_max_depth = integrator::read(&doc, report);
     let seen = sensor::read(&doc, report, options.size, &builder.parts);
     let (camera, filter) = match seen {
-        Some((camera, filter)) => (framing::moved(camera, &options.camera, report)?, filter),
+        Some((camera, filter)) => {
+            (framing::moved(camera, &options.camera, builder.parts.origin, report)?, filter)
+        }
         None => {
             if !report.has_errors() {
                 report.warn_nowhere(format!(

@@ -1,20 +1,21 @@
 //! Checks whether single precision is enough for the coordinates of a scene.
 
+use gi_core::geometry::{Instance, Shape};
 use gi_core::scene::SceneParts;
-use glam::Vec3;
 
 use crate::diagnostics::Report;
 
 /// Largest rounding error of a coordinate, relative to it.
-const ROUNDING: f32 = 1.0 / (1 << 24) as f32;
+pub(crate) const ROUNDING: f32 = 1.0 / (1 << 24) as f32;
 /// Warn if coordinates are rounded by more than this fraction of the scene's radius. A room with a lamp at 1% of its
 /// size from the ceiling, moved away from the origin: at 7e-5 its picture differs by less than 0.1%, at 7e-4 by 0.3%,
 /// at 7e-3 by 1% and at 7e-2 by 17%.
 const COARSE: f32 = 2e-4;
 
-/// Refuse coordinates that overflowed; warn about a small scene that is far from the origin. The renderer moves it to
-/// the origin, but the coordinates have been rounded by then.
-pub(crate) fn check(parts: &SceneParts, report: &Report) {
+/// Refuse coordinates that overflowed; warn if coordinates are too coarse. A scene has been moved to its own origin in
+/// double precision. What remains are `rounding` (world units), by which mesh files in single precision round their
+/// positions, and groups that are far from their own origin.
+pub(crate) fn check(parts: &SceneParts, rounding: f32, report: &Report) {
     for shape in parts.shapes.iter().chain(parts.groups.iter().flatten()) {
         let bounds = shape.geometry.bounds();
         let finite = bounds.min.is_finite() && bounds.max.is_finite();
@@ -31,28 +32,43 @@ pub(crate) fn check(parts: &SceneParts, report: &Report) {
     }
     let radius = 0.5 * bounds.extent().length();
     let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
-    let rounded = farthest * ROUNDING;
+    let rounded = groups(parts).max(rounding).max(farthest * ROUNDING);
     if radius > 0.0 && bounds.center().is_finite() && rounded > COARSE * radius {
-        let at = bounds.center().distance(Vec3::ZERO);
         report.warn_nowhere(format!(
-            "the scene is {at:.1e} units from the origin and {:.1e} across: single precision rounds its coordinates by \
-             {rounded:.1e}, and small gaps may close; move it nearer to the origin",
+            "the scene is {:.1e} units across, and single precision rounds its coordinates by {rounded:.1e}, because they \
+             are far from the origin: small gaps may close; move it nearer to the origin",
             2.0 * radius
         ));
     }
 }
 
+/// How much the positions of shapes in groups are rounded, in world units.
+fn groups(parts: &SceneParts) -> f32 {
+    let farthest = |group: &Vec<Shape>| {
+        let ends = group.iter().map(|s| s.geometry.bounds()).filter(|b| !b.is_empty());
+        ends.map(|b| b.min.abs().max(b.max.abs()).max_element()).fold(0.0, f32::max)
+    };
+    let of_group: Vec<f32> = parts.groups.iter().map(farthest).collect();
+    let scale = |i: &Instance| {
+        let m = i.to_world.matrix3;
+        [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.length()).into_iter().fold(0.0, f32::max)
+    };
+    let rounded = parts.instances.iter().map(|i| scale(i) * of_group[i.group] * ROUNDING);
+    rounded.fold(0.0, f32::max)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gi_core::geometry::{Geometry, Shape};
+    use gi_core::geometry::Geometry;
+    use glam::Vec3;
 
     fn check_disk(at: f32, radius: f32) -> Result<Vec<String>, String> {
         let report = Report::default();
         let center = Vec3::new(at, 0.0, 0.0);
         let (du, dv) = (radius * Vec3::X, radius * Vec3::Y);
         let disk = Shape::new("disc", Geometry::Disk { center, du, dv }, 0);
-        check(&SceneParts { shapes: vec![disk], ..SceneParts::default() }, &report);
+        check(&SceneParts { shapes: vec![disk], ..SceneParts::default() }, 0.0, &report);
         report.finish().map_err(|problems| problems.to_string())
     }
 

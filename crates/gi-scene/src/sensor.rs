@@ -69,7 +69,7 @@ fn note_far_clip(sensor: Node<'_>, to_world: Affine3A, parts: &SceneParts) {
 }
 
 fn projection(sensor: Node<'_>, size: [usize; 2]) -> Option<(Projection, Affine3A)> {
-    let m = sensor.transform("to_world");
+    let m = sensor.to_world().as_affine3a();
     if !m.inverse().is_finite() {
         let span = sensor.span_of("to_world");
         sensor.report.error(span, "the camera's `to_world` cannot be inverted", "");

@@ -2,7 +2,7 @@
 
 use gi_core::math::Rgb;
 use gi_core::texture::srgb_to_linear;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// Longest list of numbers. It bounds the memory that one attribute can request, and no matrix or measured spectrum
 /// comes near it.
@@ -27,6 +27,26 @@ pub(crate) fn number(text: &str) -> Result<f32, String> {
     }
 }
 
+/// The same in double precision, for places: a scene may be far from the origin of its coordinates.
+pub(crate) fn number64(text: &str) -> Result<f64, String> {
+    number(text)?;
+    text.trim().parse().map_err(|_| format!("`{}` is not a number", text.trim()))
+}
+
+/// Numbers in double precision separated by commas or blanks.
+pub(crate) fn numbers64(text: &str) -> Result<Vec<f64>, String> {
+    words(text).take(MAX_NUMBERS).map(number64).collect()
+}
+
+/// Three numbers in double precision, or one for all three.
+pub(crate) fn triple64(text: &str) -> Result<DVec3, String> {
+    match numbers64(text)?.as_slice() {
+        [v] => Ok(DVec3::splat(*v)),
+        [x, y, z] => Ok(DVec3::new(*x, *y, *z)),
+        other => Err(format!("{} numbers instead of one or three", other.len())),
+    }
+}
+
 /// Finite numbers separated by commas or blanks.
 pub(crate) fn numbers(text: &str) -> Result<Vec<f32>, String> {
     words(text).take(MAX_NUMBERS).map(number).collect()
@@ -34,11 +54,7 @@ pub(crate) fn numbers(text: &str) -> Result<Vec<f32>, String> {
 
 /// Three numbers, or one for all three.
 pub(crate) fn triple(text: &str) -> Result<Vec3, String> {
-    match numbers(text)?.as_slice() {
-        [v] => Ok(Vec3::splat(*v)),
-        [x, y, z] => Ok(Vec3::new(*x, *y, *z)),
-        other => Err(format!("{} numbers instead of one or three", other.len())),
-    }
+    triple64(text).map(|v| v.as_vec3())
 }
 
 /// An integer; `12.0` is accepted too.

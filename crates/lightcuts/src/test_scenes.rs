@@ -88,7 +88,8 @@ pub(crate) fn rubble(seed: u64) -> Scene {
         let n = n.try_normalize().unwrap_or(Vec3::Z);
         let mut bent = || (n + 0.6 * in_cube(&mut rng)).normalize();
         let normals = if is_bent(k) { vec![bent(), bent(), bent()] } else { Vec::new() };
-        let mesh = Mesh { positions, triangles: vec![[0, 1, 2]], normals, ..Mesh::default() };
+        let mesh =
+            Mesh { positions, triangles: vec![[0, 1, 2]].into(), normals, ..Mesh::default() };
         Shape::new("shard", Geometry::Mesh(mesh), k % materials.len())
     };
     let shapes = (0..60).map(triangle).collect();

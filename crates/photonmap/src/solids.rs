@@ -141,7 +141,7 @@ mod tests {
     /// Some faces of a tetrahedron with its first corner at `p`.
     fn tetrahedron(p: Vec3, faces: &[[u32; 3]]) -> Mesh {
         let positions = vec![p, p + Vec3::X, p + Vec3::Y, p + Vec3::Z];
-        Mesh { positions, triangles: faces.to_vec(), ..Mesh::default() }
+        Mesh { positions, triangles: faces.to_vec().into(), ..Mesh::default() }
     }
 
     #[test]

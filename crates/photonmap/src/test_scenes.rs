@@ -21,7 +21,11 @@ fn square(center: Vec3, half: f32) -> Geometry {
     let corner = |x: f32, z: f32| center + Vec3::new(x, 0.0, z) * half;
     let positions =
         vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
-    Geometry::Mesh(Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() })
+    Geometry::Mesh(Mesh {
+        positions,
+        triangles: vec![[0, 1, 2], [0, 2, 3]].into(),
+        ..Mesh::default()
+    })
 }
 
 fn scene(parts: SceneParts) -> Scene {

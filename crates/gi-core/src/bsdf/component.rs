@@ -149,7 +149,8 @@ impl Component<'_> {
         }
         let frame = &self.frame;
         let mut s = self.lobe.sample(frame.to_local(wo), u_choice, u, way.transport)?;
-        s.wi = frame.to_world(s.wi);
+        // Exactly, because a path through many surfaces must stay on its line.
+        s.wi = if s.null { -wo } else { frame.to_world(s.wi) };
         if s.null {
             return Some(s);
         }
@@ -188,7 +189,8 @@ impl Component<'_> {
         };
         let u_choice = u_choice.min(1.0 - f32::EPSILON);
         let mut s = self.lobe.sample(frame.to_local(wo), u_choice, u, way.transport)?;
-        s.wi = frame.to_world(s.wi);
+        // Exactly, because a path through many surfaces must stay on its line.
+        s.wi = if s.null { -wo } else { frame.to_world(s.wi) };
         if s.null {
             return Some(s);
         }

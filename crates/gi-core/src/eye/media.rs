@@ -96,7 +96,7 @@ impl<'a> EyeWalk<'a> {
         let flight = self.draw_flight();
         // Trace only up to the point of scattering, unless a surface is still needed for its layers.
         let tmax = flight.as_ref().filter(|_| self.is_described).map_or(self.ray.tmax, |f| f.t);
-        let hit = self.scene.closest(&Ray { tmax, ..self.ray });
+        let hit = self.scene.closest_on(&mut self.line, &self.ray, tmax);
         let (Some(index), Some(flight)) = (self.medium, flight) else {
             self.attenuate(hit);
             return self.arrive(hit).map(EyeEvent::Surface);
@@ -146,6 +146,7 @@ impl<'a> EyeWalk<'a> {
         // A phase function equals its own density.
         self.last = Some(LastScattering { p: v.p, pdf_w: phase.eval(v.wo, wi) });
         self.remainder = Remainder::ALL;
+        self.line.turn();
         self.ray = Ray::new(v.p, wi);
         !self.is_done() && self.survives(MAX_SURVIVAL_WITHIN, v.u_roulette)
     }
@@ -156,7 +157,7 @@ impl<'a> EyeWalk<'a> {
     #[inline]
     pub fn beam_ahead(&mut self) -> Option<Beam> {
         let medium = self.medium?;
-        let hit = self.scene.closest(&self.ray);
+        let hit = self.scene.closest_on(&mut self.line, &self.ray, self.ray.tmax);
         self.ahead = Some(hit);
         let remainder = self.scattered_within()?;
         Some(Beam {

@@ -39,7 +39,7 @@ pub use crate::options::PathLimits;
 use crate::options::SurfaceLayers;
 use crate::ray::{Hit, Ray};
 use crate::sampler::Sampler;
-use crate::scene::Scene;
+use crate::scene::{Line, Scene};
 pub use media::{Beam, Entrance, EyeEvent, EyeMediumVertex};
 use remainder::Remainder;
 pub use start::GatherRay;
@@ -84,6 +84,8 @@ pub struct EyeWalk<'a> {
     medium: Option<MediumId>,
     /// The entrance into that medium, if the path has just entered it.
     entered: Option<Entrance>,
+    /// What the path has passed straight through.
+    line: Line,
     /// Hit of the next segment if [`EyeWalk::beam_ahead`] has traced it; the inner `None` means that the ray leaves the
     /// scene.
     ahead: Option<Option<Hit>>,
@@ -109,7 +111,7 @@ impl<'a> EyeWalk<'a> {
     pub fn next_vertex(&mut self) -> Option<EyeVertex<'a>> {
         let hit = match self.ahead.take() {
             Some(hit) => hit,
-            None => self.scene.closest(&self.ray),
+            None => self.scene.closest_on(&mut self.line, &self.ray, self.ray.tmax),
         };
         self.attenuate(hit);
         self.arrive(hit)
@@ -164,6 +166,8 @@ impl<'a> EyeWalk<'a> {
         self.throughput *= scatter.weight;
         if !scatter.null {
             self.turn(v, &scatter);
+        } else if !self.line.cross() {
+            return false;
         }
         if self.is_done() || !self.survives(MAX_SURVIVAL, u_roulette) {
             return false;
@@ -185,6 +189,7 @@ impl<'a> EyeWalk<'a> {
     /// The path changes its direction at `v`.
     #[inline(always)]
     fn turn(&mut self, v: &EyeVertex<'a>, scatter: &Scatter) {
+        self.line.turn();
         self.segments += 1;
         self.after_delta = scatter.delta;
         self.eta_sq *= scatter.eta * scatter.eta;

@@ -7,7 +7,7 @@ use crate::math::Rgb;
 use crate::options::SurfaceLayers;
 use crate::ray::Ray;
 use crate::sampler::Sampler;
-use crate::scene::Scene;
+use crate::scene::{Line, Scene};
 use crate::technique::Setting;
 
 /// The start of a gather ray, that is, of a path that does not begin at the camera.
@@ -89,6 +89,7 @@ impl<'a> EyeWalk<'a> {
             medium: None,
             entered: None,
             ahead: None,
+            line: Line::default(),
             estimate: None,
             sample: Sample::default(),
             is_described: false,

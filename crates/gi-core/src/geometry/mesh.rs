@@ -1,8 +1,10 @@
 use glam::{Affine3A, Vec2, Vec3};
 
+use super::Shared;
 use crate::math::Bounds;
 
-/// A triangle mesh in world space. Per-vertex arrays are empty or as long as `positions`.
+/// A triangle mesh in world space. Per-vertex arrays are empty or as long as `positions`. Copies share what does not
+/// depend on their place.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
     /// Vertices.
@@ -10,9 +12,9 @@ pub struct Mesh {
     /// Unit shading normals; empty for face normals.
     pub normals: Vec<Vec3>,
     /// Texture coordinates, v = 0 at the top row of an image; empty for barycentric coordinates.
-    pub uvs: Vec<Vec2>,
+    pub uvs: Shared<Vec2>,
     /// Three indices per triangle; counter-clockwise seen from outside.
-    pub triangles: Vec<[u32; 3]>,
+    pub triangles: Shared<[u32; 3]>,
 }
 
 impl Mesh {
@@ -80,7 +82,7 @@ mod tests {
     fn normals_follow_the_inverse_transpose() {
         let mut mesh = Mesh {
             positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y + Vec3::Z],
-            triangles: vec![[0, 1, 2]],
+            triangles: vec![[0, 1, 2]].into(),
             ..Mesh::default()
         };
         mesh.smooth_normals();

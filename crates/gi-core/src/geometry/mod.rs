@@ -2,8 +2,10 @@
 
 mod mesh;
 mod shape;
+mod shared;
 mod surface;
 
 pub use mesh::Mesh;
 pub use shape::{Geometry, Instance, Shape};
+pub use shared::Shared;
 pub use surface::{Surface, Tangents};

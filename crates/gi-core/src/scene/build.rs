@@ -45,7 +45,8 @@ pub enum SceneError {
     },
 }
 
-/// Largest diagonal of a scene: its fourth power is still a finite float.
+/// Largest diagonal of a scene: twice the radius of its bounding sphere. The fourth power of this radius is still a finite
+/// float. Squares of areas, such as the squared length of a cross product, are of that order.
 const LARGEST: f32 = 8e9;
 
 impl fmt::Display for SceneError {
@@ -248,4 +249,16 @@ fn tree(
         let name = id.map_or("scene".to_string(), |p| shapes[p.shape as usize].name.clone());
         SceneError::Shape { name, cause: error.to_string() }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::LARGEST;
+
+    #[test]
+    fn the_squared_area_of_the_largest_scene_is_finite_and_that_of_a_larger_one_is_not() {
+        let fourth_power = |diagonal: f32| (0.5 * diagonal).powi(4);
+        assert!(fourth_power(LARGEST).is_finite());
+        assert!(fourth_power(1.1 * LARGEST).is_infinite());
+    }
 }

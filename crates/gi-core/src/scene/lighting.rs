@@ -3,7 +3,7 @@
 use crate::medium::MediumId;
 use glam::{Vec2, Vec3};
 
-use super::Scene;
+use super::{Line, Scene};
 use crate::bsdf::Transport;
 use crate::geometry::{Geometry, Surface};
 use crate::light::{Emission, EmitterPoint, Light, LightSample, Targets};
@@ -204,8 +204,9 @@ impl Scene {
         let length = ray.d.length();
         let toward = -ray.d / length;
         let (mut left, mut passed) = (Rgb::WHITE, ray.tmin);
-        while let Some(hit) = self.closest(&ray) {
-            if !self.lets_pass(hit.prim, end) {
+        let mut line = Line::default();
+        while let Some(hit) = self.closest_on(&mut line, &ray, ray.tmax) {
+            if !self.lets_pass(hit.prim, end) || !line.cross() {
                 return Rgb::BLACK;
             }
             if Some(hit.prim) != end {

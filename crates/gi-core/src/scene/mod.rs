@@ -8,6 +8,7 @@ mod media_check;
 mod parts;
 mod primitives;
 mod recentre;
+mod straight;
 mod surface;
 mod winding;
 
@@ -23,6 +24,8 @@ use crate::ray::{Hit, Ray};
 pub use build::SceneError;
 pub use parts::SceneParts;
 use primitives::Primitives;
+pub(crate) use straight::Line;
+pub use straight::MOST_CROSSINGS;
 
 /// A scene prepared for rendering. It never changes.
 pub struct Scene {
@@ -117,14 +120,20 @@ impl Scene {
         Some((self.surface(ray, &hit), hit.t))
     }
 
-    /// [`Scene::intersect`] for a ray that leaves the flat primitive `left`. It cannot hit that primitive again, but
-    /// rounding makes it seem so for slivers.
+    /// The first surface point before `tmax` along a ray that continues `line` and leaves the flat primitive `left`. The
+    /// ray cannot hit that primitive again, but rounding makes it seem so for slivers.
     #[inline]
-    pub fn intersect_behind(&self, mut ray: Ray, left: Option<u32>) -> Option<(Surface, f32)> {
-        let mut hit = self.tree.closest(&ray)?;
+    pub(crate) fn intersect_behind(
+        &self,
+        line: &mut Line,
+        mut ray: Ray,
+        left: Option<u32>,
+        tmax: f32,
+    ) -> Option<(Surface, f32)> {
+        let mut hit = self.closest_on(line, &ray, tmax)?;
         while Some(hit.prim) == left {
             ray = self.tree.beyond(&ray, hit.t);
-            hit = self.tree.closest(&ray)?;
+            hit = self.closest_on(line, &ray, tmax)?;
         }
         Some((self.surface(&ray, &hit), hit.t))
     }

@@ -78,7 +78,7 @@ mod tests {
     /// A tetrahedron with outward faces, filled with medium 0.
     fn tetrahedron(offset: Vec3) -> Shape {
         let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].map(|p| p + offset).to_vec();
-        let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]].into();
         let mesh = Mesh { positions, triangles, ..Mesh::default() };
         Shape { interior: Some(MediumId::new(0)), ..Shape::new("body", Geometry::Mesh(mesh), 0) }
     }
@@ -115,7 +115,7 @@ mod tests {
         let faces = |shape: &Shape| -> Vec<Shape> {
             let Geometry::Mesh(mesh) = &shape.geometry else { unreachable!() };
             let face = |t: &[u32; 3]| {
-                let mesh = Mesh { triangles: vec![*t], ..mesh.clone() };
+                let mesh = Mesh { triangles: vec![*t].into(), ..mesh.clone() };
                 Shape { geometry: Geometry::Mesh(mesh), ..shape.clone() }
             };
             mesh.triangles.iter().map(face).collect()

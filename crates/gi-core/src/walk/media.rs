@@ -97,13 +97,13 @@ impl<'a> LightWalk<'a> {
         self.sampler.jump_to(EMISSION_DIMENSIONS + self.met * VERTEX_DIMENSIONS);
         let u = self.sampler.next_2d();
         let Some(index) = self.medium else {
-            let (surface, _) = self.scene.intersect_behind(self.ray, self.left)?;
+            let (surface, _) = self.intersect(f32::INFINITY)?;
             return Some(LightEvent::Surface(self.vertex(surface)));
         };
         // No surface beyond the point of scattering is needed.
         let medium = self.scene.medium(index);
         let t = medium.distance(self.power, u);
-        let met = self.scene.intersect_behind(Ray { tmax: t, ..self.ray }, self.left);
+        let met = self.intersect(t);
         let reach = met.as_ref().map_or(f32::INFINITY, |(_, t)| *t);
         match (medium.flight(t, reach, self.power), met) {
             (Flight::Scattered { t, weight }, _) => {
@@ -138,6 +138,7 @@ impl<'a> LightWalk<'a> {
         // A phase function equals its own density.
         self.pdf_w = Some(phase.eval(vertex.wo, wi));
         self.power = vertex.power / survival;
+        self.line.turn();
         self.ray = Ray::new(vertex.p, wi);
         self.left = None;
         !self.power.is_black()

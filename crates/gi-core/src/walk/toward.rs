@@ -68,7 +68,8 @@ mod tests {
     fn patch(material: usize) -> Scene {
         let at = |x, z| Vec3::new(x, 0.0, z);
         let positions = vec![at(9.0, -1.0), at(9.0, 1.0), at(11.0, 1.0), at(11.0, -1.0)];
-        let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() };
+        let mesh =
+            Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]].into(), ..Mesh::default() };
         let materials = vec![
             Material::Diffuse { reflectance: Texture::grey(0.5) },
             Material::Plastic {

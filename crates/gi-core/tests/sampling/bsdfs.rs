@@ -24,8 +24,8 @@ pub(crate) fn floor(materials: Vec<Material>) -> (Scene, Surface) {
         positions: [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
             .map(|[x, y]| Vec3::new(x, y, 0.0))
             .to_vec(),
-        uvs: [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(Vec2::from).to_vec(),
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        uvs: [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(Vec2::from).to_vec().into(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]].into(),
         ..Mesh::default()
     };
     let shapes = vec![Shape::new("floor", Geometry::Mesh(mesh), materials.len() - 1)];

@@ -34,7 +34,7 @@ fn triangles() -> Geometry {
     Geometry::Mesh(Mesh {
         positions: corners.map(Vec3::from_array).to_vec(),
         // Faces down, toward the origin.
-        triangles: vec![[0, 2, 1], [0, 3, 2], [0, 4, 3]],
+        triangles: vec![[0, 2, 1], [0, 3, 2], [0, 4, 3]].into(),
         ..Mesh::default()
     })
 }
@@ -196,7 +196,7 @@ fn a_tilted_quad_gives_no_nan_at_its_own_points() {
         * Affine3A::from_scale(Vec3::splat(0.6));
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let positions = corners.map(|[x, y]| turn.transform_point3(Vec3::new(x, y, 0.0))).to_vec();
-    let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() };
+    let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]].into(), ..Mesh::default() };
     let scene = Scene::new(shining(Geometry::Mesh(mesh))).expect("a scene");
     let mut rng = Pcg::new(11, 0);
     for _ in 0..200_000 {

@@ -1,9 +1,8 @@
-use gi_core::math::Rgb;
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DAffine3, DVec3, Vec3};
 
 use super::{Child, Class, Document, Object, ObjectId, Property, Target, Value};
 use crate::diagnostics::{Report, Span};
-use crate::spectrum::{EQUAL_ENERGY, Spectrum};
+use crate::spectrum::Spectrum;
 
 /// An object of a document, with typed access to its properties. Each access marks the property as used.
 /// A value of the wrong kind is reported, and the default is returned.
@@ -12,15 +11,6 @@ pub(crate) struct Node<'a> {
     pub(crate) doc: &'a Document,
     pub(crate) report: &'a Report,
     pub(crate) id: ObjectId,
-}
-
-/// What a colour's spectrum describes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Meaning {
-    /// A reflectance or another factor on light, or an index of refraction.
-    Factor,
-    /// Emitted light.
-    Light,
 }
 
 impl<'a> Node<'a> {
@@ -72,7 +62,7 @@ impl<'a> Node<'a> {
         );
     }
 
-    fn find(self, name: &'static str) -> Option<&'a Property> {
+    pub(super) fn find(self, name: &'static str) -> Option<&'a Property> {
         let object = self.object();
         object.touched.set(true);
         object.asked.borrow_mut().insert(name);
@@ -99,7 +89,7 @@ impl<'a> Node<'a> {
         self.find(name).map_or(self.span(), |p| p.span)
     }
 
-    fn wrong_kind(self, p: &Property, expected: &str) {
+    pub(super) fn wrong_kind(self, p: &Property, expected: &str) {
         let message = format!("`{}` is {}", p.name, p.value.kind());
         self.report.error(p.span, message, &format!("expected {expected}"));
     }
@@ -170,72 +160,37 @@ impl<'a> Node<'a> {
     }
 
     pub(crate) fn vector(self, name: &'static str) -> Option<Vec3> {
+        self.point(name).map(|p| p.as_vec3())
+    }
+
+    /// The same in double precision.
+    pub(crate) fn point(self, name: &'static str) -> Option<DVec3> {
         self.get(name, "a point or vector", |v| match v {
             Value::Vector(p) => Some(*p),
-            Value::Color(c) => Some(Vec3::from(c.to_array())),
+            Value::Color(c) => Some(Vec3::from(c.to_array()).as_dvec3()),
             _ => None,
         })
     }
 
     /// A transform; the identity if not given.
     pub(crate) fn transform(self, name: &'static str) -> Affine3A {
+        self.transform64(name).as_affine3a()
+    }
+
+    fn transform64(self, name: &'static str) -> DAffine3 {
         let read = |v: &Value| match v {
             Value::Transform(m) => Some(*m),
             _ => None,
         };
-        self.get(name, "a transform", read).unwrap_or(Affine3A::IDENTITY)
+        self.get(name, "a transform", read).unwrap_or(DAffine3::IDENTITY)
     }
 
-    /// A colour, given as a property or as a `<spectrum type=...>` child.
-    pub(crate) fn color(self, name: &'static str, meaning: Meaning) -> Option<Rgb> {
-        if let Some(p) = self.find(name) {
-            let color = self.value_color(&p.value, meaning);
-            if color.is_none() {
-                self.wrong_kind(p, "a colour");
-            }
-            return color;
-        }
-        let child = self.child_if(name, |n| n.class() == Class::Spectrum)?;
-        child.spectrum_child(meaning)
-    }
-
-    fn value_color(self, value: &Value, meaning: Meaning) -> Option<Rgb> {
-        Some(match value {
-            Value::Color(c) => *c,
-            Value::Float(x) => Rgb::grey(*x),
-            Value::Integer(i) => Rgb::grey(*i as f32),
-            // The RGB build of Mitsuba 0.6 reads a single number as grey light, Mitsuba 3 as an equal-energy spectrum.
-            Value::Spectrum(Spectrum::Flat(x)) if self.doc.version == 0 => Rgb::grey(*x),
-            Value::Spectrum(s) if meaning == Meaning::Light => s.emission(),
-            Value::Spectrum(s) => s.reflectance(),
-            _ => return None,
-        })
-    }
-
-    /// The colour of a `<spectrum type=...>` object.
-    pub(crate) fn spectrum_child(self, meaning: Meaning) -> Option<Rgb> {
-        match self.plugin() {
-            "rgb" | "srgb" | "uniform" | "regular" | "irregular" if self.has("value") => {
-                self.color("value", meaning)
-            }
-            "d65" => {
-                let scale = self.float("scale", 1.0) * self.float("value", 1.0);
-                Some(self.color("color", Meaning::Factor).unwrap_or(Rgb::WHITE) * scale)
-            }
-            "uniform" => {
-                let v = self.float("value", 1.0);
-                Some(if meaning == Meaning::Light { EQUAL_ENERGY * v } else { Rgb::grey(v) })
-            }
-            "blackbody" => {
-                let kelvin = self.float("temperature", 5000.0);
-                let body = Spectrum::Blackbody { kelvin, scale: self.float("scale", 1.0) };
-                Some(body.emission())
-            }
-            _ => {
-                self.unknown_plugin(&["rgb", "uniform", "d65", "blackbody"]);
-                None
-            }
-        }
+    /// The object's `to_world`. In a scene far from the origin of its coordinates, it leads to the scene's own origin
+    /// instead; that of a shape in a group leads to the group's.
+    pub(crate) fn to_world(self) -> DAffine3 {
+        let local = self.doc.local.borrow();
+        let origin = if local.in_groups.contains(&self.id) { DVec3::ZERO } else { local.origin };
+        DAffine3::from_translation(-origin) * self.transform64("to_world")
     }
 
     /// The object that a child is or refers to.

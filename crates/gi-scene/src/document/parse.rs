@@ -90,6 +90,7 @@ impl<'r> Parser<'r> {
             unknown_tags: Vec::new(),
             unknown_things: false,
             hash,
+            local: RefCell::default(),
         };
         let mut all = Defines::default();
         defines.iter().rev().map(define).for_each(|d| all.add(d)); // the last -D for a name wins

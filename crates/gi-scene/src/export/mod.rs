@@ -134,6 +134,12 @@ impl<'a> Exporter<'a> {
 
     fn scene(&mut self) -> Result<String, String> {
         let loaded = self.loaded;
+        if loaded.parts.origin != glam::Vec3::ZERO {
+            let at = numbers(&loaded.parts.origin.to_array());
+            self.warn(format!(
+                "the exported scene is moved: its origin is at {at} of the file that was read"
+            ));
+        }
         self.xml.open("scene", &[("version", "3.0.0")]);
         for (name, value) in &loaded.presets {
             self.xml.empty("default", &[("name", name), ("value", value)]);

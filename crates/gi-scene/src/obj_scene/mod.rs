@@ -10,14 +10,18 @@ use std::path::{Path, PathBuf};
 use gi_core::filter::Filter;
 use gi_core::geometry::{Geometry, Shape};
 use gi_core::guard::guarded;
+use gi_core::math::Bounds;
 use gi_core::scene::SceneParts;
+use glam::DVec3;
 
 use crate::diagnostics::Report;
 use crate::files::{self, Folders};
 use crate::framing;
 use crate::hash::Hash;
+use crate::local::Extent;
 use crate::options::{Loaded, Options};
 use crate::origins::{Origins, ShapeOrigin};
+use crate::precision;
 use crate::shapes::{mesh_file, obj, smooth};
 use crate::statements::{latin_1, name_before_comment};
 use mtl::Entry;
@@ -42,7 +46,19 @@ pub(crate) fn load(path: &Path, options: &Options, report: &Report) -> Option<Lo
     let bytes = files::read_bytes(path, &mut text);
     let contents = bytes.and_then(|bytes| {
         reader.hash.bytes(&bytes);
-        let contents = guarded(|| obj::parse_by_material(&bytes, true, true, &mut meshes))?;
+        let mut parse =
+            |origin| guarded(|| obj::parse_by_material(&bytes, (true, origin), true, &mut meshes));
+        let mut contents = parse(DVec3::ZERO)?;
+        let bounds = contents.meshes.iter().map(|(_, mesh)| mesh.bounds());
+        let bounds = bounds.fold(Bounds::EMPTY, Bounds::union);
+        let ends = [bounds.min, bounds.max].map(|p| p.as_dvec3());
+        let origin = Extent::of(ends).map_or(DVec3::ZERO, |all| all.origin());
+        if !bounds.is_empty() && origin != DVec3::ZERO {
+            // Again, with all digits that the file has.
+            drop(contents);
+            contents = parse(origin)?;
+            reader.parts.origin = origin.as_vec3();
+        }
         meshes.keep(contents.meshes.iter().map(|(_, mesh)| mesh_file::bytes(mesh)).sum())?;
         Ok(contents)
     });
@@ -58,6 +74,7 @@ pub(crate) fn load(path: &Path, options: &Options, report: &Report) -> Option<Lo
         report.warn_nowhere(note);
     }
     reader.shapes(contents);
+    precision::check(&reader.parts, 0.0, report);
     let size = options.size.unwrap_or([768, 576]);
     let camera = framing::frame(&reader.parts, &options.camera, size, report)?;
     let presets: BTreeMap<String, String> =

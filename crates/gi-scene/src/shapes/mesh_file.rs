@@ -4,11 +4,14 @@ use std::path::PathBuf;
 
 use gi_core::geometry::Mesh;
 use gi_core::guard::guarded;
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{DAffine3, DVec3, Vec3};
 
+use super::place::place;
 use super::{obj, ply, serialized, smooth};
 use crate::budget::Claim;
 use crate::document::Node;
+use crate::local::Extent;
+use crate::precision;
 use crate::value::check_size;
 
 /// A mesh file and its reading options: files with equal keys are read once.
@@ -37,6 +40,10 @@ pub(crate) struct ReadMesh {
     pub(crate) portable: bool,
     /// A note about what was ignored.
     pub(crate) note: Option<String>,
+    /// The positions are relative to this point. It is not zero only if the mesh is far from the origin.
+    pub(crate) origin: DVec3,
+    /// How much the file rounds its positions, if it stores them in single precision; otherwise 0.
+    pub(crate) rounding: f32,
 }
 
 impl MeshFile {
@@ -58,31 +65,72 @@ impl MeshFile {
 
     /// Read the mesh. Its vertices are finite and its indices in range. The claim keeps the memory of the mesh.
     pub(crate) fn parse(&self, bytes: &[u8], mut claim: Claim<'_>) -> Result<ReadMesh, String> {
-        let read = guarded(|| self.decode(bytes, &mut claim))?;
+        let mut read = guarded(|| self.decode(bytes, DVec3::ZERO, &mut claim))?;
         check(&read.mesh)?;
+        let farthest = read.mesh.positions.iter().map(|p| p.abs().max_element());
+        let rounding = farthest.fold(0.0, f32::max) * precision::ROUNDING;
+        let origin = extent(&read).map_or(DVec3::ZERO, |extent| extent.origin());
+        if origin != DVec3::ZERO {
+            // Again, with all digits that the file has.
+            drop(read);
+            read = guarded(|| self.decode(bytes, origin, &mut claim))?;
+            check(&read.mesh)?;
+        }
+        read.rounding = if self.is_single(bytes) { rounding } else { 0.0 };
         claim.keep(self::bytes(&read.mesh))?;
         Ok(read)
     }
 
-    fn decode(&self, bytes: &[u8], claim: &mut Claim<'_>) -> Result<ReadMesh, String> {
-        let plain = |mesh, portable| ReadMesh { mesh, portable, note: None };
+    /// Whether the file stores positions in single precision. Text has as many digits as its author gave.
+    fn is_single(&self, bytes: &[u8]) -> bool {
+        match self.kind {
+            MeshKind::Obj { .. } => false,
+            MeshKind::Ply { .. } => ply::is_single(bytes),
+            MeshKind::Serialized { index } => serialized::is_single(bytes, index),
+        }
+    }
+
+    fn decode(
+        &self,
+        bytes: &[u8],
+        origin: DVec3,
+        claim: &mut Claim<'_>,
+    ) -> Result<ReadMesh, String> {
+        let all = |mesh, portable, note| ReadMesh { mesh, portable, note, origin, rounding: 0.0 };
         Ok(match self.kind {
             MeshKind::Obj { flip } => {
-                let mut contents = obj::parse(bytes, flip, claim)?;
+                let mut contents = obj::parse(bytes, (flip, origin), claim)?;
                 let note = contents.note(&self.path.display().to_string());
                 let (_, mesh) = contents.meshes.pop().ok_or("it contains no faces")?;
-                ReadMesh { mesh, portable: contents.portable, note }
+                all(mesh, contents.portable, note)
             }
-            MeshKind::Ply { flip } => plain(ply::parse(bytes, flip, claim)?, true),
-            MeshKind::Serialized { index } => plain(serialized::parse(bytes, index, claim)?, false),
+            MeshKind::Ply { flip } => all(ply::parse(bytes, (flip, origin), claim)?, true, None),
+            MeshKind::Serialized { index } => {
+                all(serialized::parse(bytes, (index, origin), claim)?, false, None)
+            }
         })
     }
 }
 
 /// The memory that a mesh takes, with the normals that it may get.
 pub(crate) fn bytes(mesh: &Mesh) -> u64 {
-    let vertex = 2 * size_of::<Vec3>() + if mesh.uvs.is_empty() { 0 } else { size_of::<Vec2>() };
-    (mesh.positions.len() * vertex + mesh.triangles.len() * size_of::<[u32; 3]>()) as u64
+    own_bytes(mesh) + size_of_val(&mesh.uvs[..]) as u64 + triangle_bytes(mesh)
+}
+
+/// The part of this memory that another shape with the same mesh does not share: its positions and normals.
+pub(crate) fn own_bytes(mesh: &Mesh) -> u64 {
+    (mesh.positions.len() * 2 * size_of::<Vec3>()) as u64
+}
+
+fn triangle_bytes(mesh: &Mesh) -> u64 {
+    size_of_val(&mesh.triangles[..]) as u64
+}
+
+/// The box around a mesh, in the coordinates of its file.
+pub(crate) fn extent(read: &ReadMesh) -> Option<Extent> {
+    let bounds = read.mesh.bounds();
+    let ends = [bounds.min, bounds.max].map(|p| p.as_dvec3() + read.origin);
+    Extent::of(ends).filter(|_| !bounds.is_empty())
 }
 
 /// Check what must be true of every mesh, in any format.
@@ -108,7 +156,7 @@ fn check(mesh: &Mesh) -> Result<(), String> {
 /// How a shape transforms its mesh and makes the normals.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placement {
-    pub(crate) to_world: Affine3A,
+    pub(crate) to_world: DAffine3,
     face_normals: bool,
     max_smooth_angle: Option<f32>,
 }
@@ -117,28 +165,49 @@ impl Placement {
     /// The placement, from a shape's properties.
     pub(crate) fn of(node: Node<'_>) -> Placement {
         Placement {
-            to_world: node.transform("to_world"),
+            to_world: node.to_world(),
             face_normals: node.bool("face_normals", false),
             max_smooth_angle: node.float_opt("max_smooth_angle"),
         }
     }
 
+    /// Largest factor by which lengths grow.
+    pub(crate) fn scale(&self) -> f32 {
+        let m = self.to_world.matrix3;
+        [m.x_axis, m.y_axis, m.z_axis]
+            .map(|axis| axis.length() as f32)
+            .into_iter()
+            .fold(0.0, f32::max)
+    }
+
     /// Transform the mesh. As in Mitsuba, a mesh without normals gets smooth ones unless face normals are requested.
-    /// Returns the number of invalid normals that were replaced.
-    pub(crate) fn apply(&self, mesh: &mut Mesh) -> usize {
-        if self.face_normals || !self.to_world.inverse().is_finite() {
+    /// Returns the number of invalid normals that were replaced. The claim keeps the memory of what this shape no longer
+    /// shares with others.
+    pub(crate) fn apply(&self, read: &mut ReadMesh, mut claim: Claim<'_>) -> Result<usize, String> {
+        let mesh = &mut read.mesh;
+        if self.face_normals || !self.to_world.as_affine3a().inverse().is_finite() {
             mesh.normals.clear();
         }
         let replaced = smooth::replace_bad_normals(mesh);
-        mesh.transform(&self.to_world);
+        place(mesh, &self.to_world, read.origin);
         if self.face_normals {
-            return replaced;
+            return Ok(replaced);
         }
         match self.max_smooth_angle {
-            Some(degrees) => smooth::smooth_up_to(mesh, degrees.to_radians()),
+            Some(degrees) => {
+                claim.set(mesh.triangles.len() as u64 * smooth::BYTES)?;
+                smooth::smooth_up_to(mesh, degrees.to_radians());
+                claim.keep(bytes(mesh))?;
+            }
             None if mesh.normals.is_empty() => mesh.smooth_normals(),
-            None => smooth::face_the_normals(mesh),
+            None if smooth::face_their_normals(mesh) => {}
+            None => {
+                if mesh.triangles.is_shared() {
+                    claim.keep(triangle_bytes(mesh))?;
+                }
+                smooth::face_the_normals(mesh);
+            }
         }
-        replaced
+        Ok(replaced)
     }
 }

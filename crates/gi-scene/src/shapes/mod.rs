@@ -2,6 +2,7 @@
 
 pub(crate) mod mesh_file;
 pub(crate) mod obj;
+mod place;
 pub(crate) mod ply;
 mod serialized;
 pub(crate) mod smooth;
@@ -92,15 +93,16 @@ impl Builder<'_> {
 
     /// The shape's geometry, how it was given, and whether its normals point the wrong way.
     fn geometry(&mut self, node: Node<'_>) -> Option<(Geometry, ShapeOrigin, bool)> {
-        let to_world = node.transform("to_world");
+        let to_world = node.to_world();
+        let rounded = to_world.as_affine3a();
         Some(match node.plugin() {
             "rectangle" => {
                 let mesh = Geometry::Mesh(solids::rectangle(&to_world));
-                (mesh, ShapeOrigin::Unit("rectangle", to_world), false)
+                (mesh, ShapeOrigin::Unit("rectangle", rounded), false)
             }
             "cube" => {
                 let mesh = Geometry::Mesh(solids::cube(&to_world));
-                (mesh, ShapeOrigin::Unit("cube", to_world), false)
+                (mesh, ShapeOrigin::Unit("cube", rounded), false)
             }
             "sphere" => {
                 let (geometry, mirrored) = solids::sphere(node, &to_world)?;
@@ -114,7 +116,7 @@ impl Builder<'_> {
             _ => {
                 let (file, portable, mesh) = self.assets.take_mesh(node.id)?;
                 let origin = if portable && !node.has("max_smooth_angle") {
-                    ShapeOrigin::File(file, to_world)
+                    ShapeOrigin::File(file, rounded)
                 } else {
                     ShapeOrigin::Itself
                 };

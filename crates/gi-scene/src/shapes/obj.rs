@@ -1,9 +1,10 @@
 //! Wavefront OBJ geometry. Groups and smoothing groups are ignored, as in Mitsuba; polygons become triangle fans.
 
 use std::collections::HashMap;
+use std::str::FromStr;
 
 use gi_core::geometry::Mesh;
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use crate::budget::Claim;
 use crate::files;
@@ -57,19 +58,23 @@ impl Contents {
     }
 }
 
-/// Read all faces as one mesh.
-pub(crate) fn parse(bytes: &[u8], flip: bool, claim: &mut Claim<'_>) -> Result<Contents, String> {
-    let contents = parse_by_material(bytes, flip, false, claim)?;
+/// Read all faces as one mesh, whose positions are relative to `origin`.
+pub(crate) fn parse(
+    bytes: &[u8],
+    (flip, origin): (bool, DVec3),
+    claim: &mut Claim<'_>,
+) -> Result<Contents, String> {
+    let contents = parse_by_material(bytes, (flip, origin), false, claim)?;
     if contents.meshes.is_empty() {
         return Err("it contains no faces".into());
     }
     Ok(contents)
 }
 
-/// Read the faces of each material as a separate mesh, or all faces as one mesh.
+/// Read the faces of each material as a separate mesh, or all faces as one mesh. Positions are relative to `origin`.
 pub(crate) fn parse_by_material(
     bytes: &[u8],
-    flip: bool,
+    (flip, origin): (bool, DVec3),
     by_material: bool,
     claim: &mut Claim<'_>,
 ) -> Result<Contents, String> {
@@ -82,11 +87,12 @@ pub(crate) fn parse_by_material(
         claim.at_least(reader.bytes + 64 * rest.len() as u64)?;
         match keyword {
             "v" => {
-                reader.positions.push(position(rest, reader.positions.len()).map_err(fail)?);
+                let p = position(rest, reader.positions.len(), origin).map_err(fail)?;
+                reader.positions.push(p);
                 reader.bytes += NUMBERS;
             }
             "vn" => {
-                reader.normals.push(Vec3::from(floats::<3>(rest).map_err(fail)?));
+                reader.normals.push(Vec3::from(floats::<f32, 3>(rest).map_err(fail)?));
                 reader.bytes += NUMBERS;
             }
             "vt" => {
@@ -225,23 +231,26 @@ impl Reader {
         let uvs = if has(1) { part.corners.iter().map(uv).collect() } else { Vec::new() };
         let normal = |c: &Corner| self.normals[c[2] as usize].normalize_or_zero();
         let normals = if all(2) { part.corners.iter().map(normal).collect() } else { Vec::new() };
-        Mesh { positions, normals, uvs, triangles: part.triangles }
+        Mesh { positions, normals, uvs: uvs.into(), triangles: part.triangles.into() }
     }
 }
 
-/// Vertex number `index`.
-fn position(text: &str, index: usize) -> Result<Vec3, String> {
-    let p = floats::<3>(text)?;
+/// Vertex number `index`, relative to `origin`.
+fn position(text: &str, index: usize, origin: DVec3) -> Result<Vec3, String> {
+    let p = floats::<f32, 3>(text)?;
     if !p.iter().all(|x| x.is_finite()) {
         return Err(format!("vertex {index} is not finite: {}", without_comment(text)));
     }
     crate::value::check_size(Vec3::from(p))?;
-    Ok(Vec3::from(p))
+    if origin == DVec3::ZERO {
+        return Ok(Vec3::from(p));
+    }
+    Ok((DVec3::from(floats::<f64, 3>(text)?) - origin).as_vec3())
 }
 
-fn floats<const N: usize>(text: &str) -> Result<[f32; N], String> {
+fn floats<T: FromStr + Default + Copy, const N: usize>(text: &str) -> Result<[T; N], String> {
     let text = without_comment(text);
-    let mut out = [0.0; N];
+    let mut out = [T::default(); N];
     let mut words = text.split_whitespace();
     for x in &mut out {
         let word = words.next().ok_or_else(|| format!("`{text}` instead of {N} numbers"))?;

@@ -3,7 +3,7 @@
 use gi_core::bytes::{Reader, TOO_SHORT};
 use gi_core::geometry::Mesh;
 use gi_core::points::Ply;
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2};
 
 use super::mesh_file;
 use crate::budget::Claim;
@@ -15,19 +15,32 @@ mod header;
 /// Most corners of a face; a larger number means a damaged file.
 const MAX_CORNERS: u64 = 1 << 16;
 
-/// Read a mesh.
-pub(crate) fn parse(bytes: &[u8], flip: bool, claim: &mut Claim<'_>) -> Result<Mesh, String> {
+/// Read a mesh, whose positions are relative to `origin`.
+pub(crate) fn parse(
+    bytes: &[u8],
+    (flip, origin): (bool, DVec3),
+    claim: &mut Claim<'_>,
+) -> Result<Mesh, String> {
     let (header, body) = Header::parse(bytes)?;
     let mut source = Source::new(&header, body)?;
     let mut mesh = Mesh::default();
     for element in &header.elements {
         match element.name.as_str() {
-            "vertex" => vertices(element, &mut source, (&mut mesh, claim), flip)?,
+            "vertex" => vertices(element, &mut source, (&mut mesh, claim), (flip, origin))?,
             "face" => faces(element, &mut source, (&mut mesh, claim))?,
             _ => skip(element, &mut source)?,
         }
     }
     Ok(mesh)
+}
+
+/// Whether a file stores positions in single precision.
+pub(crate) fn is_single(bytes: &[u8]) -> bool {
+    let Ok((header, _)) = Header::parse(bytes) else { return false };
+    let mut vertices = header.elements.iter().filter(|e| e.name == "vertex");
+    let has_float =
+        |e: &Element| e.properties.iter().any(|p| p.name == "x" && matches!(p.kind, Kind::F32));
+    !matches!(header.format, Format::Ascii) && vertices.any(has_float)
 }
 
 /// A sequence of numbers.
@@ -93,7 +106,7 @@ fn vertices(
     e: &Element,
     source: &mut Source<'_>,
     (mesh, claim): (&mut Mesh, &mut Claim<'_>),
-    flip: bool,
+    (flip, origin): (bool, DVec3),
 ) -> Result<(), String> {
     let at = |names: &[&str]| {
         e.properties.iter().position(|p| names.contains(&p.name.as_str()) && p.list.is_none())
@@ -110,11 +123,12 @@ fn vertices(
     let count = source.at_most(e.count)?;
     claim.at_least(mesh_file::bytes(mesh) + 2 * 32 * count as u64)?; // growing vectors double
     mesh.positions.reserve(count);
+    let uvs: &mut Vec<Vec2> = &mut mesh.uvs;
     let mut row = vec![0.0; e.properties.len()];
     for _ in 0..count {
         for (slot, p) in row.iter_mut().zip(&e.properties) {
             *slot = match p.list {
-                None => source.next(p.kind)? as f32,
+                None => source.next(p.kind)?,
                 Some(list) => {
                     for _ in 0..source.list_length(list)? {
                         source.next(p.kind)?;
@@ -123,12 +137,15 @@ fn vertices(
                 }
             };
         }
-        mesh.positions.push(Vec3::new(row[x], row[y], row[z]));
+        let p = DVec3::new(row[x], row[y], row[z]);
+        mesh.positions.push((p - origin).as_vec3());
         if let [Some(x), Some(y), Some(z)] = normal {
-            mesh.normals.push(Vec3::new(row[x], row[y], row[z]).normalize_or_zero());
+            let n = DVec3::new(row[x], row[y], row[z]).as_vec3();
+            mesh.normals.push(n.normalize_or_zero());
         }
         if let [Some(u), Some(v)] = uv {
-            mesh.uvs.push(Vec2::new(row[u], if flip { 1.0 - row[v] } else { row[v] }));
+            let (u, v) = (row[u] as f32, row[v] as f32);
+            uvs.push(Vec2::new(u, if flip { 1.0 - v } else { v }));
         }
     }
     Ok(())
@@ -140,6 +157,7 @@ fn faces(
     (mesh, claim): (&mut Mesh, &mut Claim<'_>),
 ) -> Result<(), String> {
     let vertices = mesh_file::bytes(mesh);
+    let triangles: &mut Vec<[u32; 3]> = &mut mesh.triangles;
     let is_corners = |p: &Property| {
         ["vertex_indices", "vertex_index"].contains(&p.name.as_str()) && p.list.is_some()
     };
@@ -153,7 +171,7 @@ fn faces(
                 continue;
             };
             let n = source.list_length(list)?;
-            claim.at_least(vertices + 24 * (mesh.triangles.len() as u64 + n))?; // it may double
+            claim.at_least(vertices + 24 * (triangles.len() as u64 + n))?; // it may double
             if !is_corners(p) {
                 for _ in 0..n {
                     source.next(p.kind)?;
@@ -168,7 +186,7 @@ fn faces(
                 }
                 let index = index as u32;
                 if j >= 2 {
-                    mesh.triangles.push([fan[0], fan[1], index]);
+                    triangles.push([fan[0], fan[1], index]);
                 }
                 fan[usize::from(j > 0)] = index;
             }
@@ -213,7 +231,7 @@ pub(crate) fn write(mesh: &Mesh) -> Vec<u8> {
             ply.body.f32s(&uv.to_array());
         }
     }
-    for t in &mesh.triangles {
+    for t in mesh.triangles.iter() {
         ply.body.u8(3);
         t.iter().for_each(|i| ply.body.u32(*i));
     }

@@ -5,7 +5,7 @@ use std::io::Read;
 use flate2::read::ZlibDecoder;
 use gi_core::bytes::{Reader, TOO_SHORT};
 use gi_core::geometry::Mesh;
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use crate::budget::Claim;
 
@@ -24,8 +24,12 @@ const FACE_NORMALS: u32 = 0x0010;
 const SINGLE: u32 = 0x1000;
 const DOUBLE: u32 = 0x2000;
 
-/// Read mesh number `index`.
-pub(crate) fn parse(bytes: &[u8], index: usize, claim: &mut Claim<'_>) -> Result<Mesh, String> {
+/// Read mesh number `index`, whose positions are relative to `origin`.
+pub(crate) fn parse(
+    bytes: &[u8],
+    (index, origin): (usize, DVec3),
+    claim: &mut Claim<'_>,
+) -> Result<Mesh, String> {
     let (version, stream) = locate(bytes, index)?;
     let mut stream = Stream { inner: ZlibDecoder::new(stream), left: MAX_INFLATED, double: false };
     let flags = u32::from_le_bytes(stream.array()?);
@@ -39,11 +43,13 @@ pub(crate) fn parse(bytes: &[u8], index: usize, claim: &mut Claim<'_>) -> Result
         DOUBLE => stream.double = true,
         other => return Err(format!("its precision is coded as {other:#x}")),
     }
-    let attributes = [(0, 12), (HAS_NORMALS, 12), (HAS_UVS, 8), (HAS_COLORS, 12)];
+    // Positions are read in their own precision first.
+    let position = if stream.double { 12 + 24 } else { 12 + 12 };
+    let attributes = [(0, position), (HAS_NORMALS, 12), (HAS_UVS, 8), (HAS_COLORS, 12)];
     let vertex =
         attributes.iter().filter(|(flag, _)| flags & flag == *flag).map(|(_, n)| n).sum::<u64>();
     claim.set(vertices as u64 * vertex + triangles as u64 * 12)?;
-    let positions = stream.vectors::<3>(vertices)?;
+    let positions = stream.positions(vertices, origin)?;
     let normals =
         if flags & HAS_NORMALS != 0 { stream.vectors::<3>(vertices)? } else { Vec::new() };
     let uvs = if flags & HAS_UVS != 0 { stream.vectors::<2>(vertices)? } else { Vec::new() };
@@ -54,11 +60,20 @@ pub(crate) fn parse(bytes: &[u8], index: usize, claim: &mut Claim<'_>) -> Result
     let keep = flags & FACE_NORMALS == 0;
     let normals = normals.into_iter().filter(|_| keep).map(|n| Vec3::from(n).normalize_or_zero());
     Ok(Mesh {
-        positions: positions.into_iter().map(Vec3::from).collect(),
+        positions,
         normals: normals.collect(),
         uvs: uvs.into_iter().map(Vec2::from).collect(),
-        triangles,
+        triangles: triangles.into(),
     })
+}
+
+/// Whether mesh number `index` has positions in single precision.
+pub(crate) fn is_single(bytes: &[u8], index: usize) -> bool {
+    let flags = locate(bytes, index).and_then(|(_, stream)| {
+        let inner = ZlibDecoder::new(stream);
+        Stream { inner, left: MAX_INFLATED, double: false }.array()
+    });
+    flags.is_ok_and(|flags| u32::from_le_bytes(flags) & DOUBLE == 0)
 }
 
 /// The version and the compressed bytes of a mesh.
@@ -155,6 +170,17 @@ impl Stream<'_> {
         }
     }
 
+    fn positions(&mut self, n: usize, origin: DVec3) -> Result<Vec<Vec3>, String> {
+        let relative = |p: DVec3| (p - origin).as_vec3();
+        if !self.double {
+            let positions = self.vectors::<3>(n)?;
+            return Ok(positions.into_iter().map(|p| relative(Vec3::from(p).as_dvec3())).collect());
+        }
+        let read = |b: &[u8]| f64::from_le_bytes(b.try_into().expect("eight bytes"));
+        let positions = self.records::<f64, 3>(n, 8, read)?;
+        Ok(positions.into_iter().map(|p| relative(DVec3::from(p))).collect())
+    }
+
     /// Indices have four bytes, or eight if there are more vertices than four bytes can count.
     fn triangles(&mut self, n: usize, vertices: usize) -> Result<Vec<[u32; 3]>, String> {
         debug_assert!(vertices as u64 <= u64::from(u32::MAX));
@@ -173,7 +199,7 @@ mod tests {
     use crate::budget::Budget;
 
     fn read(bytes: &[u8], index: usize) -> Result<Mesh, String> {
-        parse(bytes, index, &mut Budget::new(u64::MAX).claim("a test"))
+        parse(bytes, (index, DVec3::ZERO), &mut Budget::new(u64::MAX).claim("a test"))
     }
 
     /// A file of meshes, each given as (flags, name, vertices, triangles).

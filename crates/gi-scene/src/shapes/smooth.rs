@@ -5,12 +5,26 @@ use std::collections::HashMap;
 use gi_core::geometry::Mesh;
 use glam::{Vec2, Vec3};
 
+use around::{Around, Face};
+
+mod around;
+
+/// Whether all vertex normals of triangle `k` point against it.
+fn faces_away(mesh: &Mesh, k: usize) -> bool {
+    let face = mesh.area_vector(k);
+    mesh.triangles[k].iter().all(|&i| mesh.normals[i as usize].dot(face) < 0.0)
+}
+
+/// Whether [`face_the_normals`] changes nothing.
+pub(crate) fn face_their_normals(mesh: &Mesh) -> bool {
+    !(0..mesh.triangles.len()).any(|k| faces_away(mesh, k))
+}
+
 /// Flip the winding of each triangle whose vertex normals all point against it. Mitsuba also takes the sides from the
 /// normals. (A mirroring transform reverses the winding but not the normals.)
 pub(crate) fn face_the_normals(mesh: &mut Mesh) {
     for k in 0..mesh.triangles.len() {
-        let face = mesh.area_vector(k);
-        if mesh.triangles[k].iter().all(|&i| mesh.normals[i as usize].dot(face) < 0.0) {
+        if faces_away(mesh, k) {
             mesh.triangles[k].swap(1, 2);
         }
     }
@@ -46,31 +60,33 @@ pub(crate) fn bad_normals(count: usize, name: &str) -> String {
     format!("`{name}`: {count} normals are zero or not finite: face normals replace them")
 }
 
+/// Memory per triangle that [`smooth_up_to`] needs at most.
+pub(crate) const BYTES: u64 = 640;
+
 /// Give each corner the mean normal of the adjacent faces whose normals are within `angle` (radians) of its own face's.
 /// Faces are adjacent if they share a position.
 pub(crate) fn smooth_up_to(mesh: &mut Mesh, angle: f32) {
     let key = |p: Vec3| p.to_array().map(|x| (x + 0.0).to_bits());
     let faces: Vec<Vec3> =
         (0..mesh.triangles.len()).map(|k| mesh.area_vector(k).normalize_or_zero()).collect();
-    let mut round: HashMap<[u32; 3], Vec<(usize, f32)>> = HashMap::new();
-    for (k, &face) in faces.iter().enumerate() {
+    let mut at: HashMap<[u32; 3], Vec<Face>> = HashMap::new();
+    for (k, &normal) in faces.iter().enumerate() {
         let p = mesh.corners(k);
         for j in 0..3 {
             let (a, b) = (p[(j + 1) % 3] - p[j], p[(j + 2) % 3] - p[j]);
-            let at = if face == Vec3::ZERO { 0.0 } else { a.angle_between(b) };
-            round.entry(key(p[j])).or_default().push((k, at));
+            let weight = if normal == Vec3::ZERO { 0.0 } else { a.angle_between(b) };
+            at.entry(key(p[j])).or_default().push(Face { normal, weight });
         }
     }
+    let at: HashMap<_, _> = at.into_iter().map(|(p, faces)| (p, Around::new(faces))).collect();
     let limit = angle.cos();
     let mut out = Mesh::default();
     let mut known = HashMap::new();
-    for k in 0..mesh.triangles.len() {
+    for (k, &face) in faces.iter().enumerate() {
         let corner = |j: usize| {
             let i = mesh.triangles[k][j] as usize;
             let p = mesh.positions[i];
-            let near = round[&key(p)].iter().filter(|(f, _)| faces[*f].dot(faces[k]) >= limit);
-            let sum: Vec3 = near.map(|(f, weight)| faces[*f] * *weight).sum();
-            let n = sum.try_normalize().unwrap_or(Vec3::Z);
+            let n = at[&key(p)].sum(face, limit).try_normalize().unwrap_or(Vec3::Z);
             let uv = mesh.uvs.get(i).copied().unwrap_or(Vec2::ZERO);
             let id = (key(p), key(n), uv.to_array().map(f32::to_bits));
             *known.entry(id).or_insert_with(|| {
@@ -92,11 +108,11 @@ pub(crate) fn smooth_up_to(mesh: &mut Mesh, angle: f32) {
 mod tests {
     use super::*;
     use crate::shapes::solids;
-    use glam::Affine3A;
+    use glam::DAffine3;
 
     #[test]
     fn a_cube_stays_sharp_below_ninety_degrees_and_becomes_smooth_above() {
-        let mut sharp = solids::cube(&Affine3A::IDENTITY);
+        let mut sharp = solids::cube(&DAffine3::IDENTITY);
         smooth_up_to(&mut sharp, 45f32.to_radians());
         for k in 0..sharp.triangles.len() {
             let face = sharp.area_vector(k).normalize();
@@ -104,7 +120,7 @@ mod tests {
                 assert!((sharp.normals[i as usize] - face).length() < 1e-6);
             }
         }
-        let mut round = solids::cube(&Affine3A::IDENTITY);
+        let mut round = solids::cube(&DAffine3::IDENTITY);
         smooth_up_to(&mut round, 100f32.to_radians());
         for (p, n) in round.positions.iter().zip(&round.normals) {
             assert!((p.normalize() - *n).length() < 1e-5, "{p} {n}");
@@ -113,7 +129,7 @@ mod tests {
 
     #[test]
     fn triangles_follow_their_normals() {
-        let mut mesh = solids::rectangle(&Affine3A::IDENTITY);
+        let mut mesh = solids::rectangle(&DAffine3::IDENTITY);
         mesh.normals = vec![-Vec3::Z; 4];
         face_the_normals(&mut mesh);
         assert!(mesh.area_vector(0).z < 0.0 && mesh.area_vector(1).z < 0.0);

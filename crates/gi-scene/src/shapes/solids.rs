@@ -2,8 +2,9 @@
 
 use gi_core::geometry::{Geometry, Mesh};
 use gi_core::math::Frame;
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{DAffine3, DVec3, Vec2, Vec3};
 
+use super::place::place;
 use crate::document::Node;
 
 /// Relative difference of axis lengths below which a scale counts as uniform: files round to six digits.
@@ -12,13 +13,13 @@ const UNIFORM: f32 = 1e-3;
 const SPHERE_ROWS: usize = 128;
 
 /// Whether a transform mirrors, so that transformed normals point against the transformed winding.
-fn mirrors(m: &Affine3A) -> bool {
+fn mirrors(m: &DAffine3) -> bool {
     m.matrix3.determinant() < 0.0
 }
 
 /// Transform a mesh of flat faces. The faces keep the side of their normals, as in Mitsuba.
-fn place(mut mesh: Mesh, m: &Affine3A) -> Mesh {
-    mesh.transform(m);
+fn placed(mut mesh: Mesh, m: &DAffine3) -> Mesh {
+    place(&mut mesh, m, DVec3::ZERO);
     if mirrors(m) {
         mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     }
@@ -26,19 +27,19 @@ fn place(mut mesh: Mesh, m: &Affine3A) -> Mesh {
 }
 
 /// The square [-1, 1]^2 at z = 0, facing +z.
-pub(crate) fn rectangle(to_world: &Affine3A) -> Mesh {
+pub(crate) fn rectangle(to_world: &DAffine3) -> Mesh {
     let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
     let mesh = Mesh {
         positions: corners.iter().map(|&(x, y)| Vec3::new(x, y, 0.0)).collect(),
         normals: Vec::new(),
         uvs: corners.iter().map(|&(x, y)| 0.5 * Vec2::new(x + 1.0, y + 1.0)).collect(),
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        triangles: vec![[0, 1, 2], [0, 2, 3]].into(),
     };
-    place(mesh, to_world)
+    placed(mesh, to_world)
 }
 
 /// The cube [-1, 1]^3; texture coordinates cover the unit square on each face.
-pub(crate) fn cube(to_world: &Affine3A) -> Mesh {
+pub(crate) fn cube(to_world: &DAffine3) -> Mesh {
     // For each face, the corners with uv (0,1), (1,1), (1,0), (0,0), as in Mitsuba.
     const FACES: [[[f32; 3]; 4]; 6] = [
         [[1., -1., -1.], [1., -1., 1.], [-1., -1., 1.], [-1., -1., -1.]],
@@ -55,20 +56,20 @@ pub(crate) fn cube(to_world: &Affine3A) -> Mesh {
         let k = 4 * face as u32;
         mesh.triangles.extend([[k, k + 1, k + 2], [k + 3, k, k + 2]]);
     }
-    place(mesh, to_world)
+    placed(mesh, to_world)
 }
 
 /// A sphere, and whether its normals point inward: a mirroring transform flips them, as in Mitsuba 3.
-pub(crate) fn sphere(node: Node<'_>, to_world: &Affine3A) -> Option<(Geometry, bool)> {
-    let (center, radius) = (node.vector("center").unwrap_or(Vec3::ZERO), node.float("radius", 1.0));
+pub(crate) fn sphere(node: Node<'_>, to_world: &DAffine3) -> Option<(Geometry, bool)> {
+    let (center, radius) = (node.point("center").unwrap_or(DVec3::ZERO), node.float("radius", 1.0));
     if radius <= 0.0 {
         node.report.error(node.span_of("radius"), format!("radius {radius}"), "expected > 0");
         return None;
     }
-    let m =
-        *to_world * Affine3A::from_translation(center) * Affine3A::from_scale(Vec3::splat(radius));
+    let scale = DAffine3::from_scale(DVec3::splat(radius.into()));
+    let m = *to_world * DAffine3::from_translation(center) * scale;
     let axes = [to_world.matrix3.x_axis, to_world.matrix3.y_axis, to_world.matrix3.z_axis];
-    let [(x, a), (y, b), (z, c)] = axes.map(|axis| crate::transform::unit(axis.into()));
+    let [(x, a), (y, b), (z, c)] = axes.map(|axis| crate::transform::unit(axis.as_vec3()));
     let size = [a, b, c];
     if !size.iter().all(|s| s.is_finite() && *s > 0.0) {
         node.error("the sphere has no volume", "");
@@ -82,12 +83,12 @@ pub(crate) fn sphere(node: Node<'_>, to_world: &Affine3A) -> Option<(Geometry, b
     let mirrored = mirrors(&m);
     // A right-handed frame. In Mitsuba, u of a mirrored sphere runs in the opposite direction.
     let axes = Frame { s: x, t: z.cross(x), n: z };
-    let (center, radius) = (m.translation.into(), radius * size[0]);
+    let (center, radius) = (m.translation.as_vec3(), radius * size[0]);
     Some((Geometry::Sphere { center, radius, axes }, mirrored))
 }
 
 /// The transformed unit sphere as triangles.
-fn squeezed_sphere(m: &Affine3A) -> Mesh {
+fn squeezed_sphere(m: &DAffine3) -> Mesh {
     let (rows, columns) = (SPHERE_ROWS, 2 * SPHERE_ROWS);
     let mut mesh = Mesh::default();
     for row in 0..=rows {
@@ -116,19 +117,19 @@ fn squeezed_sphere(m: &Affine3A) -> Mesh {
             }
         }
     }
-    place(mesh, m)
+    placed(mesh, m)
 }
 
 /// The unit disk at z = 0, and whether du x dv points against its normal.
-pub(crate) fn disk(to_world: &Affine3A) -> (Geometry, bool) {
-    let [du, dv] = [Vec3::X, Vec3::Y].map(|a| to_world.transform_vector3(a));
-    (Geometry::Disk { center: to_world.translation.into(), du, dv }, mirrors(to_world))
+pub(crate) fn disk(to_world: &DAffine3) -> (Geometry, bool) {
+    let [du, dv] = [DVec3::X, DVec3::Y].map(|a| to_world.transform_vector3(a).as_vec3());
+    (Geometry::Disk { center: to_world.translation.as_vec3(), du, dv }, mirrors(to_world))
 }
 
 /// A cylinder from `p0` to `p1`. Its normals point outward even if the transform mirrors, as in Mitsuba 3.
-pub(crate) fn cylinder(node: Node<'_>, to_world: &Affine3A) -> Option<Geometry> {
-    let [p0, p1] = [("p0", Vec3::ZERO), ("p1", Vec3::Z)]
-        .map(|(name, default)| node.vector(name).unwrap_or(default));
+pub(crate) fn cylinder(node: Node<'_>, to_world: &DAffine3) -> Option<Geometry> {
+    let [p0, p1] = [("p0", DVec3::ZERO), ("p1", DVec3::Z)]
+        .map(|(name, default)| node.point(name).unwrap_or(default));
     let radius = node.float("radius", 1.0);
     if radius <= 0.0 || p0 == p1 {
         node.error("the cylinder has no area", "");
@@ -136,11 +137,11 @@ pub(crate) fn cylinder(node: Node<'_>, to_world: &Affine3A) -> Option<Geometry> 
     }
     let s = (p1 - p0).normalize().any_orthonormal_vector();
     let t = (p1 - p0).normalize().cross(s);
-    let [a, b] = [s, t].map(|v| to_world.transform_vector3(v).length());
+    let [a, b] = [s, t].map(|v| to_world.transform_vector3(v).length() as f32);
     if (a / b - 1.0).abs() > UNIFORM {
         node.warn("a deformed cylinder is approximated by a round one");
     }
-    let [p0, p1] = [p0, p1].map(|p| to_world.transform_point3(p));
+    let [p0, p1] = [p0, p1].map(|p| to_world.transform_point3(p).as_vec3());
     let radius = radius * (a * b).sqrt();
     if !(p0.is_finite() && p1.is_finite() && radius.is_finite() && radius > 0.0 && p0 != p1) {
         node.error("the cylinder has no area", "");

@@ -69,6 +69,27 @@ fn a_mesh_used_by_200_shapes_takes_no_more_than_the_budget() {
 }
 
 #[test]
+fn shapes_that_use_one_mesh_share_its_triangles() {
+    let folder = Folder::new();
+    folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n");
+    let shape = |place: &str| {
+        format!(
+            "<shape type='obj'><string name='filename' value='m.obj'/>\
+             <transform name='to_world'>{place}</transform></shape>"
+        )
+    };
+    // A mirroring transform turns the triangles round, so that they need a copy.
+    let places = ["<translate x='1'/>", "<scale value='2'/>", "<scale x='-1'/>"];
+    let body: String = places.into_iter().map(shape).collect();
+    let loaded = folder.scene("3.0.0", &body).unwrap();
+    let shared = loaded.parts.shapes.iter().map(|shape| match &shape.geometry {
+        gi_core::geometry::Geometry::Mesh(mesh) => mesh.triangles.is_shared(),
+        other => panic!("{other:?}"),
+    });
+    assert_eq!(shared.collect::<Vec<_>>(), [true, true, false]);
+}
+
+#[test]
 fn text_that_a_name_multiplies_is_counted() {
     let folder = Folder::new();
     let long = "x".repeat(60_000);

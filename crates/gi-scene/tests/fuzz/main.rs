@@ -1,20 +1,17 @@
 //! Damages small valid files in many ways. However a file is damaged, loading it neither panics nor hangs, takes no more
 //! than the allowed memory, and gives finite numbers.
 //!
-//! Each test runs for a few seconds, or for `GILAB_FUZZ_SECONDS`. `GILAB_FUZZ_SEED` changes the damage. Inputs that once
-//! failed belong into `found`: all of them are loaded too.
+//! Inputs that once failed belong into `found`: all of them are loaded too.
 
 #[path = "../common/mod.rs"]
 mod common;
 mod corpus;
 mod damage;
+mod harness;
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
-use std::time::{Duration, Instant};
 
 use common::Folder;
-use damage::{Damage, Rng};
 use gi_core::geometry::Geometry;
 use gi_core::light::LightSource;
 use gi_core::material::Material;
@@ -22,16 +19,8 @@ use gi_core::texture::{Bitmap, Texture};
 use gi_scene::{Loaded, Options, load};
 use glam::Vec2;
 
-/// Time per test without `GILAB_FUZZ_SECONDS`.
-const SECONDS: u64 = 4;
-/// Longest time to load one input.
-const MOST: Duration = Duration::from_secs(10);
 /// Memory that one input may take.
 const MEMORY: u64 = 1 << 28;
-
-fn number(variable: &str, default: u64) -> u64 {
-    std::env::var(variable).ok().and_then(|text| text.parse().ok()).unwrap_or(default)
-}
 
 /// Load damaged copies of a file until the time is over. `scene` is the name and the text of the file to load, if it is
 /// not the damaged one.
@@ -42,38 +31,20 @@ fn fuzz(name: &str, files: &[Vec<u8>], scene: Option<(&str, String)>) {
     if let Some((name, text)) = scene {
         folder.write(name, text);
     }
-    let end = Instant::now() + Duration::from_secs(number("GILAB_FUZZ_SECONDS", SECONDS));
-    let mut rng = Rng(number("GILAB_FUZZ_SEED", 1));
-    let (mut inputs, mut valid) = (0u64, 0u64);
-    while Instant::now() < end {
-        let bytes = Damage { rng: &mut rng, files }.copy();
-        folder.write(name, &bytes);
-        match try_load(&path) {
-            Ok(loaded) => valid += u64::from(loaded),
-            Err(why) => {
-                let kept = std::env::temp_dir().join(format!("gilab-fuzz-{inputs}-{name}"));
-                std::fs::write(&kept, &bytes).unwrap();
-                panic!("input {inputs}, kept as {}: {why}", kept.display());
-            }
-        }
-        inputs += 1;
-    }
-    println!("{name}: {inputs} inputs, {valid} of them valid");
-    assert!(inputs > 50 && valid > 0, "{name}: {inputs} inputs, {valid} valid");
+    harness::fuzz(name, files, |bytes| {
+        folder.write(name, bytes);
+        try_load(&path)
+    });
 }
 
 /// Load a file; whether it is a valid scene, or what must not happen.
 fn try_load(path: &Path) -> Result<bool, String> {
-    let start = Instant::now();
     let options = Options { max_memory: MEMORY, ..Options::default() };
-    let result = catch_unwind(AssertUnwindSafe(|| match load(path, &options) {
+    harness::guarded(|| match load(path, &options) {
         Ok(loaded) => check(&loaded).map(|()| true),
         Err(problems) if problems.to_string().is_empty() => Err("an error without text".into()),
         Err(_) => Ok(false),
-    }));
-    let valid = result.map_err(|_| "panic".to_owned())??;
-    let time = start.elapsed();
-    if time > MOST { Err(format!("it took {time:?}")) } else { Ok(valid) }
+    })
 }
 
 /// Check that all numbers are finite.

@@ -138,4 +138,19 @@ kinds! {
         f.write("m.ply", ply);
         xml(f, 1, each!("<!--{k}-->"), "<shape type='ply'><string name='filename' value='m.ply'/></shape>")
     };
+    "faces around one point, with max_smooth_angle": |f, n| {
+        let mut obj = String::from("v 0 0 0\n");
+        for k in 0..=n {
+            let (sin, cos) = (k as f64 / n as f64 * 6.0).sin_cos();
+            writeln!(obj, "v {cos} {sin} {}", 0.5 + 0.4 * (k as f64).sin()).expect("memory can be written to");
+        }
+        (0..n).for_each(|k| writeln!(obj, "f 1 {} {}", k + 2, k + 3).expect("memory can be written to"));
+        f.write("a.obj", obj);
+        let mesh = "<shape type='obj'><string name='filename' value='a.obj'/><float name='max_smooth_angle' value='40'/></shape>";
+        xml(f, 0, each!("{k}"), mesh)
+    };
+    "shapes that share a mesh": |f, n| {
+        f.write("a.obj", format!("{TRIANGLE}f 1 2 3\n"));
+        xml(f, n, each!("<shape type='obj'><string name='filename' value='a.obj'/></shape><!--{k}-->"), "")
+    };
 }

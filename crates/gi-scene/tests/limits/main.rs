@@ -3,6 +3,7 @@
 mod camera;
 #[path = "../common/mod.rs"]
 mod common;
+mod far;
 mod meshes;
 
 use common::{Folder, scene};

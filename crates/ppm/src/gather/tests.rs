@@ -12,7 +12,7 @@ fn floor(material: Material) -> Scene {
     let at = |x, z| Vec3::new(x, 0.0, z);
     let positions = vec![at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)];
     let triangles = vec![[0, 1, 2], [0, 2, 3]];
-    let mesh = Geometry::Mesh(Mesh { positions, triangles, ..Mesh::default() });
+    let mesh = Geometry::Mesh(Mesh { positions, triangles: triangles.into(), ..Mesh::default() });
     let materials = vec![material, Material::TwoSided { front: 0, back: 0 }];
     let shapes = vec![Shape::new("floor", mesh, 1)];
     Scene::new(SceneParts { shapes, materials, ..SceneParts::default() }).expect("a scene")

@@ -1,6 +1,6 @@
 use std::cell::Cell;
 
-use glam::{Affine3A, Vec3};
+use glam::{DAffine3, DVec3};
 
 use super::substitute::Element;
 use super::{Parser, XmlNode};
@@ -33,7 +33,7 @@ impl Parser<'_> {
         file: usize,
         parent: ObjectId,
     ) {
-        let mut m = Affine3A::IDENTITY;
+        let mut m = DAffine3::IDENTITY;
         for op in node.children().filter(|n| n.is_element()) {
             let op = self.element(op, file);
             let tag = if op.tag == "look_at" { "lookat" } else { op.tag.as_str() };
@@ -48,10 +48,10 @@ impl Parser<'_> {
                 Err(why) => self.report.error(op.span, why, ""),
             }
         }
-        if !m.to_cols_array().iter().all(|x| x.abs() <= value::MAX_NUMBER) {
+        if !m.to_cols_array().iter().all(|x| x.abs() <= f64::from(value::MAX_NUMBER)) {
             let expected = "expected numbers up to 1e15";
             self.report.error(element.span, "this transform's product is too large", expected);
-            m = Affine3A::IDENTITY;
+            m = DAffine3::IDENTITY;
         }
         self.add(element, parent, Value::Transform(m));
     }
@@ -104,10 +104,10 @@ impl Parser<'_> {
             }
             "spectrum" => self.spectrum(element)?,
             _ => match element.text("value") {
-                Some(text) => Value::Vector(value::triple(text)?),
+                Some(text) => Value::Vector(value::triple64(text)?),
                 None => {
-                    let axis = |name| element.text(name).map_or(Ok(0.0), value::number);
-                    Value::Vector(Vec3::new(axis("x")?, axis("y")?, axis("z")?))
+                    let axis = |name| element.text(name).map_or(Ok(0.0), value::number64);
+                    Value::Vector(DVec3::new(axis("x")?, axis("y")?, axis("z")?))
                 }
             },
         })

@@ -2,7 +2,7 @@ use super::*;
 use crate::budget::Budget;
 
 fn parse(bytes: &[u8], flip: bool) -> Result<Contents, String> {
-    super::parse(bytes, flip, &mut Budget::new(u64::MAX).claim("a test"))
+    super::parse(bytes, (flip, DVec3::ZERO), &mut Budget::new(u64::MAX).claim("a test"))
 }
 
 const TEXT: &str = "# a square, then a triangle that counts from the end\nmtllib a b.mtl\no x\n\
@@ -19,9 +19,13 @@ fn polygons_groups_and_negative_indices_are_understood() {
     assert_eq!(mesh.triangles[1], [0, 2, 3]);
     assert_eq!(mesh.uvs[1], Vec2::new(1.0, 1.0), "v is flipped");
     assert!(mesh.normals.iter().all(|n| *n == Vec3::Z));
-    let parts =
-        parse_by_material(TEXT.as_bytes(), false, true, &mut Budget::new(u64::MAX).claim("a test"))
-            .unwrap();
+    let parts = parse_by_material(
+        TEXT.as_bytes(),
+        (false, DVec3::ZERO),
+        true,
+        &mut Budget::new(u64::MAX).claim("a test"),
+    )
+    .unwrap();
     let names: Vec<_> = parts.meshes.iter().map(|(n, m)| (n.as_str(), m.triangles.len())).collect();
     assert_eq!(names, [("red", 2), ("blue", 1)]);
     assert_eq!(parts.libraries, ["a b.mtl"]);

@@ -1,16 +1,17 @@
 use super::*;
 use crate::budget::Budget;
+use glam::Vec3;
 
 fn parse(bytes: &[u8], flip: bool) -> Result<Mesh, String> {
-    super::parse(bytes, flip, &mut Budget::new(u64::MAX).claim("a test"))
+    super::parse(bytes, (flip, DVec3::ZERO), &mut Budget::new(u64::MAX).claim("a test"))
 }
 
 fn mesh() -> Mesh {
     Mesh {
         positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(1.0, 1.0, 0.5)],
         normals: vec![Vec3::Z; 4],
-        uvs: vec![Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE],
-        triangles: vec![[0, 1, 2], [2, 1, 3]],
+        uvs: vec![Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE].into(),
+        triangles: vec![[0, 1, 2], [2, 1, 3]].into(),
     }
 }
 
@@ -22,7 +23,7 @@ fn same(a: &Mesh, b: &Mesh) -> bool {
 #[test]
 fn what_is_written_is_read_back() {
     let full = mesh();
-    let bare = Mesh { normals: vec![], uvs: vec![], ..mesh() };
+    let bare = Mesh { normals: vec![], uvs: vec![].into(), ..mesh() };
     for m in [full, bare] {
         assert!(same(&parse(&write(&m), false).unwrap(), &m));
     }

@@ -1,0 +1,51 @@
+//! Runs a check on many damaged files, one after the other.
+//!
+//! Each run takes a few seconds, or `GILAB_FUZZ_SECONDS`. `GILAB_FUZZ_SEED` changes the damage.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::{Duration, Instant};
+
+use super::damage::{Damage, Rng};
+
+/// Time per run without `GILAB_FUZZ_SECONDS`.
+const SECONDS: u64 = 4;
+/// Longest time for one input.
+const MOST: Duration = Duration::from_secs(10);
+
+fn number(variable: &str, default: u64) -> u64 {
+    std::env::var(variable).ok().and_then(|text| text.parse().ok()).unwrap_or(default)
+}
+
+/// Damage these files in many ways until the time is over. `check` says whether an input is valid, or what must not
+/// happen. A panic and a hang must not happen either. An input that fails is kept in the folder for temporary files.
+pub(crate) fn fuzz(
+    name: &str,
+    files: &[Vec<u8>],
+    mut check: impl FnMut(&[u8]) -> Result<bool, String>,
+) {
+    let end = Instant::now() + Duration::from_secs(number("GILAB_FUZZ_SECONDS", SECONDS));
+    let mut rng = Rng(number("GILAB_FUZZ_SEED", 1));
+    let (mut inputs, mut valid) = (0u64, 0u64);
+    while Instant::now() < end {
+        let bytes = Damage { rng: &mut rng, files }.copy();
+        match guarded(|| check(&bytes)) {
+            Ok(is_valid) => valid += u64::from(is_valid),
+            Err(why) => {
+                let kept = std::env::temp_dir().join(format!("gilab-fuzz-{inputs}-{name}"));
+                std::fs::write(&kept, &bytes).unwrap();
+                panic!("input {inputs}, kept as {}: {why}", kept.display());
+            }
+        }
+        inputs += 1;
+    }
+    println!("{name}: {inputs} inputs, {valid} of them valid");
+    assert!(inputs > 10 && valid > 0, "{name}: {inputs} inputs, {valid} valid");
+}
+
+/// The result of a check of one input. A panic is an error, and so is a long time.
+pub(crate) fn guarded(check: impl FnOnce() -> Result<bool, String>) -> Result<bool, String> {
+    let start = Instant::now();
+    let valid = catch_unwind(AssertUnwindSafe(check)).map_err(|_| "panic".to_owned())??;
+    let time = start.elapsed();
+    if time > MOST { Err(format!("it took {time:?}")) } else { Ok(valid) }
+}

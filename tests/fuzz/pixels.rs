@@ -1,0 +1,144 @@
+//! From the text of a scene to pixels, with every technique.
+
+use std::path::Path;
+
+use gi_core::camera::Camera;
+use gi_core::film::{Film, Show};
+use gi_core::scene::Scene;
+use gi_core::technique::Technique;
+use gi_scene::{Options, load};
+use gi_tests::World;
+use glam::Vec3A;
+
+use crate::common::Folder;
+use crate::{corpus, harness};
+
+/// Memory that a scene may take.
+const MEMORY: u64 = 1 << 28;
+/// Most pixels of a picture.
+const SIZE: [usize; 2] = [4, 3];
+
+/// A technique with parameters that make a pass cheap.
+struct Renderer {
+    name: &'static str,
+    render: fn(&World) -> Result<Film, String>,
+}
+
+fn render<'a, T: Technique<'a>>(world: &'a World, params: &T::Params) -> Result<Film, String> {
+    let mut film = Film::new(world.camera.size(), gi_core::filter::Filter::Box, Show::All);
+    let mut technique = T::prepare(world.setting(1, Show::All), params)?;
+    technique.pass(0, &mut film);
+    Ok(film)
+}
+
+const RENDERERS: [Renderer; 8] = [
+    Renderer {
+        name: "paths from the eye",
+        render: |world| render::<pathtrace::PathTracer>(world, &pathtrace::Params::default()),
+    },
+    Renderer {
+        name: "paths from the lights",
+        render: |world| {
+            let mode = pathtrace::Mode::Light;
+            render::<pathtrace::PathTracer>(
+                world,
+                &pathtrace::Params { mode, ..Default::default() },
+            )
+        },
+    },
+    Renderer {
+        name: "irradiance caching",
+        render: |world| {
+            let params = irrcache::Params { rays: 32, ..Default::default() };
+            render::<irrcache::IrradianceCaching>(world, &params)
+        },
+    },
+    Renderer {
+        name: "radiance caching",
+        render: |world| {
+            let params = radcache::Params { rays: 32, glossy_rays: 32, ..Default::default() };
+            render::<radcache::RadianceCaching>(world, &params)
+        },
+    },
+    Renderer {
+        name: "photon mapping",
+        render: |world| {
+            let (photons, caustic_photons, volume_photons) = (200, 100, 100);
+            let params = photonmap::Params {
+                photons,
+                caustic_photons,
+                volume_photons,
+                ..Default::default()
+            };
+            render::<photonmap::PhotonMapping>(world, &params)
+        },
+    },
+    Renderer {
+        name: "progressive photon mapping",
+        render: |world| {
+            let params = ppm::Params { photons: 200, initial_photons: 200, ..Default::default() };
+            render::<ppm::Ppm>(world, &params)
+        },
+    },
+    Renderer {
+        name: "instant radiosity",
+        render: |world| {
+            let params = instant_radiosity::Params { vpls: 20, ..Default::default() };
+            render::<instant_radiosity::InstantRadiosity>(world, &params)
+        },
+    },
+    Renderer {
+        name: "lightcuts",
+        render: |world| {
+            let params = lightcuts::Params { vpls: 20, ..Default::default() };
+            render::<lightcuts::Lightcuts>(world, &params)
+        },
+    },
+];
+
+/// A folder for scenes, with the files that they name.
+pub(crate) struct Target(Folder);
+
+impl Target {
+    pub(crate) fn new() -> Self {
+        let folder = Folder::new();
+        corpus::write_companions(&folder);
+        Target(folder)
+    }
+
+    /// Render a scene with one technique, or with all.
+    pub(crate) fn check(&self, bytes: &[u8], only: Option<usize>) -> Result<bool, String> {
+        let Some(world) = self.world(&self.0.write("scene.xml", bytes)) else { return Ok(false) };
+        let renderers = RENDERERS.iter().enumerate();
+        for (_, r) in renderers.filter(|(k, _)| only.is_none_or(|only| only == *k)) {
+            let film = (r.render)(&world).map_err(|why| format!("{}: {why}", r.name))?;
+            let layers = film.layers();
+            for name in ["R", "G", "B"] {
+                let values = layers.channel(name).unwrap_or_default();
+                if values.is_empty() || values.iter().any(|v| !v.is_finite()) {
+                    return Err(format!("{}: a pixel of {name} is not finite", r.name));
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    /// The scene in the same state as in the programs; `None` if it is refused.
+    fn world(&self, path: &Path) -> Option<World> {
+        let options = Options { max_memory: MEMORY, size: Some(SIZE), ..Options::default() };
+        let mut loaded = load(path, &options).ok()?;
+        loaded.camera.to_world.translation += Vec3A::from(loaded.parts.recentre());
+        let scene = Scene::new(loaded.parts).ok()?;
+        Some(World { scene, camera: Camera::new(&loaded.camera) })
+    }
+}
+
+#[test]
+fn scenes_have_finite_pictures_whatever_is_damaged() {
+    let target = Target::new();
+    let mut count = 0;
+    harness::fuzz("pixels.xml", &corpus::xml(), |bytes| {
+        count += 1;
+        target.check(bytes, Some(count % RENDERERS.len()))
+    });
+}
