@@ -240,6 +240,11 @@ impl<'a> EyeWalk<'a> {
         self.throughput
     }
 
+    /// The ray of the next segment.
+    pub fn segment(&self) -> &Ray {
+        &self.ray
+    }
+
     /// Number of segments, the next one included. Passing straight through a surface does not change it.
     pub fn segments(&self) -> u32 {
         self.segments
