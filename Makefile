@@ -60,11 +60,12 @@ ci: test lint
 scenes:
 	$(CARGO) run --release -p make-scenes -- scenes
 
-# Benchmarks: rays per second against obvhs, and against Embree if EMBREE_LIB is the path of its library; photon
+# Benchmarks: path segments per second, and the time of each phase; rays per second against obvhs, and against Embree if EMBREE_LIB is the path of its library; photon
 # searches per second against the lecture's layout and kiddo; photons and pixels per second of progressive passes;
 # connections per second with virtual point lights against only their shadow rays; cuts against all lights, from 10 to a
 # million.
 bench:
+	$(CARGO) bench -p pathtrace --bench segments
 	$(CARGO) bench -p ppm --bench passes
 	$(CARGO) bench -p gi-bvh --bench rays $(if $(EMBREE_LIB),--features embree) -- $(BENCH_ARGS)
 	$(CARGO) bench -p photonmap --bench search --features rivals

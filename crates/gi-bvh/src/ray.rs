@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 
+pub use crate::offset::ShadowRays;
+
 /// A ray segment o + t d for t in (tmin, tmax), in world units of |d|. `d` need not be unit.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]

@@ -1,6 +1,5 @@
 //! Paths from the lights.
 
-use gi_core::bsdf::Transport;
 use gi_core::camera::Connection;
 use gi_core::eye::EyeWalk;
 use gi_core::film::{Components, Film, Sample};
@@ -8,6 +7,7 @@ use gi_core::filter::FilterTable;
 use gi_core::light::Light;
 use gi_core::math::Rgb;
 use gi_core::medium::MediumId;
+use gi_core::options::SurfaceLayers;
 use gi_core::sampler::Sampler;
 use gi_core::walk::{LightEvent, LightVertex, LightWalk, MediumVertex, Roulette, walk_in_order};
 use glam::Vec3;
@@ -172,43 +172,31 @@ impl PathTracer<'_> {
         }
     }
 
-    /// Light that only a path from the eye can find: light from infinity seen directly. Also fills in the layers of the
-    /// first surface. The eye is in `medium`.
-    fn look(&self, [x, y]: [usize; 2], index: u32, mut medium: Option<MediumId>) -> Sample {
-        let (scene, camera) = (self.setting.scene, self.setting.camera);
-        let mut sampler = Sampler::new(self.setting.seed, (y * camera.size()[0] + x) as u32, index);
-        let [u, v] = sampler.next_2d();
-        let mut ray = camera.ray([x as f32 + u, y as f32 + v], sampler.next_2d());
-        let mut sample = Sample::default();
-        let mut left = Rgb::WHITE;
-        while !left.is_black() {
-            let met = scene.intersect(&ray);
-            if medium.is_some() {
-                let reach = met.as_ref().map_or(f32::INFINITY, |(_, t)| *t);
-                left *= scene.dimmed(medium, reach - ray.tmin);
-            }
-            let Some((surface, _)) = met else {
-                sample.radiance.direct = left * scene.background(ray.d);
+    /// Light that only a path from the eye can find: light from infinity seen directly. Also fills in the layers that
+    /// describe a surface. The eye is in `medium`.
+    fn look(&self, pixel: [usize; 2], index: u32, medium: Option<MediumId>) -> Sample {
+        let eye_path = || EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
+        let mut straight = eye_path().through_media(medium);
+        while let Some(v) = &straight.next_vertex() {
+            if !straight.pass_straight(v) {
                 break;
-            };
-            let bsdf = scene.bsdf(&surface, -ray.d, Transport::Radiance);
-            left *= bsdf.straight_through(-ray.d);
-            medium = scene.medium_toward(&surface, ray.d, medium);
-            ray = scene.spawn(&surface, ray.d);
+            }
         }
-        self.describe([x, y], index, &mut sample);
+        let mut sample = straight.sample();
+        if self.setting.surface_layers == SurfaceLayers::NonSpecular {
+            describe_behind_mirrors(eye_path(), &mut sample);
+        }
         sample
     }
+}
 
-    /// Fill in the layers that describe a surface.
-    fn describe(&self, pixel: [usize; 2], index: u32, sample: &mut Sample) {
-        let mut walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
-        while let Some(v) = &walk.next_vertex() {
-            if walk.is_described() || !walk.scatter(v) {
-                break;
-            }
+/// Fill in the layers from the first surface that is not specular: `walk` follows mirrors and glass to it.
+fn describe_behind_mirrors(mut walk: EyeWalk, sample: &mut Sample) {
+    while let Some(v) = &walk.next_vertex() {
+        if walk.is_described() || !walk.scatter(v) {
+            break;
         }
-        let Sample { albedo, normal, depth, .. } = walk.sample();
-        (sample.albedo, sample.normal, sample.depth) = (albedo, normal, depth);
     }
+    let Sample { albedo, normal, depth, .. } = walk.sample();
+    (sample.albedo, sample.normal, sample.depth) = (albedo, normal, depth);
 }

@@ -32,6 +32,12 @@ impl<'r, 'a> Receiver<'r, 'a> {
         Receiver { surface, wo, bsdf, diffuse: bsdf.diffuse_only(wo), normal }
     }
 
+    /// f if it is the same for all directions above the surface.
+    #[inline]
+    pub(crate) fn diffuse_f(&self) -> Option<Rgb> {
+        self.diffuse.map(|part| part.albedo * INV_PI)
+    }
+
     /// f times the cosine of `wi`.
     #[inline]
     pub fn f_cos(&self, wi: Vec3) -> Rgb {

@@ -23,5 +23,5 @@ pub use illuminate::{Connection, Receiver};
 pub use light::{Kind, LitSurface, MIN_ROUGHNESS, Vpl, Vpls};
 pub use options::{BoundOptions, Compensation, Direct, Termination};
 pub use points::{LightNumbers, points};
-pub use prepared::Prepared;
+pub use prepared::{Contribution, Prepared};
 pub use shoot::{Pilot, Shooting, shoot};

@@ -177,6 +177,18 @@ impl<'a> EyeWalk<'a> {
         true
     }
 
+    /// Continue straight through the surface at `v`, with the fraction of the light that it lets pass. Returns whether
+    /// any light passes. Uses no random numbers.
+    pub fn pass_straight(&mut self, v: &EyeVertex<'a>) -> bool {
+        let d = -v.wo;
+        self.throughput *= v.bsdf.straight_through(v.wo);
+        if self.knows_media {
+            self.medium = self.scene.medium_toward(&v.surface, d, self.medium);
+        }
+        self.ray = self.scene.spawn(&v.surface, d);
+        !self.throughput.is_black()
+    }
+
     /// Whether the estimate covers all light that `v` scatters.
     #[inline]
     fn covers_all(&self, v: &EyeVertex) -> bool {
@@ -239,9 +251,9 @@ impl<'a> EyeWalk<'a> {
         (self.ray.d, self.last.map(|last| last.pdf_w))
     }
 
-    /// The start of the next segment; at first, the point of the lens.
-    pub fn origin(&self) -> Vec3 {
-        self.ray.o
+    /// The ray of the next segment.
+    pub fn segment(&self) -> &Ray {
+        &self.ray
     }
 
     /// Number of segments, the next one included. Passing straight through a surface does not change it.

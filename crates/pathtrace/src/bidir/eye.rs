@@ -58,7 +58,7 @@ impl Bidirectional<'_> {
         let mut walk = walk.through_media(self.camera_medium);
         let mut after_delta = false;
         // The last vertex that has turned the path, and the partials that left it; at first, the lens.
-        let (mut from, mut leaving) = (walk.origin(), None::<Partials>);
+        let (mut from, mut leaving) = (walk.segment().o, None::<Partials>);
         let mut non_delta = 0;
         while let Some(event) = &walk.next_event() {
             let (site, wo) = match event {

@@ -195,7 +195,7 @@ fn paths(of: &Bidirectional, index: u32, mut take: impl FnMut(&Path)) {
     let pixel = [rng.next_below(w as u32) as usize, rng.next_below(h as u32) as usize];
     let mut walk = EyeWalk::through_pixel(&of.setting, of.limits, pixel, index)
         .through_media(of.camera_medium);
-    let (lens, mut points, mut delta) = (walk.origin(), Vec::new(), Vec::new());
+    let (lens, mut points, mut delta) = (walk.segment().o, Vec::new(), Vec::new());
     while let Some(event) = &walk.next_event() {
         let before = walk.segments();
         let (point, connects) = match event {
