@@ -259,11 +259,13 @@ figure-34:
 figure-35:
 	mkdir -p $D
 	$(BIN)/pathtrace scenes/bulb.xml $(RUN) --spp $(call q,128,1024) -o $D/paths.exr
+	$(BIN)/pathtrace scenes/bulb.xml $(RUN) --mode bdpt --spp $(call q,32,256) -o $D/bdpt.exr
+	$(BIN)/pathtrace scenes/bulb.xml $(RUN) --mode vcm --spp $(call q,32,256) -o $D/vcm.exr
 	$(BIN)/photonmap scenes/bulb.xml $(RUN) --photons $(PHOTONS) --caustic-photons $(call q,100000,1000000) --spp $(call q,16,64) -o $D/photonmap.exr
 	$(BIN)/ppm scenes/bulb.xml $(RUN) --passes $(call q,64,512) -o $D/ppm.exr
 	$(DRAW) figure $D --slide 35,38 --columns 3 --title "All light is caustic" \
-	  --caption "A lamp inside a glass shell: paths from the eye find it only by chance. Times are shown below the pictures." \
-	  paths.png="path tracing" photonmap.png="photon mapping" ppm.png="progressive photon mapping"
+	  --caption "A lamp inside a glass shell: paths from the eye find it only by chance. Paths from both ends find its light on the walls, but not in mirrors; merging (vcm) and photons find both. Times are shown below the pictures." \
+	  paths.png="path tracing" bdpt.png="bidirectional path tracing" vcm.png="vertex connection and merging" photonmap.png="photon mapping" ppm.png="progressive photon mapping"
 
 # N^beta of N photons: with ppa, the radius shrinks so that a fraction alpha of each pass's photons stays; beta = alpha.
 BETAS := 0.5 0.67 0.8 1

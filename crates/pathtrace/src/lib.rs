@@ -6,10 +6,12 @@
 //! | `--mode path` | paths from the eye with next-event estimation; the power heuristic weights both |
 //! | `--mode volpath` | the same in participating media: distances are sampled in proportion to transmittance, directions by the phase function, and light samples are attenuated [slide 34] |
 //! | `--mode light` | paths from the lights; each vertex, on a surface or in a medium, is connected to the eye |
-//! | how it fails | noise: `path` for caustics of small lights, `light` in media near the eye. `light` sees nothing through mirrors and glass |
-//! | sources | \[Kajiya86\], \[Veach97\] |
+//! | `--mode bdpt` | paths from both ends: every vertex of one is connected with every vertex of the other, and all ways to find a path are weighted [slide 38] |
+//! | `--mode vcm` | the same, and vertices near each other are merged as in photon mapping; the blur shrinks with the passes |
+//! | how it fails | noise: `path` for caustics of small lights, `light` in media near the eye. `light` sees nothing through mirrors and glass, and `bdpt` no light there that comes straight from small lamps behind glass; `vcm` blurs it |
+//! | sources | \[Kajiya86\], \[Veach97\], \[Georgiev12\] |
 //!
-//! Read next: `gi_core::eye` (the eye walk), `light.rs` (paths from the lights), `params.rs` (the options).
+//! Read next: `gi_core::eye` (the eye walk), `light.rs` (paths from the lights), `bidir/` (paths from both ends), `params.rs` (the options).
 
 mod bidir;
 mod light;

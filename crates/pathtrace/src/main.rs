@@ -9,7 +9,8 @@ use pathtrace::{Params, PathTracer};
 ///
 /// Every estimate is unbiased, so errors show as noise. `--mode path` is slow where mirrors and glass focus the light
 /// of small lights (caustics). `--mode light` finds such light, but shows nothing that the eye sees through mirrors or
-/// glass.
+/// glass. `--mode bdpt` joins both, and `--mode vcm` also merges paths as photon maps do: it finds all light, with a blur that
+/// shrinks from pass to pass.
 #[derive(Parser)]
 #[command(name = "pathtrace", version)]
 struct Program {

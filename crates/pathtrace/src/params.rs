@@ -47,7 +47,7 @@ pub struct Params {
     #[arg(long, value_enum, default_value_t = Heuristic::Power)]
     pub heuristic: Heuristic,
     /// vcm: radius of the first pass within which vertices are merged, in scene radii
-    #[arg(long, value_name = "R", default_value_t = 0.003, value_parser = number("a radius above 0", |r: &f32| *r > 0.0 && *r < 1.0))]
+    #[arg(long, value_name = "R", default_value_t = 0.003, value_parser = number("a radius above 0 and below 1", |r: &f32| *r > 0.0 && *r < 1.0))]
     pub radius: f32,
     /// vcm: how fast the radius shrinks: r^2 of a pass is (i + alpha) / (i + 1) times that of the pass before [Knaus11]
     #[arg(long, value_name = "ALPHA", default_value_t = 0.75, value_parser = number("a number above 0, up to 1", |a: &f32| *a > 0.0 && *a <= 1.0))]
@@ -72,7 +72,7 @@ impl Parameters for Params {
         if self.figures.is_empty() || connects {
             return Ok(());
         }
-        Err("error: --show strategies: only --mode bdpt and --mode vcm connect paths".into())
+        Err("--show strategies: only --mode bdpt and --mode vcm connect paths".into())
     }
 
     fn max_depth(&self) -> Option<u32> {

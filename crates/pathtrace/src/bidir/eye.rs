@@ -3,11 +3,11 @@
 use gi_core::bsdf::Transport;
 use gi_core::eye::{EyeEvent, EyeWalk};
 use gi_core::film::{Components, Sample};
-use gi_core::geometry::Surface;
 use gi_core::math::Rgb;
 use glam::Vec3;
 
 use super::light_paths::LightVertex;
+use super::trail::Trail;
 use super::vertex::{Site, Vertex, facing};
 use super::weight::{self, Partials};
 use super::{Bidirectional, PassPaths};
@@ -32,7 +32,7 @@ pub(crate) struct Found {
 /// Smallest cosine between the normals of two points that are merged.
 const SAME_SURFACE: f32 = 0.5;
 
-impl Bidirectional<'_> {
+impl<'a> Bidirectional<'a> {
     /// The sample of a pixel. `paths` are the light paths of the pass; path and pixel have the same number.
     pub(crate) fn sample(&self, pixel: [usize; 2], index: u32, paths: &PassPaths) -> Sample {
         let mut radiance = Components::default();
@@ -51,51 +51,19 @@ impl Bidirectional<'_> {
         paths: &PassPaths,
         add: &mut impl FnMut(Found),
     ) -> Sample {
-        let scene = self.setting.scene;
         let number = (pixel[1] * self.setting.camera.size()[0] + pixel[0]) as u32;
         let light_path = paths.light.path(number);
         let walk = EyeWalk::through_pixel(&self.setting, self.limits, pixel, index);
         let mut walk = walk.through_media(self.camera_medium);
-        let mut after_delta = false;
-        // The last vertex that has turned the path, and the partials that left it; at first, the lens.
-        let (mut from, mut leaving) = (walk.segment().o, None::<Partials>);
-        let mut non_delta = 0;
+        let mut trail = Trail::new(walk.segment().o);
         while let Some(event) = &walk.next_event() {
-            let (site, wo) = match event {
-                EyeEvent::Surface(v) => {
-                    let (surface, bsdf, medium) = (&v.surface, &v.bsdf, v.medium);
-                    (Site::Surface { surface, bsdf, medium }, v.wo)
-                }
-                EyeEvent::Medium(v) => (Site::Medium { p: v.p, medium: v.medium }, v.wo),
-            };
-            let (segments, carried) = (walk.segments(), walk.throughput());
-            if let Site::Surface { surface, .. } = site {
-                let radiance = carried * scene.emitted(surface, wo);
-                if !radiance.is_black() {
-                    let weight = self.weight_of_hit(surface, wo, (from, &leaving));
-                    let (s, t, kind) = (0, segments + 1, (non_delta, after_delta));
-                    add(Found { s, t, radiance, weight, kind, merged: false });
-                }
-            }
-            let p = match site {
-                Site::Surface { surface, .. } => surface.p,
-                Site::Medium { p, .. } => p,
-            };
-            let vertex_facing = facing(site, wo);
-            let partials = match &leaving {
-                Some(leaving) => leaving.reach(&self.ways, vertex_facing, from.distance_squared(p)),
-                None => {
-                    let importance = self.setting.camera.importance(-wo, from.distance(p));
-                    Partials::of_eye(&self.ways, importance, vertex_facing)
-                }
-            };
-            let transport = Transport::Radiance;
-            let vertex =
-                Vertex { scene, site, transport, wo, carried, partials, segments, non_delta };
-            if vertex.connects() && self.limits.goes_on(segments) {
+            let (site, wo) = site_of(event);
+            self.add_emitted((site, wo), &walk, &trail, add);
+            let vertex = self.eye_vertex((site, wo), &walk, &trail);
+            if vertex.connects() && self.limits.goes_on(vertex.segments) {
                 self.sample_light(&vertex, &mut walk, add);
                 for light in light_path {
-                    if self.limits.goes_on(segments + light.segments()) {
+                    if self.limits.goes_on(vertex.segments + light.segments()) {
                         self.connect(&vertex, light, add);
                     }
                 }
@@ -108,45 +76,69 @@ impl Bidirectional<'_> {
             if !goes_on {
                 return walk.sample();
             }
-            if walk.segments() > segments {
-                let turned = walk.turned();
-                leaving = Some(self.leave(&vertex, turned));
-                after_delta = turned.1.is_none();
-                non_delta += u32::from(!after_delta);
-                from = p;
+            // Passing straight through a surface makes no vertex.
+            if walk.segments() > vertex.segments {
+                trail.turn(self, &vertex, walk.turned());
             }
         }
-        self.background(&walk, &leaving, (non_delta, after_delta), add);
+        self.add_background(&walk, &trail, add);
         walk.sample()
     }
-    /// Weight of a path that hits a light (s = 0). Light that the camera sees directly is found in no other way.
-    fn weight_of_hit(
+    /// The vertex that the path has reached.
+    fn eye_vertex<'v>(
         &self,
-        surface: &Surface,
-        wo: Vec3,
-        (from, leaving): (Vec3, &Option<Partials>),
-    ) -> f32 {
-        let lights = self.setting.scene.lights();
-        let (Some(leaving), Some(light)) = (leaving, self.setting.scene.light_at(surface)) else {
-            return 1.0;
+        (site, wo): (Site<'v, 'a>, Vec3),
+        walk: &EyeWalk,
+        trail: &Trail,
+    ) -> Vertex<'v, 'a> {
+        let (facing, p) = (facing(site, wo), site.p());
+        let partials = trail.reach(&self.ways, facing, p, || {
+            let importance = self.setting.camera.importance(-wo, trail.from.distance(p));
+            Partials::of_eye(&self.ways, importance, facing)
+        });
+        Vertex {
+            scene: self.setting.scene,
+            site,
+            transport: Transport::Radiance,
+            wo,
+            carried: walk.throughput(),
+            partials,
+            segments: walk.segments(),
+            non_delta: trail.non_delta,
+        }
+    }
+
+    /// The path hits a light (s = 0). Light that the camera sees directly is found in no other way.
+    fn add_emitted(
+        &self,
+        (site, wo): (Site, Vec3),
+        walk: &EyeWalk,
+        trail: &Trail,
+        add: &mut impl FnMut(Found),
+    ) {
+        let (scene, Site::Surface { surface, .. }) = (self.setting.scene, site) else { return };
+        let radiance = walk.throughput() * scene.emitted(surface, wo);
+        if radiance.is_black() {
+            return;
+        }
+        let weight = match (&trail.leaving, scene.light_at(surface)) {
+            (Some(leaving), Some(light)) => {
+                let end = scene.lights().end(light, [surface.p, surface.ng], wo, trail.from);
+                weight::hit_light(&self.ways, leaving, &end)
+            }
+            _ => 1.0,
         };
-        let end = lights.end(light, [surface.p, surface.ng], wo, from);
-        weight::hit_light(&self.ways, leaving, &end)
+        let kind = (trail.non_delta, trail.after_delta);
+        add(Found { s: 0, t: walk.segments() + 1, radiance, weight, kind, merged: false });
     }
 
     /// Light from infinity along the next segment (s = 0).
-    fn background(
-        &self,
-        walk: &EyeWalk,
-        leaving: &Option<Partials>,
-        kind: (u32, bool),
-        add: &mut impl FnMut(Found),
-    ) {
+    fn add_background(&self, walk: &EyeWalk, trail: &Trail, add: &mut impl FnMut(Found)) {
         let scene = self.setting.scene;
+        let kind = (trail.non_delta, trail.after_delta);
         for (radiance, pdf_w) in scene.escaped(walk.turned().0) {
             let end = scene.lights().end_at_infinity(pdf_w);
-            let weight =
-                leaving.map_or(1.0, |leaving| weight::hit_light(&self.ways, &leaving, &end));
+            let weight = trail.leaving.map_or(1.0, |l| weight::hit_light(&self.ways, &l, &end));
             let radiance = walk.throughput() * radiance;
             add(Found { s: 0, t: walk.segments() + 1, radiance, weight, kind, merged: false });
         }
@@ -233,5 +225,16 @@ impl Bidirectional<'_> {
             let (s, t) = (kept.segments() + 1, eye.segments + 1);
             add(Found { s, t, radiance, weight, kind, merged: true });
         });
+    }
+}
+
+/// Where an event of the walk is, and the direction back along the path.
+fn site_of<'v, 'a>(event: &'v EyeEvent<'a>) -> (Site<'v, 'a>, Vec3) {
+    match event {
+        EyeEvent::Surface(v) => {
+            let (surface, bsdf, medium) = (&v.surface, &v.bsdf, v.medium);
+            (Site::Surface { surface, bsdf, medium }, v.wo)
+        }
+        EyeEvent::Medium(v) => (Site::Medium { p: v.p, medium: v.medium }, v.wo),
     }
 }

@@ -1,7 +1,6 @@
 //! The light paths of a pass: traced once, connected with the camera, and kept for the paths from the eye.
 
 use gi_core::bsdf::Transport;
-use gi_core::camera::Connection;
 use gi_core::film::Components;
 use gi_core::filter::FilterTable;
 use gi_core::geometry::Surface;
@@ -15,9 +14,11 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::Bidirectional;
+use super::camera::Splat;
 use super::eye::Found;
+use super::trail::Trail;
 use super::vertex::{Site, Vertex, facing};
-use super::weight::{self, Partials};
+use super::weight::Partials;
 
 /// Number of paths per task.
 const CHUNK: u32 = 4096;
@@ -70,15 +71,6 @@ pub(crate) struct Merged<'v> {
     /// Scatterings before that were not by delta lobes, and whether there were only delta lobes.
     pub(crate) kind: (u32, bool),
     pub(crate) partials: &'v Partials,
-}
-
-/// Light that a light path brings to a pixel.
-#[derive(Clone, Copy)]
-struct Splat {
-    pixel: u32,
-    /// Not divided by the number of paths.
-    radiance: Rgb,
-    weight: f32,
 }
 
 impl LightVertex {
@@ -210,8 +202,7 @@ impl<'a> Bidirectional<'a> {
         let mut walk = walk.through_media();
         let roulette = Roulette::ByAlbedo { from: self.limits.rr_depth };
         let emission = *walk.emission();
-        // The last vertex that has turned the path, and the partials that left it; at first, the light.
-        let (mut from, mut leaving) = (emission.p, None::<Partials>);
+        let mut trail = Trail::new(emission.p);
         while let Some(event) = walk.next_event() {
             let (depth, p) = (event.depth(), event.p());
             // Segments from the light to here; a connection would be one more.
@@ -226,14 +217,11 @@ impl<'a> Bidirectional<'a> {
                 LightEvent::Medium(v) => (Site::Medium { p, medium: v.medium }, v.wo, v.power),
             };
             let facing = facing(site, wo);
-            let partials = match &leaving {
-                Some(leaving) => leaving.reach(&self.ways, facing, from.distance_squared(p)),
-                None => {
-                    let light = emission.light as usize;
-                    let end = scene.lights().end(light, [emission.p, emission.ng], -wo, p);
-                    Partials::of_light(&self.ways, &end, facing)
-                }
-            };
+            let partials = trail.reach(&self.ways, facing, p, || {
+                let light = emission.light as usize;
+                let end = scene.lights().end(light, [emission.p, emission.ng], -wo, p);
+                Partials::of_light(&self.ways, &end, facing)
+            });
             let vertex = Vertex {
                 scene,
                 site,
@@ -256,57 +244,9 @@ impl<'a> Bidirectional<'a> {
                 return;
             }
             if walk.depth() > depth {
-                leaving = Some(self.leave(&vertex, walk.turned()));
-                from = p;
+                trail.turn(self, &vertex, walk.turned());
             }
         }
-    }
-
-    /// The partials of a path that leaves `vertex` in a direction that was sampled with this density.
-    pub(crate) fn leave(&self, vertex: &Vertex, (d, pdf_w): (Vec3, Option<f32>)) -> Partials {
-        let facing = vertex.facing(d);
-        match pdf_w {
-            Some(pdf_w) => {
-                let densities = [pdf_w, vertex.reverse_pdf_w(d)];
-                vertex.partials.scatter(&self.ways, facing, densities, vertex.merges())
-            }
-            None => vertex.partials.scatter_delta(&self.ways, facing),
-        }
-    }
-
-    /// Connect a vertex with the camera (t = 1).
-    fn connect_camera(
-        &self,
-        vertex: &Vertex,
-        filter: &FilterTable,
-        sampler: &mut Sampler,
-    ) -> Option<Splat> {
-        let (c, pixel, filtered) = self.project(vertex.p(), filter, sampler)?;
-        let (f_cos, _) = vertex.f_cos_pdf(c.wi);
-        let radiance = vertex.carried * f_cos * (c.importance * filtered);
-        if radiance.is_black() {
-            return None;
-        }
-        let radiance = radiance * vertex.transmittance_to(c.end, c.wi, None);
-        let weight =
-            weight::camera(&self.ways, &vertex.partials, &vertex.joint(c.wi, c.importance));
-        (!radiance.is_black()).then_some(Splat { pixel, radiance, weight })
-    }
-
-    /// Where the camera sees a point: the connection, the pixel, and the weight of the filter.
-    fn project(
-        &self,
-        p: Vec3,
-        filter: &FilterTable,
-        sampler: &mut Sampler,
-    ) -> Option<(Connection, u32, f32)> {
-        let (u_lens, u_filter) = (sampler.next_2d(), sampler.next_2d());
-        let camera = self.setting.camera;
-        let c = camera.connect(p, u_lens, filter.filter().radius())?;
-        let ([x, y], weight) = filter.splat(c.film, u_filter);
-        let [w, h] = camera.size();
-        let inside = (0..w as i32).contains(&x) && (0..h as i32).contains(&y);
-        (inside && weight != 0.0).then(|| (c, (y as usize * w + x as usize) as u32, weight))
     }
 }
 

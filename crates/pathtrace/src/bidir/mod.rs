@@ -15,9 +15,11 @@
 //!
 //! Every way finds a path with its own density; `weight.rs` weights them so that the sum is unbiased.
 
+mod camera;
 mod eye;
 mod light_paths;
 pub(crate) mod strategies;
+mod trail;
 mod vertex;
 mod weight;
 

@@ -20,6 +20,15 @@ pub(crate) enum Site<'v, 'a> {
     Medium { p: Vec3, medium: MediumId },
 }
 
+impl Site<'_, '_> {
+    pub(crate) fn p(&self) -> Vec3 {
+        match self {
+            Site::Surface { surface, .. } => surface.p,
+            Site::Medium { p, .. } => *p,
+        }
+    }
+}
+
 /// A vertex of a subpath.
 pub(crate) struct Vertex<'v, 'a> {
     pub(crate) scene: &'a Scene,
@@ -39,10 +48,7 @@ pub(crate) struct Vertex<'v, 'a> {
 
 impl Vertex<'_, '_> {
     pub(crate) fn p(&self) -> Vec3 {
-        match self.site {
-            Site::Surface { surface, .. } => surface.p,
-            Site::Medium { p, .. } => p,
-        }
+        self.site.p()
     }
 
     /// Cosine with the geometric normal, which turns perpendicular areas into areas of the surface; 1 in media.
