@@ -49,7 +49,7 @@ pub struct Params {
     /// vcm: radius of the first pass within which vertices are merged, in scene radii
     #[arg(long, value_name = "R", default_value_t = 0.003, value_parser = number("a radius above 0 and below 1", |r: &f32| *r > 0.0 && *r < 1.0))]
     pub radius: f32,
-    /// vcm: how fast the radius shrinks: r^2 of a pass is (i + alpha) / (i + 1) times that of the pass before [Knaus11]
+    /// vcm: how fast the radius shrinks: r^2 of a pass is (i + alpha) / (i + 1) times that of the pass before [Knaus11, 20]
     #[arg(long, value_name = "ALPHA", default_value_t = 0.75, value_parser = number("a number above 0, up to 1", |a: &f32| *a > 0.0 && *a <= 1.0))]
     pub alpha: f32,
     /// bdpt, vcm: pictures to draw; each becomes OUT.WHAT.png and layers of the EXR

@@ -101,8 +101,7 @@ fn the_order_is_by_path_within_a_cell_for_any_number_of_threads_and_any_chunks()
             assert!(grid.values == expected.values, "{threads} threads");
         }
         for bucket in expected.start.windows(2) {
-            let order: Vec<u32> =
-                expected.values[bucket[0] as usize..bucket[1] as usize].iter().copied().collect();
+            let order: Vec<u32> = expected.values[bucket[0] as usize..bucket[1] as usize].to_vec();
             assert!(order.is_sorted(), "{order:?}");
         }
     }

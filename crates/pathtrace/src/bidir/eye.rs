@@ -163,36 +163,40 @@ impl<'a> Bidirectional<'a> {
 
     /// Connect a vertex of the eye with one of a light path (s > 1, t > 1).
     fn connect(&self, eye: &Vertex, kept: &LightVertex, add: &mut impl FnMut(Found)) {
-        let scene = self.setting.scene;
+        let (scene, p) = (self.setting.scene, kept.p());
+        let to = p - eye.p();
+        let distance_sq = to.length_squared();
+        // Points that coincide cannot be connected; merging finds such paths.
+        if distance_sq == 0.0 {
+            return;
+        }
+        let d = to / distance_sq.sqrt();
+        let (f_eye, pdf_eye) = eye.f_cos_pdf(d);
+        let scattered = eye.carried * f_eye / distance_sq;
+        if scattered.is_black() {
+            return;
+        }
+        // The ray first: evaluating the other BSDF costs more.
+        let arriving = scattered * eye.transmittance_to(p, d, kept.flat(scene));
+        if arriving.is_black() {
+            return;
+        }
         kept.visit(scene, |light| {
-            let to = light.p() - eye.p();
-            let distance_sq = to.length_squared();
-            // Points that coincide cannot be connected; merging finds such paths.
-            if distance_sq == 0.0 {
-                return;
-            }
-            let d = to / distance_sq.sqrt();
-            let ((f_eye, pdf_eye), (f_light, pdf_light)) = (eye.f_cos_pdf(d), light.f_cos_pdf(-d));
-            let radiance = eye.carried * f_eye * f_light * light.carried / distance_sq;
+            let (f_light, pdf_light) = light.f_cos_pdf(-d);
+            let radiance = arriving * f_light * light.carried;
             if radiance.is_black() {
                 return;
             }
-            let radiance = radiance * eye.transmittance_to(light.p(), d, kept.flat(scene));
-            if radiance.is_black() {
-                return;
-            }
-            let joints =
-                [eye.joint(d, pdf_light / distance_sq), light.joint(-d, pdf_eye / distance_sq)];
-            let weight = weight::connection(
-                &self.ways,
-                (&eye.partials, &joints[0]),
-                (&light.partials, &joints[1]),
-            );
+            let ours = eye.joint(d, pdf_light / distance_sq);
+            let theirs = light.joint(-d, pdf_eye / distance_sq);
+            let (eye_side, light_side) = ((&eye.partials, &ours), (&light.partials, &theirs));
+            let weight = weight::connection(&self.ways, eye_side, light_side);
             let (s, t) = (light.segments + 1, eye.segments + 1);
             let kind = (eye.non_delta + light.non_delta + 2, false);
             add(Found { s, t, radiance, weight, kind, merged: false });
         });
     }
+
     /// Merge a vertex of the eye with the light vertices around it, as in photon mapping.
     fn merge(&self, eye: &Vertex, paths: &PassPaths, add: &mut impl FnMut(Found)) {
         let (Some(grid), Site::Surface { surface, bsdf, .. }) = (&paths.grid, eye.site) else {

@@ -114,6 +114,14 @@ impl LightVertex {
         }
     }
 
+    /// Its position.
+    pub(crate) fn p(&self) -> Vec3 {
+        match &self.place {
+            Place::Surface { surface, .. } => surface.p,
+            Place::Medium { p, .. } => *p,
+        }
+    }
+
     /// Number of segments from the light.
     pub(crate) fn segments(&self) -> u32 {
         self.segments

@@ -83,7 +83,7 @@ impl Path {
     }
 
     /// The partials with which the subpath from the eye reaches each point, and those with which it leaves the last one.
-    fn from_eye(&self, of: &Bidirectional) -> (Vec<Partials>, Partials) {
+    fn seen_from_eye(&self, of: &Bidirectional) -> (Vec<Partials>, Partials) {
         let scene = of.setting.scene;
         let (mut reached, mut leaving) = (Vec::new(), None::<Partials>);
         for (k, point) in self.points.iter().enumerate() {
@@ -107,7 +107,7 @@ impl Path {
     }
 
     /// The partials with which the subpath from the light reaches each point.
-    fn from_light(&self, of: &Bidirectional, end: &LightEnd) -> Vec<Partials> {
+    fn seen_from_light(&self, of: &Bidirectional, end: &LightEnd) -> Vec<Partials> {
         let scene = of.setting.scene;
         let (mut reached, mut leaving) = (Vec::new(), None::<Partials>);
         for k in (0..self.points.len()).rev() {
@@ -134,8 +134,8 @@ impl Path {
         let scene = of.setting.scene;
         let last = self.points.len() - 1;
         let end = scene.lights().end_of_sample(&self.light, self.points[last].p());
-        let (eye, leaving) = self.from_eye(of);
-        let light = self.from_light(of, &end);
+        let (eye, leaving) = self.seen_from_eye(of);
+        let light = self.seen_from_light(of, &end);
         let at = |k: usize, transport, partials: &[Partials], visit: &dyn Fn(&Vertex) -> f32| {
             let wo = match transport {
                 Transport::Radiance => self.toward_eye(k),
