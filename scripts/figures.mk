@@ -264,7 +264,7 @@ figure-35:
 	$(BIN)/photonmap scenes/bulb.xml $(RUN) --photons $(PHOTONS) --caustic-photons $(call q,100000,1000000) --spp $(call q,16,64) -o $D/photonmap.exr
 	$(BIN)/ppm scenes/bulb.xml $(RUN) --passes $(call q,64,512) -o $D/ppm.exr
 	$(DRAW) figure $D --slide 35,38 --columns 3 --title "All light is caustic" \
-	  --caption "A lamp inside a glass shell: paths from the eye find it only by chance. Paths from both ends find its light on the walls, but not in mirrors; merging (vcm) and photons find both. Times are shown below the pictures." \
+	  --caption "A lamp inside a glass shell: paths from the eye find it only by chance. Times are shown below the pictures." \
 	  paths.png="path tracing" bdpt.png="bidirectional path tracing" vcm.png="vertex connection and merging" photonmap.png="photon mapping" ppm.png="progressive photon mapping"
 
 # N^beta of N photons: with ppa, the radius shrinks so that a fraction alpha of each pass's photons stays; beta = alpha.
