@@ -16,6 +16,7 @@
 mod bidir;
 mod light;
 mod params;
+mod to_camera;
 
 use gi_core::bytes::{Reader, Writer};
 use gi_core::eye::{EyeEvent, EyeWalk};

@@ -13,6 +13,7 @@ use gi_core::walk::{LightEvent, LightVertex, LightWalk, MediumVertex, Roulette, 
 use glam::Vec3;
 
 use crate::PathTracer;
+use crate::to_camera::{project, transmittance};
 
 /// Number of paths per task. The splats of all tasks are joined in order.
 const CHUNK: u32 = 4096;
@@ -151,25 +152,15 @@ impl PathTracer<'_> {
         filter: &FilterTable,
         sampler: &mut Sampler,
     ) -> Option<(Connection, u32)> {
-        let (u_lens, u_filter) = (sampler.next_2d(), sampler.next_2d());
-        let margin = filter.filter().radius();
-        let mut c = self.setting.camera.connect(p, u_lens, margin)?;
-        let ([x, y], weight) = filter.splat(c.film, u_filter);
+        let (mut c, pixel, weight) = project(self.setting.camera, p, filter, sampler)?;
         c.importance *= weight;
-        let [w, h] = self.setting.camera.size();
-        let inside = (0..w as i32).contains(&x) && (0..h as i32).contains(&y);
-        (inside && weight != 0.0).then(|| (c, (y as usize * w + x as usize) as u32))
+        Some((c, pixel))
     }
 
     /// Transmittance from a point in `medium` to the camera.
     fn visibility(&self, p: Vec3, ng: Vec3, medium: Option<MediumId>, c: &Connection) -> Rgb {
         let scene = self.setting.scene;
-        let ray = scene.tree().shadow_ray(p, ng, c.end);
-        if scene.has_media() {
-            scene.transmittance_through_media(ray, medium)
-        } else {
-            scene.transmittance(ray)
-        }
+        transmittance(scene, scene.tree().shadow_ray(p, ng, c.end), None, medium)
     }
 
     /// Light that only a path from the eye can find: light from infinity seen directly. Also fills in the layers that

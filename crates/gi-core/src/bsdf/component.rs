@@ -149,7 +149,7 @@ impl Component<'_> {
         }
         let frame = &self.frame;
         let mut s = self.lobe.sample(frame.to_local(wo), u_choice, u, way.transport)?;
-        // Exactly, because a path through many surfaces must stay on its line.
+        // Without the local frame, whose rounding would turn a path at every surface that it passes straight through.
         s.wi = if s.null { -wo } else { frame.to_world(s.wi) };
         if s.null {
             return Some(s);
@@ -189,7 +189,7 @@ impl Component<'_> {
         };
         let u_choice = u_choice.min(1.0 - f32::EPSILON);
         let mut s = self.lobe.sample(frame.to_local(wo), u_choice, u, way.transport)?;
-        // Exactly, because a path through many surfaces must stay on its line.
+        // Without the local frame, whose rounding would turn a path at every surface that it passes straight through.
         s.wi = if s.null { -wo } else { frame.to_world(s.wi) };
         if s.null {
             return Some(s);

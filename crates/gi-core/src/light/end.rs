@@ -8,7 +8,7 @@ use super::{Light, LightSample, Lights};
 use crate::math::sqr;
 use crate::warp;
 
-/// A point of a light as seen from the next vertex z of the path: densities of the ways to sample it. The measure of the
+/// The densities with which the ways to find a path sample a point of a light. z is the next vertex of the path. The measure of the
 /// point is area for surfaces, solid angle for lights at infinity, and a count for lights without extent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightEnd {

@@ -1,14 +1,13 @@
 //! Connections of light paths with the camera (t = 1).
 
-use gi_core::camera::Connection;
 use gi_core::filter::FilterTable;
 use gi_core::math::Rgb;
 use gi_core::sampler::Sampler;
-use glam::Vec3;
 
 use super::Bidirectional;
 use super::vertex::Vertex;
 use super::weight;
+use crate::to_camera::project;
 
 /// Light that a light path brings to a pixel.
 #[derive(Clone, Copy)]
@@ -27,7 +26,8 @@ impl Bidirectional<'_> {
         filter: &FilterTable,
         sampler: &mut Sampler,
     ) -> Option<Splat> {
-        let (c, pixel, filtered) = self.project(vertex.p(), filter, sampler)?;
+        let camera = self.setting.camera;
+        let (c, pixel, filtered) = project(camera, vertex.p(), filter, sampler)?;
         let (f_cos, _) = vertex.f_cos_pdf(c.wi);
         let radiance = vertex.carried * f_cos * (c.importance * filtered);
         if radiance.is_black() {
@@ -37,21 +37,5 @@ impl Bidirectional<'_> {
         let weight =
             weight::camera(&self.ways, &vertex.partials, &vertex.joint(c.wi, c.importance));
         (!radiance.is_black()).then_some(Splat { pixel, radiance, weight })
-    }
-
-    /// Where the camera sees a point: the connection, the pixel, and the weight of the filter.
-    fn project(
-        &self,
-        p: Vec3,
-        filter: &FilterTable,
-        sampler: &mut Sampler,
-    ) -> Option<(Connection, u32, f32)> {
-        let (u_lens, u_filter) = (sampler.next_2d(), sampler.next_2d());
-        let camera = self.setting.camera;
-        let c = camera.connect(p, u_lens, filter.filter().radius())?;
-        let ([x, y], weight) = filter.splat(c.film, u_filter);
-        let [w, h] = camera.size();
-        let inside = (0..w as i32).contains(&x) && (0..h as i32).contains(&y);
-        (inside && weight != 0.0).then(|| (c, (y as usize * w + x as usize) as u32, weight))
     }
 }

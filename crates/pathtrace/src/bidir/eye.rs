@@ -84,6 +84,7 @@ impl<'a> Bidirectional<'a> {
         self.add_background(&walk, &trail, add);
         walk.sample()
     }
+
     /// The vertex that the path has reached.
     fn eye_vertex<'v>(
         &self,

@@ -5,11 +5,11 @@ use gi_core::geometry::Surface;
 use gi_core::light::LightSample;
 use gi_core::math::Rgb;
 use gi_core::medium::MediumId;
-use gi_core::ray::Ray;
 use gi_core::scene::Scene;
 use glam::Vec3;
 
 use super::weight::{Joint, Partials};
+use crate::to_camera::transmittance;
 
 /// Where a path is scattered.
 #[derive(Clone, Copy)]
@@ -127,20 +127,6 @@ impl Vertex<'_, '_> {
             Site::Surface { surface, .. } => self.scene.visibility(surface, light),
             Site::Medium { p, medium } => self.scene.visibility_from_within(p, Some(medium), light),
         }
-    }
-}
-
-/// Transmittance along a ray that starts in `medium`.
-pub(crate) fn transmittance(
-    scene: &Scene,
-    ray: Ray,
-    end: Option<u32>,
-    medium: Option<MediumId>,
-) -> Rgb {
-    if scene.has_media() {
-        scene.transmittance_through_media_to(ray, end, medium)
-    } else {
-        scene.transmittance_to(ray, end)
     }
 }
 

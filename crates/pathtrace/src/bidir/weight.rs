@@ -64,7 +64,7 @@ pub(crate) struct Partials {
 pub(crate) struct Joint {
     /// Density per area with which the path from the other side would have reached the vertex.
     pub(crate) reached: f32,
-    /// Density per solid angle with which it would then have continued to the vertex before.
+    /// Density per solid angle with which that path would have continued to the vertex before this one.
     pub(crate) reverse: f32,
     /// Whether photons are merged here.
     pub(crate) merges: bool,
