@@ -1,8 +1,10 @@
 //! Collects several hits of a ray in one traversal. A ray through many transparent surfaces would otherwise start again
 //! at the root for each of them. In nested boxes each of these traversals visits all of them.
 
-use super::layout::{LANES, SENTINEL, STACK, Tree, WIDTH, is_leaf, is_solid, leaf_range};
-use super::portable::{slabs, triangle};
+use std::ops::ControlFlow;
+
+use super::layout::{LANES, Tree};
+use super::portable::{Leaf, traverse, triangle};
 use super::tame::{Tamed, is_tame};
 use super::walk::Walk;
 use super::{Bvh, solid::PlacedSolid};
@@ -20,11 +22,11 @@ impl Bvh {
     /// Add all hits that may be among the nearest.
     fn collect(&self, ray: &Ray, nearest: &mut Nearest) {
         if is_tame(ray, self.reach) {
-            return traverse(&self.tree, ray, nearest);
+            return collect_leaves(&self.tree, ray, nearest);
         }
         let Some(tamed) = Tamed::new(ray, self.bounds) else { return };
         let mut inner = Nearest { hits: Vec::new(), complete: true, ..*nearest };
-        traverse(&self.tree, &tamed.ray, &mut inner);
+        collect_leaves(&self.tree, &tamed.ray, &mut inner);
         nearest.complete &= inner.complete;
         inner.hits.iter().for_each(|hit| nearest.add(Hit { t: tamed.untame(hit.t), ..*hit }));
     }
@@ -71,46 +73,22 @@ fn order(a: &Hit, b: &Hit) -> std::cmp::Ordering {
     a.t.total_cmp(&b.t).then_with(|| key(a).cmp(&key(b)))
 }
 
-/// The traversal of `portable::trace`, which does not stop at the nearest hit.
-fn traverse(tree: &Tree, ray: &Ray, nearest: &mut Nearest) {
+/// Add the hits of all leaves, as far as they may be among the nearest.
+fn collect_leaves(tree: &Tree, ray: &Ray, nearest: &mut Nearest) {
     let walk = Walk::new(ray);
-    let mut ray = *ray;
-    let mut stack = [(SENTINEL, f32::NEG_INFINITY); STACK];
-    let mut top = 0;
-    let mut word = 0;
-    loop {
-        if !is_leaf(word) {
-            let node = &tree.nodes[word as usize];
-            let (near, mask) = slabs(node, &ray, &walk);
-            // Push the children that are hit, the nearest last.
-            for k in 0..WIDTH {
-                let slot = (node.order[k] >> walk.order_shift & 7) as usize;
-                stack[top + 1] = (node.child[slot], near[slot]);
-                top += usize::from(mask[slot]);
-            }
-        } else {
-            let (first, count) = leaf_range(word);
-            if is_solid(word) {
-                let solids = &tree.solids[first..first + count];
-                solids.iter().for_each(|solid| solid.collect(&ray, nearest));
-            } else {
-                for block in &tree.blocks[first..first + count] {
-                    let hits = (0..LANES).filter_map(|lane| triangle(block, lane, &ray, &walk));
+    traverse(tree, ray, &walk, |leaf, ray| {
+        match leaf {
+            Leaf::Solids(solids) => solids.iter().for_each(|solid| solid.collect(ray, nearest)),
+            Leaf::Triangles(blocks) => {
+                for block in blocks {
+                    let hits = (0..LANES).filter_map(|lane| triangle(block, lane, ray, &walk));
                     nearest.hits.extend(hits);
                 }
             }
-            ray.tmax = nearest.limit(ray.tmax);
         }
-        // Pop the next child that is not beyond the farthest hit that counts.
-        while stack[top].1 > ray.tmax {
-            top -= 1;
-        }
-        if top == 0 {
-            return;
-        }
-        word = stack[top].0;
-        top -= 1;
-    }
+        ray.tmax = nearest.limit(ray.tmax);
+        ControlFlow::Continue(())
+    });
 }
 
 impl PlacedSolid {

@@ -1,59 +1,94 @@
 //! The traversal in plain Rust: for processors without a kernel, and as a reference to test the kernels against.
 
+use std::ops::ControlFlow;
+
 use super::layout::{
     Block, LANES, Node, SENTINEL, STACK, Tree, WIDTH, is_leaf, is_solid, leaf_range,
 };
+use super::solid::PlacedSolid;
 use super::walk::Walk;
 use crate::ray::{Hit, Ray};
 
 /// The nearest hit, or with `ANY` the first one found.
 pub(super) fn trace<const ANY: bool>(tree: &Tree, ray: &Ray) -> Option<Hit> {
+    let mut best = None;
     let walk = Walk::new(ray);
+    traverse(tree, ray, &walk, |leaf, ray| {
+        match leaf {
+            Leaf::Solids(solids) => {
+                for solid in solids {
+                    if ANY {
+                        if let Some(prim) = solid.any(ray) {
+                            best = Some(Hit { prim, ..FOUND });
+                            return ControlFlow::Break(());
+                        }
+                    } else if let Some(hit) = solid.closest(ray) {
+                        ray.tmax = hit.t;
+                        best = Some(hit);
+                    }
+                }
+            }
+            Leaf::Triangles(blocks) => {
+                for block in blocks {
+                    if let Some(hit) = triangles(block, ray, &walk) {
+                        ray.tmax = hit.t;
+                        best = Some(hit);
+                        if ANY {
+                            return ControlFlow::Break(());
+                        }
+                    }
+                }
+            }
+        }
+        ControlFlow::Continue(())
+    });
+    best
+}
+
+/// The primitives of a leaf.
+pub(super) enum Leaf<'t> {
+    Solids(&'t [PlacedSolid]),
+    Triangles(&'t [Block]),
+}
+
+/// Call `visit` with every leaf that the ray may hit, near ones first. `visit` may shorten the ray, or end the traversal.
+pub(super) fn traverse(
+    tree: &Tree,
+    ray: &Ray,
+    walk: &Walk,
+    mut visit: impl FnMut(Leaf, &mut Ray) -> ControlFlow<()>,
+) {
     let mut ray = *ray;
-    let mut hit = None;
     let mut stack = [(SENTINEL, f32::NEG_INFINITY); STACK];
     let mut top = 0;
     let mut word = 0;
     loop {
         if !is_leaf(word) {
             let node = &tree.nodes[word as usize];
-            let (near, mask) = slabs(node, &ray, &walk);
+            let (near, mask) = slabs(node, &ray, walk);
             // Push the children that are hit, the nearest last.
             for order in node.order {
                 let slot = (order >> walk.order_shift & 7) as usize;
                 stack[top + 1] = (node.child[slot], near[slot]);
                 top += usize::from(mask[slot]);
             }
-        } else if is_solid(word) {
-            let (first, count) = leaf_range(word);
-            for solid in &tree.solids[first..first + count] {
-                if ANY {
-                    if let Some(prim) = solid.any(&ray) {
-                        return Some(Hit { prim, ..FOUND });
-                    }
-                } else if let Some(h) = solid.closest(&ray) {
-                    ray.tmax = h.t;
-                    hit = Some(h);
-                }
-            }
         } else {
             let (first, count) = leaf_range(word);
-            for block in &tree.blocks[first..first + count] {
-                if let Some(h) = triangles(block, &ray, &walk) {
-                    if ANY {
-                        return Some(h);
-                    }
-                    ray.tmax = h.t;
-                    hit = Some(h);
-                }
+            let leaf = if is_solid(word) {
+                Leaf::Solids(&tree.solids[first..first + count])
+            } else {
+                Leaf::Triangles(&tree.blocks[first..first + count])
+            };
+            if visit(leaf, &mut ray).is_break() {
+                return;
             }
         }
-        // Pop the next child that is not beyond the nearest hit.
+        // Pop the next child that is not beyond the end of the ray.
         while stack[top].1 > ray.tmax {
             top -= 1;
         }
         if top == 0 {
-            return hit;
+            return;
         }
         word = stack[top].0;
         top -= 1;
@@ -65,7 +100,7 @@ pub(super) const FOUND: Hit =
     Hit { t: 0.0, u: 0.0, v: 0.0, prim: u32::MAX, instance: Hit::NO_INSTANCE };
 
 /// Where the ray enters each child, and whether it intersects it within its interval.
-pub(super) fn slabs(node: &Node, ray: &Ray, walk: &Walk) -> ([f32; WIDTH], [bool; WIDTH]) {
+fn slabs(node: &Node, ray: &Ray, walk: &Walk) -> ([f32; WIDTH], [bool; WIDTH]) {
     let mut near = [ray.tmin; WIDTH];
     let mut far = [ray.tmax; WIDTH];
     for axis in 0..3 {

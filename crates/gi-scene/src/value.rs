@@ -27,7 +27,7 @@ pub(crate) fn number(text: &str) -> Result<f32, String> {
     }
 }
 
-/// The same in double precision, for places: a scene may be far from the origin of its coordinates.
+/// A finite number in double precision, for positions: a scene may be far from the origin of its coordinates.
 pub(crate) fn number64(text: &str) -> Result<f64, String> {
     number(text)?;
     text.trim().parse().map_err(|_| format!("`{}` is not a number", text.trim()))
