@@ -25,6 +25,9 @@ pub struct Emission {
     pub power: Rgb,
     /// The start of the path as a point light.
     pub source: PointSource,
+    /// Density per solid angle of `d`, the probability of the light included, if the light is at infinity and has
+    /// extent.
+    pub(super) distant_pdf_w: Option<f32>,
 }
 
 /// The start of a light path as a light without extent, as the lecture's accumulation buffer uses it [slide 47]. All
@@ -81,7 +84,14 @@ impl Lights {
     ) -> Option<Emission> {
         let start = |p, ng, d, power: Rgb, source: fn(Rgb) -> PointSource, seen: Rgb| {
             let (light, power) = (light as u32, power / probability);
-            Some(Emission { light, p, ng, d, power, source: source(seen / probability) })
+            let source = source(seen / probability);
+            Some(Emission { light, p, ng, d, power, source, distant_pdf_w: None })
+        };
+        let distant = |d, pdf_w: f32, radiance: Rgb| {
+            let (p, area) = self.outside(d, u_p);
+            let seen = radiance / pdf_w;
+            let start = start(p, d, d, seen * area, PointSource::Directional, seen)?;
+            Some(Emission { distant_pdf_w: Some(probability * pdf_w), ..start })
         };
         match &self.all()[light] {
             Light::Area { emitter, shape, primitive } => {
@@ -107,22 +117,15 @@ impl Lights {
                 start(p, frame.n, frame.n, *irradiance * area, source, *irradiance)
             }
             Light::Constant { radiance } => {
-                let d = warp::sphere(u_d);
-                let (p, area) = self.outside(d, u_p);
-                let seen = *radiance / warp::sphere_pdf();
-                start(p, d, d, seen * area, PointSource::Directional, seen)
+                distant(warp::sphere(u_d), warp::sphere_pdf(), *radiance)
             }
             Light::Environment(map) => {
                 let (toward, pdf_w) = map.sample(u_d)?;
-                let (p, area) = self.outside(-toward, u_p);
-                let seen = map.radiance(toward) / pdf_w;
-                start(p, -toward, -toward, seen * area, PointSource::Directional, seen)
+                distant(-toward, pdf_w, map.radiance(toward))
             }
             Light::DistantDisc { frame, one_minus_cos, radiance } => {
                 let d = -frame.to_world(warp::cone(u_d, *one_minus_cos));
-                let (p, area) = self.outside(d, u_p);
-                let seen = *radiance / warp::cone_pdf(*one_minus_cos);
-                start(p, d, d, seen * area, PointSource::Directional, seen)
+                distant(d, warp::cone_pdf(*one_minus_cos), *radiance)
             }
         }
     }

@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::{Light, LightSample, Lights};
+use super::{Emission, Light, LightSample, Lights};
 use crate::math::sqr;
 use crate::warp;
 
@@ -64,6 +64,15 @@ impl Lights {
         let end = self.end(sample.light as usize, [y, sample.ng], -sample.wi, z);
         // The density with which the sample was taken, even where rounding moves it off the light.
         LightEnd { direct: if sample.delta { end.direct } else { sample.pdf_w * end.reach }, ..end }
+    }
+
+    /// The start of a light path whose first vertex after the light is `z`.
+    pub fn end_of_emission(&self, start: &Emission, z: Vec3) -> LightEnd {
+        // The density with which the direction was sampled, even where rounding moves it off the light.
+        match start.distant_pdf_w {
+            Some(pdf_w) => self.end_at_infinity(pdf_w),
+            None => self.end(start.light as usize, [start.p, start.ng], start.d, z),
+        }
     }
 
     /// A point at infinity that light sampling chooses with this density per solid angle.

@@ -155,6 +155,30 @@ fn samples_agree_with_rays_that_hit_the_light() {
 }
 
 #[test]
+fn samples_that_rounding_moves_off_a_light_keep_their_densities() {
+    // Rounding moves directions at the edge of so narrow a sun off its disc.
+    let direction = Vec3::new(0.6, 0.0, 0.8);
+    let sun = LightSource::DistantDisc { direction, angular_radius: 0.002, radiance: Rgb::WHITE };
+    let parts = SceneParts { lights: vec![sun], ..shining(triangles()) };
+    let narrow = ("narrow sun", Scene::new(parts).expect("a scene"));
+    let mut rng = Pcg::new(12, 0);
+    for (name, scene) in scenes().into_iter().chain([narrow]) {
+        let finite = |x: f32| x.is_finite() && x > 0.0;
+        for _ in 0..20_000 {
+            let z = Vec3::from_array([(); 3].map(|()| 4.0 * rng.next_f32() - 2.0));
+            if let Some(s) = scene.sample_light(z, rng.next_2d()) {
+                let end = scene.lights().end_of_sample(&s, z);
+                assert!(finite(end.emit) && finite(end.direct), "{name}: {s:?} has {end:?}");
+            }
+            if let Some(e) = scene.emit(rng.next_f32(), rng.next_2d(), rng.next_2d()) {
+                let end = scene.lights().end_of_emission(&e, e.p + e.d);
+                assert!(finite(end.emit) && finite(end.direct), "{name}: {e:?} has {end:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn emitted_power_equals_the_power_that_falls_on_a_closed_sphere() {
     // Compute it backwards: the irradiance at points of a large sphere, by light sampling, sums to the emitted power.
     let mut rng = Pcg::new(4, 4);

@@ -226,8 +226,7 @@ impl<'a> Bidirectional<'a> {
             };
             let facing = facing(site, wo);
             let partials = trail.reach(&self.ways, facing, p, || {
-                let light = emission.light as usize;
-                let end = scene.lights().end(light, [emission.p, emission.ng], -wo, p);
+                let end = scene.lights().end_of_emission(&emission, p);
                 Partials::of_light(&self.ways, &end, facing)
             });
             let vertex = Vertex {

@@ -134,7 +134,8 @@ impl Vertex<'_, '_> {
 #[inline]
 pub(crate) fn facing(site: Site, d: Vec3) -> f32 {
     match site {
-        Site::Surface { surface, .. } => surface.ng.dot(d).abs(),
+        // A path along a surface would have no density.
+        Site::Surface { surface, .. } => surface.ng.dot(d).abs().max(1e-6),
         Site::Medium { .. } => 1.0,
     }
 }
