@@ -2,9 +2,9 @@
 //! bidirectional paths merge with.
 //!
 //! Points are sorted into cubic cells. If their bounding box has few cells compared to the number of points, the
-//! cells form an array, and the cells of a row along x are adjacent. Otherwise cells are hashed, and several may share
-//! a bucket. The build runs in parallel. The order is the same for any number of threads: by cell, and within a cell as
-//! given.
+//! cells form an array. Otherwise rows of cells along x are hashed, and several cells may share a bucket. In both layouts
+//! the cells of a row are adjacent in memory, because a query waits for memory most of its time. The build runs in
+//! parallel. The order is the same for any number of threads: by cell, and within a cell as given.
 
 mod build;
 mod radius;
@@ -46,7 +46,7 @@ pub struct Grid<T> {
 enum Layout {
     /// Every cell has its own bucket: x + width (y + height z).
     Dense { width: usize, height: usize, depth: usize },
-    /// 2^bits buckets.
+    /// 2^bits buckets: x plus a hash of y and z, modulo the number of buckets.
     Hashed { bits: u32 },
 }
 
@@ -71,11 +71,22 @@ impl Layout {
             }
             Layout::Hashed { bits } => {
                 let [x, y, z] = c.to_array().map(|v| v as u32);
-                let mixed = x.wrapping_mul(0x9e37_79b1)
-                    ^ y.wrapping_mul(0x85eb_ca77)
-                    ^ z.wrapping_mul(0xc2b2_ae3d);
-                (u64::from(mixed.wrapping_mul(0x27d4_eb2f)) >> (32 - bits)) as usize
+                let mixed = y.wrapping_mul(0x85eb_ca77) ^ z.wrapping_mul(0xc2b2_ae3d);
+                let hash = (u64::from(mixed.wrapping_mul(0x27d4_eb2f)) >> (32 - bits)) as usize;
+                (x as usize + hash) & ((1 << bits) - 1)
             }
+        }
+    }
+
+    /// The buckets of `count` cells in a row along x, of which `c` is the first. The second range is empty unless the row
+    /// wraps around.
+    #[inline]
+    fn row(self, c: IVec3, count: usize) -> [Range<usize>; 2] {
+        let (first, buckets) = (self.bucket(c), self.buckets());
+        match first + count {
+            _ if count >= buckets => [0..buckets, 0..0],
+            end if end > buckets => [first..buckets, 0..end - buckets],
+            end => [first..end, 0..0],
         }
     }
 }
@@ -142,37 +153,23 @@ impl<T: Copy + Default + Send + Sync> Grid<T> {
         }
         let (low, high) = (low.max(IVec3::ZERO), high.min(self.last));
         let extent = (high - low + 1).as_u64vec3();
-        match self.layout {
-            Layout::Dense { .. } => {
-                for z in low.z..=high.z {
-                    for y in low.y..=high.y {
-                        // Neighbours along x are adjacent.
-                        let first = self.layout.bucket(IVec3::new(low.x, y, z));
-                        let buckets = first..first + extent.x as usize;
-                        self.scan(self.points(buckets), p, radius, |at, a, d| visit(at, a, d));
+        let hashed = matches!(self.layout, Layout::Hashed { .. });
+        if hashed && extent.x * extent.y * extent.z >= self.len() as u64 {
+            // The query covers more cells than there are points.
+            return self.scan(0..self.len(), p, radius, visit);
+        }
+        for z in low.z..=high.z {
+            for y in low.y..=high.y {
+                // Other rows share the buckets, and this query may visit those too. So in each visit, only the points of
+                // the visited row count.
+                let mut own = |at, value: &T, d| {
+                    let cell = self.cell_of(at);
+                    if !hashed || (cell.y, cell.z) == (y, z) {
+                        visit(at, value, d);
                     }
-                }
-            }
-            // The query covers more cells than there are points: scan all points.
-            Layout::Hashed { .. } if extent.x * extent.y * extent.z >= self.len() as u64 => {
-                self.scan(0..self.len(), p, radius, visit);
-            }
-            Layout::Hashed { .. } => {
-                for z in low.z..=high.z {
-                    for y in low.y..=high.y {
-                        for x in low.x..=high.x {
-                            let cell = IVec3::new(x, y, z);
-                            let bucket = self.layout.bucket(cell);
-                            // Other cells share the bucket, and this query may visit those too. So in each visit, only
-                            // the points of the visited cell count.
-                            let own = |at, a: &T, d| {
-                                if self.cell_of(at) == cell {
-                                    visit(at, a, d);
-                                }
-                            };
-                            self.scan(self.points(bucket..bucket + 1), p, radius, own);
-                        }
-                    }
+                };
+                for buckets in self.layout.row(IVec3::new(low.x, y, z), extent.x as usize) {
+                    self.scan(self.points(buckets), p, radius, &mut own);
                 }
             }
         }

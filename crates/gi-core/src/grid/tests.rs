@@ -78,11 +78,11 @@ fn cells_that_share_a_bucket_do_not_count_a_photon_twice() {
         let grid = Grid::with_layout(&chunks, bounds(&chunks).min, cell, last, layout);
         assert_finds_each_once(&format!("{} buckets", 1 << bits), &grid, &chunks);
     }
-    // With 16 buckets, some of the 27 cells of a query share a bucket: without the check, photons would count
-    // twice.
+    // With 16 buckets, some of the nine rows of a query share a bucket: without the check, photons would count twice.
     let layout = Layout::Hashed { bits: 4 };
-    let mut buckets: Vec<usize> =
-        (0..27).map(|k| layout.bucket(IVec3::new(4 + k % 3, 4 + k / 3 % 3, 4 + k / 9))).collect();
+    let rows = (0..9).flat_map(|k| layout.row(IVec3::new(4, 4 + k % 3, 4 + k / 3), 3));
+    let mut buckets: Vec<usize> = rows.flatten().collect();
+    assert_eq!(buckets.len(), 27);
     buckets.sort_unstable();
     buckets.dedup();
     assert!(buckets.len() < 27);

@@ -176,7 +176,7 @@ impl LightPaths {
         (vertices, vertices * size_of::<LightVertex>() as u64)
     }
 
-    /// The vertices on surfaces in a grid, for searches within about `radius`.
+    /// The vertices on surfaces in a grid, for searches within `radius`.
     pub(crate) fn grid(&self, radius: f32) -> Grid<VertexId> {
         let of_chunk = |(chunk, vertices): (usize, &Vec<LightVertex>)| {
             let places = vertices.iter().enumerate();
@@ -191,7 +191,8 @@ impl LightPaths {
         };
         let items: Vec<Vec<Item<VertexId>>> =
             self.chunks.par_iter().enumerate().map(of_chunk).collect();
-        Grid::build(&items, radius)
+        // A search then covers two cells along an axis.
+        Grid::build(&items, 2.0 * radius)
     }
 
     /// A vertex of [`LightPaths::grid`].
