@@ -34,8 +34,9 @@ impl Bidirectional<'_> {
             return None;
         }
         let radiance = radiance * vertex.transmittance_to(c.end, c.wi, None);
-        let weight =
-            weight::camera(&self.ways, &vertex.partials, &vertex.joint(c.wi, c.importance));
+        let joint = vertex.joint(c.wi, c.importance);
+        let direct = vertex.segments == 1;
+        let weight = weight::camera(&self.ways, &vertex.partials, &joint, direct);
         (!radiance.is_black()).then_some(Splat { pixel, radiance, weight })
     }
 }

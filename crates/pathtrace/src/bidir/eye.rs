@@ -125,7 +125,12 @@ impl<'a> Bidirectional<'a> {
         let weight = match (&trail.leaving, scene.light_at(surface)) {
             (Some(leaving), Some(light)) => {
                 let end = scene.lights().end(light, [surface.p, surface.ng], wo, trail.from);
-                weight::hit_light(&self.ways, leaving, &end)
+                weight::hit_light(
+                    &self.ways,
+                    leaving,
+                    &end,
+                    trail.non_delta == 1 && !trail.after_delta,
+                )
             }
             _ => 1.0,
         };
@@ -139,7 +144,9 @@ impl<'a> Bidirectional<'a> {
         let kind = (trail.non_delta, trail.after_delta);
         for (radiance, pdf_w) in scene.escaped(walk.turned().0) {
             let end = scene.lights().end_at_infinity(pdf_w);
-            let weight = trail.leaving.map_or(1.0, |l| weight::hit_light(&self.ways, &l, &end));
+            let direct = trail.non_delta == 1 && !trail.after_delta;
+            let weight =
+                trail.leaving.map_or(1.0, |l| weight::hit_light(&self.ways, &l, &end, direct));
             let radiance = walk.throughput() * radiance;
             add(Found { s: 0, t: walk.segments() + 1, radiance, weight, kind, merged: false });
         }
@@ -157,7 +164,14 @@ impl<'a> Bidirectional<'a> {
         let radiance = radiance * vertex.visibility(&light);
         let end = scene.lights().end_of_sample(&light, p);
         let joint = vertex.joint(light.wi, 1.0);
-        let weight = weight::light_sample(&self.ways, &vertex.partials, &end, pdf_w, &joint);
+        let weight = weight::light_sample(
+            &self.ways,
+            &vertex.partials,
+            &end,
+            pdf_w,
+            &joint,
+            vertex.non_delta == 0,
+        );
         let kind = (vertex.non_delta + 1, false);
         add(Found { s: 1, t: vertex.segments + 1, radiance, weight, kind, merged: false });
     }
@@ -225,7 +239,8 @@ impl<'a> Bidirectional<'a> {
             let radiance = radiance / self.ways.merges;
             let (forward, backward) = (bsdf.pdf_w(eye.wo, photon.wi), eye.reverse_pdf_w(photon.wi));
             let partials = [&eye.partials, photon.partials];
-            let weight = weight::merging(&self.ways, partials, [forward, backward]);
+            let direct = eye.non_delta == 0 && kept.segments() == 1;
+            let weight = weight::merging(&self.ways, partials, [forward, backward], direct);
             let kind = (eye.non_delta + 1 + photon.kind.0, photon.kind.1);
             let (s, t) = (kept.segments() + 1, eye.segments + 1);
             add(Found { s, t, radiance, weight, kind, merged: true });

@@ -143,14 +143,16 @@ impl Path {
             };
             self.points[k].visit(scene, (transport, wo), partials[k], visit)
         };
+        // Direct light: scattered once, except by delta lobes on the eye's side.
+        let direct = !self.delta[last] && self.delta[..last].iter().all(|delta| *delta);
         let mut sum = 0.0;
         if end.reach > 0.0 {
-            sum += weight::hit_light(&of.ways, &leaving, &end);
+            sum += weight::hit_light(&of.ways, &leaving, &end, direct);
         }
         if !self.delta[last] {
             sum += at(last, Transport::Radiance, &eye, &|v| {
                 let (wi, joint) = (self.light.wi, v.joint(self.light.wi, 1.0));
-                weight::light_sample(&of.ways, &eye[last], &end, v.f_cos_pdf(wi).1, &joint)
+                weight::light_sample(&of.ways, &eye[last], &end, v.f_cos_pdf(wi).1, &joint, direct)
             });
         }
         if !self.delta[0] {
@@ -158,7 +160,7 @@ impl Path {
                 let d = self.toward_eye(0);
                 let importance =
                     of.setting.camera.importance(-d, self.lens.distance(self.points[0].p()));
-                weight::camera(&of.ways, &light[0], &v.joint(d, importance))
+                weight::camera(&of.ways, &light[0], &v.joint(d, importance), direct)
             });
         }
         for k in 0..last {
@@ -178,7 +180,7 @@ impl Path {
                 let wi = self.toward_light(k);
                 let densities = [z.f_cos_pdf(wi).1, z.reverse_pdf_w(wi)];
                 if z.merges() {
-                    weight::merging(&of.ways, [&eye[k], &light[k]], densities)
+                    weight::merging(&of.ways, [&eye[k], &light[k]], densities, direct)
                 } else {
                     0.0
                 }

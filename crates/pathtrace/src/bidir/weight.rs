@@ -7,10 +7,17 @@
 //!
 //! The densities here are functions of the path alone. Where the sampled density is not, as with Russian roulette, the
 //! choice of a lobe, and the distance in a medium, they leave it out: weights that sum to one are right all the same.
+//!
+//! A density says nothing of how evenly the samples are spread. The samples of a pixel are stratified over the lights that
+//! its first point sees, and light paths are not stratified over pixels. So for direct light, the ways that end a path from
+//! the eye count [`STRATIFIED`] times as much, as in variance-aware weights \[Grittmann19\].
 
 use gi_core::light::LightEnd;
 
 use crate::params::Heuristic;
+
+/// Assumed ratio of second moment and variance of direct light that a path from the eye finds.
+const STRATIFIED: f64 = 4.0;
 
 /// How many samples each way gets.
 #[derive(Clone, Copy, Debug)]
@@ -31,6 +38,17 @@ impl Ways {
         match self.heuristic {
             Heuristic::Balance => density,
             Heuristic::Power => density * density,
+        }
+    }
+
+    /// Paths from the eye that find a light, relative to light paths that find the eye. `direct` says whether the whole path
+    /// is scattered once apart from delta lobes on the eye's side.
+    #[inline]
+    fn stratified(&self, direct: bool) -> f64 {
+        match self.heuristic {
+            _ if !direct => 1.0,
+            Heuristic::Balance => STRATIFIED,
+            Heuristic::Power => STRATIFIED * STRATIFIED,
         }
     }
 
@@ -121,19 +139,21 @@ impl Partials {
         }
     }
 
-    /// One side's part of the weight of a connection (40), (41), (46).
+    /// One side's part of the weight of a connection (40), (41), (46). Shorter subpaths on this side count `factor` times.
     #[inline]
-    fn connected(&self, ways: &Ways, joint: &Joint) -> f64 {
-        let others = ways.merging(joint.merges) + self.vcm + self.vc * ways.of(joint.reverse);
-        ways.of(joint.reached) * others
+    fn connected(&self, ways: &Ways, joint: &Joint, factor: f64) -> f64 {
+        let shorter = self.vcm + self.vc * ways.of(joint.reverse);
+        ways.of(joint.reached) * (ways.merging(joint.merges) + shorter * factor)
     }
 }
 
 /// Weight of a path from the eye that hits the light (42), (43). `eye` are the partials before [`Partials::reach`].
+/// `direct`: see [`Ways::stratified`], here and below.
 #[inline]
-pub(crate) fn hit_light(ways: &Ways, eye: &Partials, end: &LightEnd) -> f32 {
-    let others = ways.of(end.direct / end.reach) * eye.vcm + ways.of(end.emit / end.reach) * eye.vc;
-    (1.0 / (1.0 + others)) as f32
+pub(crate) fn hit_light(ways: &Ways, eye: &Partials, end: &LightEnd, direct: bool) -> f32 {
+    let sampled = ways.of(end.direct / end.reach) * eye.vcm;
+    let others = ways.of(end.emit / end.reach) * eye.vc / ways.stratified(direct);
+    (1.0 / (1.0 + sampled + others)) as f32
 }
 
 /// Weight of a light sample (44), (45). `pdf_w` is the density with which scattering samples the direction to the light,
@@ -145,24 +165,25 @@ pub(crate) fn light_sample(
     end: &LightEnd,
     pdf_w: f32,
     joint: &Joint,
+    direct: bool,
 ) -> f32 {
     let hit = ways.of(pdf_w * end.reach / end.direct);
     let joint = Joint { reached: joint.reached * end.emit / end.direct, ..*joint };
-    (1.0 / (1.0 + hit + eye.connected(ways, &joint))) as f32
+    (1.0 / (1.0 + hit + eye.connected(ways, &joint, 1.0) / ways.stratified(direct))) as f32
 }
 
 /// Weight of a connection of a light path with the camera (46), (47). `reached` of `joint` is the camera's density per
 /// area at the vertex.
 #[inline]
-pub(crate) fn camera(ways: &Ways, light: &Partials, joint: &Joint) -> f32 {
+pub(crate) fn camera(ways: &Ways, light: &Partials, joint: &Joint, direct: bool) -> f32 {
     let joint = Joint { reached: joint.reached / ways.light_paths, ..*joint };
-    (1.0 / (1.0 + light.connected(ways, &joint))) as f32
+    (1.0 / (1.0 + light.connected(ways, &joint, ways.stratified(direct)))) as f32
 }
 
 /// Weight of a connection of two vertices (40), (41).
 #[inline]
 pub(crate) fn connection(ways: &Ways, eye: (&Partials, &Joint), light: (&Partials, &Joint)) -> f32 {
-    (1.0 / (1.0 + eye.0.connected(ways, eye.1) + light.0.connected(ways, light.1))) as f32
+    (1.0 / (1.0 + eye.0.connected(ways, eye.1, 1.0) + light.0.connected(ways, light.1, 1.0))) as f32
 }
 
 /// Weight of merging a photon with a vertex of the eye (38), (39). `forward` is the density per solid angle with which the
@@ -172,7 +193,9 @@ pub(crate) fn merging(
     ways: &Ways,
     [eye, light]: [&Partials; 2],
     [forward, backward]: [f32; 2],
+    direct: bool,
 ) -> f32 {
     let part = |p: &Partials, pdf_w| p.vcm * ways.connecting() + p.vm * ways.of(pdf_w);
-    (1.0 / (1.0 + part(light, forward) + part(eye, backward))) as f32
+    let found_by_eye = part(light, forward) * ways.stratified(direct);
+    (1.0 / (1.0 + found_by_eye + part(eye, backward))) as f32
 }
