@@ -10,9 +10,9 @@ use crate::builder::Builder;
 use crate::diagnostics::{Diagnostics, Report};
 use crate::document::{self, Document};
 use crate::options::{Loaded, Options};
-use crate::{framing, integrator, obj_scene, precision, sensor};
+use crate::{framing, integrator, obj_scene, pbrt, precision, sensor};
 
-/// Load a scene: Mitsuba XML, or a bare OBJ file with its materials.
+/// Load a scene: Mitsuba XML, pbrt, or a bare OBJ file with its materials.
 ///
 /// # Errors
 /// All errors of the scene.
@@ -21,9 +21,12 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     let report = Report::new(options.max_memory);
     let loaded = match extension.as_str() {
         "obj" => obj_scene::load(path, options, &report),
-        "xml" => load_xml(path, options, &report),
+        "xml" => document::parse(path, &options.defines, &report)
+            .and_then(|doc| load_document(path, doc, options, &report)),
+        "pbrt" => pbrt::parse(path, &options.defines, &report)
+            .and_then(|doc| load_document(path, doc, options, &report)),
         _ => {
-            let message = format!("`{}` is neither .xml nor .obj", path.display());
+            let message = format!("`{}` is none of .xml, .pbrt and .obj", path.display());
             report.error_nowhere(message);
             None
         }
@@ -57,8 +60,13 @@ fn refuse_other_dialects(path: &Path, doc: &Document, parts: &SceneParts, report
     ));
 }
 
-fn load_xml(path: &Path, options: &Options, report: &Report) -> Option<Loaded> {
-    let doc = document::parse(path, &options.defines, report)?;
+/// Build the scene that a document describes.
+fn load_document(
+    path: &Path,
+    doc: Document,
+    options: &Options,
+    report: &Report,
+) -> Option<Loaded> {
     let assets = Assets::load(&doc, report);
     let mut hash = doc.hash;
     hash.word(assets.hash.value());

@@ -3,6 +3,7 @@
 pub(crate) mod mesh_file;
 pub(crate) mod obj;
 mod place;
+mod power;
 pub(crate) mod ply;
 mod serialized;
 pub(crate) mod smooth;
@@ -59,7 +60,8 @@ impl Builder<'_> {
             node.warn("this shape is already in the scene: the second reference is ignored");
             return None;
         }
-        if !KNOWN.contains(&node.plugin()) {
+        let is_inline = node.doc.is_pbrt && node.plugin() == "trianglemesh";
+        if !KNOWN.contains(&node.plugin()) && !is_inline {
             node.unknown_plugin(&KNOWN);
             return None;
         }
@@ -72,13 +74,16 @@ impl Builder<'_> {
         ]);
         node.ignore(&["to_world", "subdiv", "silhouette_sampling_weight"]);
         let material = self.shape_material(node);
-        let emission = self.emission(node);
+        let mut emission = self.emission(node);
         let [interior, exterior] = ["interior", "exterior"]
             .map(|side| node.child_if(side, |n| n.class() == Class::Medium))
             .map(|medium| medium.and_then(|m| self.medium(m)));
         let (geometry, origin, mirrored) = self.geometry(node)?;
         let name = node.object().id.clone().unwrap_or_else(|| node.plugin().to_owned());
         note_flatness(node, &name, &geometry);
+        if let (Some(radiance), true) = (&mut emission, node.doc.is_pbrt) {
+            power::normalize(node, &geometry, radiance);
+        }
         let shape = Shape {
             name,
             geometry,
