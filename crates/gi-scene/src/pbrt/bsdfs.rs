@@ -60,6 +60,12 @@ impl Translator<'_> {
             "interface" | "none" | "" => Bsdf::two_sided(self.plain(params, "null")),
             _ => match self.v3_bsdf(kind, params) {
                 Some(bsdf) => bsdf,
+                None if self.is_v3 => {
+                    // As in pbrt-v3.
+                    let message = format!("unknown material `{kind}`: it is replaced by `matte`");
+                    self.report.warn(params.span, message);
+                    Bsdf::opaque(self.plain(params, "diffuse"))
+                }
                 None => {
                     self.unknown_material(kind, params);
                     return None;

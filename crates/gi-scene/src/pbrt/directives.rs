@@ -209,7 +209,14 @@ impl Translator<'_> {
                 axis.map(|axis| DAffine3::from_axis_angle(axis, degrees.to_radians()))
             }
             "LookAt" => state::look_at(reader.numbers::<9>()?),
-            _ => state::matrix(reader.numbers::<16>()?),
+            _ => {
+                let m = reader.numbers::<16>()?;
+                if state::is_projective(&m) {
+                    let message = "this matrix is projective: its last row is read as 0 0 0 1";
+                    self.report.warn(span, message);
+                }
+                state::matrix(m)
+            }
         };
         match m {
             Ok(m) if word == "Transform" => self.state.replace(m, span, self.report),

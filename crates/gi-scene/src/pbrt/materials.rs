@@ -92,6 +92,11 @@ impl Translator<'_> {
 
     /// `NamedMaterial`: use a named material for the shapes that follow.
     pub(super) fn use_material(&mut self, name: &Text) {
+        if self.is_v3 && !self.materials.contains_key(&name.text) {
+            // Many old scenes have such names, and pbrt-v3 goes on.
+            let message = format!("no material is named `{}`: the one before stays", name.text);
+            return self.report.warn(name.span, message);
+        }
         self.state.now.material = Some(self.material_key(name));
     }
 

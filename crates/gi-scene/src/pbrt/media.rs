@@ -120,6 +120,10 @@ impl Translator<'_> {
         for name in self.wanted_media.iter().filter(|name| !self.media.contains_key(&name.text)) {
             let help = self.report.suggestion(&name.text, self.media.keys().map(String::as_str));
             let message = format!("no medium is named `{}`", name.text);
+            if self.is_v3 {
+                self.report.warn(name.span, message);
+                continue;
+            }
             self.report.error_help(name.span, message, "referred to here", help);
         }
     }

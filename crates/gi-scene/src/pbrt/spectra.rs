@@ -239,7 +239,7 @@ impl Translator<'_> {
         }
         let Some(path) = self.doc.locate(&name.text, name.span, self.report) else {
             return metal_file(&name.text).ok_or_else(|| {
-                format!("`{}` is neither a known spectrum nor a file", name.text)
+                format!("cannot find `{}`, which is no known spectrum either", name.text)
             });
         };
         self.report.reads(&path);

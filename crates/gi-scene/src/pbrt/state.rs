@@ -168,6 +168,11 @@ impl State {
     }
 }
 
+/// Whether a matrix has a last row other than 0 0 0 and a number.
+pub(super) fn is_projective(m: &[f64; 16]) -> bool {
+    [m[3], m[7], m[11]] != [0.0; 3]
+}
+
 /// The matrix of `LookAt`, from the world to the camera; `None` if its arguments are degenerate.
 pub(super) fn look_at(v: [f64; 9]) -> Result<DAffine3, &'static str> {
     let [eye, look, up] = [0, 3, 6].map(|k| DVec3::new(v[k], v[k + 1], v[k + 2]));
@@ -180,10 +185,11 @@ pub(super) fn look_at(v: [f64; 9]) -> Result<DAffine3, &'static str> {
     Ok(from_camera.inverse())
 }
 
-/// A matrix as pbrt writes it: column by column, the translation last.
+/// A matrix as pbrt writes it: column by column, the translation last. The last number of each column is ignored if it
+/// makes the matrix projective.
 pub(super) fn matrix(m: [f64; 16]) -> Result<DAffine3, &'static str> {
-    if [m[3], m[7], m[11]] != [0.0; 3] || m[15] == 0.0 {
-        return Err("this matrix is projective: its last row is not 0 0 0 1");
+    if m[15] == 0.0 {
+        return Err("the last number of this matrix is zero");
     }
     let column = |k: usize| DVec3::new(m[k], m[k + 1], m[k + 2]) / m[15];
     Ok(DAffine3::from_cols(column(0), column(4), column(8), column(12)))

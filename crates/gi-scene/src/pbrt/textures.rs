@@ -57,7 +57,7 @@ impl Translator<'_> {
     /// A colour that may be a texture, if given.
     pub(super) fn factor(&self, params: &Params, name: &'static str) -> Option<Factor> {
         if let Some(texture) = params.texture(name) {
-            return Some(self.folded(texture, false));
+            return self.folded(texture, false);
         }
         if let Some(color) = self.color(params, name, Meaning::Factor) {
             return Some(Factor::Constant(color));
@@ -68,16 +68,21 @@ impl Translator<'_> {
     /// A number that may be a texture, if given.
     pub(super) fn scalar(&self, params: &Params, name: &'static str) -> Option<Factor> {
         if let Some(texture) = params.texture(name) {
-            return Some(self.folded(texture, true));
+            return self.folded(texture, true);
         }
         params.number(name, self.report).map(Factor::grey)
     }
 
-    /// A texture by its name; its value if it is constant.
-    fn folded(&self, name: &Text, is_float: bool) -> Factor {
-        match self.texture_named(&name.text, is_float).and_then(|known| known.constant) {
-            Some(constant) => Factor::Constant(constant),
-            None => Factor::Texture(name.clone(), is_float),
+    /// A texture by its name; its value if it is constant. `None` if it does not exist and pbrt-v3 would go on.
+    fn folded(&self, name: &Text, is_float: bool) -> Option<Factor> {
+        match self.texture_named(&name.text, is_float) {
+            Some(Known { constant: Some(constant), .. }) => Some(Factor::Constant(*constant)),
+            None if self.is_v3 => {
+                let message = format!("no texture is named `{}`: the default is used", name.text);
+                self.report.warn(name.span, message);
+                None
+            }
+            _ => Some(Factor::Texture(name.clone(), is_float)),
         }
     }
 
