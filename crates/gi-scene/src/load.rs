@@ -17,9 +17,11 @@ use crate::{framing, integrator, obj_scene, pbrt, precision, sensor};
 /// # Errors
 /// All errors of the scene.
 pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let name = name.strip_suffix(".gz").filter(|n| n.ends_with(".pbrt")).unwrap_or(&name);
+    let extension = name.rsplit_once('.').map_or("", |(_, extension)| extension);
     let report = Report::new(options.max_memory);
-    let loaded = match extension.as_str() {
+    let loaded = match extension {
         "obj" => obj_scene::load(path, options, &report),
         "xml" => document::parse(path, &options.defines, &report)
             .and_then(|doc| load_document(path, doc, options, &report)),

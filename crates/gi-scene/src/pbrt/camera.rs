@@ -123,7 +123,7 @@ impl Translator<'_> {
         self.doc.set(sensor, "fov", span, Value::Float(fov_x as f32));
         self.doc.set(sensor, "fov_axis", span, Value::Text("x".into()));
         let offset = center / (2.0 * half);
-        let offsets = [("principal_point_offset_x", -offset.x), ("principal_point_offset_y", offset.y)];
+        let offsets = [("principal_point_offset_x", offset.x), ("principal_point_offset_y", -offset.y)];
         for (name, v) in offsets.into_iter().filter(|(_, v)| *v != 0.0) {
             self.doc.set(sensor, name, span, Value::Float(v as f32));
         }

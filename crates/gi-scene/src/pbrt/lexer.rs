@@ -70,7 +70,7 @@ impl<'t> Lexer<'t> {
         let bytes = self.text.as_bytes();
         loop {
             match bytes.get(self.at)? {
-                b' ' | b'\t' | b'\n' | b'\r' => self.at += 1,
+                b if b.is_ascii_whitespace() => self.at += 1,
                 b'#' => self.at = self.find(self.at, |b| matches!(b, b'\n' | b'\r')),
                 _ => break,
             }
@@ -139,6 +139,7 @@ mod tests {
         let expected = ["Shape", "'sphere'", "'float radius'", "[", "1.5", "-2e3", "]", "true"];
         assert_eq!(all(text), expected);
         assert_eq!(all(""), [""; 0]);
+        assert_eq!(all("a\x0c[\x0c\x0b"), ["a", "[", "\u{b}"]);
         assert_eq!(all("# only a comment"), [""; 0]);
     }
 

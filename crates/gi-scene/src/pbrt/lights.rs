@@ -24,6 +24,7 @@ pub(super) struct AreaLight {
     scale: f64,
     /// The power that the shape emits in all, instead of its radiance.
     power: Option<f64>,
+    two_sided: bool,
 }
 
 impl AreaLight {
@@ -185,16 +186,13 @@ impl Translator<'_> {
         }
         params.ignore(&["nsamples", "samples"]);
         let picture = params.text("filename").filter(|file| !file.text.is_empty()).cloned();
-        if params.bool("twosided", false, self.report) {
-            let message = "`twosided` is ignored: light leaves the side of the normal";
-            self.report.warn(params.span_of("twosided"), message);
-        }
         let light = AreaLight {
             span: params.span_of("L"),
             radiance: self.emission(params, "L"),
             picture,
             scale: self.scale(params),
             power: params.number("power", self.report).filter(|power| *power > 0.0),
+            two_sided: params.bool("twosided", false, self.report),
         };
         params.report_unused(self.report);
         self.state.now.area_light = Some(Rc::new(light));
@@ -224,6 +222,9 @@ impl Translator<'_> {
         }
         if let Some(power) = light.power {
             self.doc.set(emitter, "power", light.span, Value::Float(power as f32));
+        }
+        if light.two_sided {
+            self.doc.set(emitter, "two_sided", light.span, Value::Bool(true));
         }
         self.doc.nest(shape, "", emitter);
     }

@@ -216,6 +216,7 @@ impl Translator<'_> {
         let factor = given.and_then(|name| self.factor(params, name));
         let span = given.map_or(params.span, |name| params.span_of(name));
         let eta = match factor {
+            Some(Factor::Constant(c)) if c.r == c.g && c.g == c.b => c.r,
             Some(Factor::Constant(c)) => c.mean(),
             Some(Factor::Texture(..)) => {
                 self.report.warn(span, "a textured index of refraction is replaced by 1.5");

@@ -64,6 +64,9 @@ pub(crate) fn parse(
         }
     }
     translator.file(path, None);
+    if !translator.in_world && !report.has_errors() {
+        report.error_nowhere(format!("`{}` has no `WorldBegin`", path.display()));
+    }
     translator.finish()
 }
 

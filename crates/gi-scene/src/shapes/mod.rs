@@ -6,6 +6,7 @@ mod place;
 mod power;
 pub(crate) mod ply;
 mod serialized;
+pub(crate) mod sheet;
 pub(crate) mod smooth;
 mod solids;
 

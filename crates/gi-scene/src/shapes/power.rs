@@ -9,7 +9,7 @@ use gi_core::texture::Texture;
 use crate::document::{Class, Node};
 
 /// Scale an emission so that the shape emits the `power` of its emitter, if that is given: pbrt divides by the area, by
-/// pi, and by a picture's mean luminance.
+/// pi, by the number of sides, and by a picture's mean luminance.
 pub(super) fn normalize(node: Node<'_>, geometry: &Geometry, radiance: &mut Texture) {
     let emitters = node.children(Class::Emitter);
     let Some(emitter) = emitters.first() else { return };
@@ -18,7 +18,8 @@ pub(super) fn normalize(node: Node<'_>, geometry: &Geometry, radiance: &mut Text
         Texture::Constant(_) => 1.0,
         other => other.mean().luminance(),
     };
-    let factor = power / (PI * area(geometry) * of_picture);
+    let sides = if emitter.bool("two_sided", false) { 2.0 } else { 1.0 };
+    let factor = power / (PI * sides * area(geometry) * of_picture);
     if factor.is_finite() {
         *radiance = radiance.clone().scaled(Rgb::grey(factor));
     } else {
