@@ -121,7 +121,11 @@ impl Builder<'_> {
             "cylinder" => (solids::cylinder(node, &to_world)?, ShapeOrigin::Itself, false),
             _ => {
                 let (file, portable, mesh) = self.assets.take_mesh(node.id)?;
-                let origin = if portable && !node.has("max_smooth_angle") {
+                // pbrt also reads compressed files, and a mirror does not turn a faceted mesh inside out.
+                let mirrored = to_world.matrix3.determinant() < 0.0 && mesh.normals.is_empty();
+                let is_compressed = file.path.extension().is_some_and(|e| e == "gz");
+                let special = node.doc.is_pbrt && (mirrored || is_compressed);
+                let origin = if portable && !special && !node.has("max_smooth_angle") {
                     ShapeOrigin::File(file, rounded)
                 } else {
                     ShapeOrigin::Itself
