@@ -10,6 +10,12 @@ impl Exporter<'_> {
     /// Write all lights that are not surfaces.
     pub(super) fn lights(&mut self) -> Result<(), String> {
         let loaded = self.loaded;
+        let at_infinity = |light: &&LightSource| {
+            matches!(light, LightSource::Environment { .. } | LightSource::Constant { .. })
+        };
+        if loaded.parts.lights.iter().filter(at_infinity).count() > 1 {
+            self.warn("several lights at infinity are exported: Mitsuba 3 accepts only one");
+        }
         for (light, origin) in loaded.parts.lights.iter().zip(&loaded.origins.lights) {
             match origin {
                 LightOrigin::SunSky(sky) => self.sun_and_sky(sky),

@@ -106,7 +106,12 @@ impl MeshFile {
                 let (_, mesh) = contents.meshes.pop().ok_or("it contains no faces")?;
                 all(mesh, contents.portable, note)
             }
-            MeshKind::Ply { flip } => all(ply::parse(bytes, (flip, origin), claim)?, true, None),
+            MeshKind::Ply { flip } => {
+                let mesh = ply::parse(bytes, (flip, origin), claim)?;
+                // Mitsuba 3 reads triangles only.
+                let portable = ply::face_count(bytes) == Some(mesh.triangles.len() as u64);
+                all(mesh, portable, None)
+            }
             MeshKind::Serialized { index } => {
                 all(serialized::parse(bytes, (index, origin), claim)?, false, None)
             }

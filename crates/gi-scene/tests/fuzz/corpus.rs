@@ -76,9 +76,8 @@ pub(crate) fn xml() -> Vec<Vec<u8>> {
     ]
 }
 
-/// The scenes of the tests of the format, and one that uses the companions.
-pub(crate) fn pbrt() -> Vec<Vec<u8>> {
-    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/pbrt/scenes");
+/// The scenes of the tests of the format, which are in this folder, and one that uses the companions.
+pub(crate) fn pbrt(scenes: &Path) -> Vec<Vec<u8>> {
     let mut paths: Vec<_> = std::fs::read_dir(scenes).unwrap().map(|e| e.unwrap().path()).collect();
     paths.sort();
     let scenes = paths.iter().filter(|path| path.extension().is_some_and(|e| e == "pbrt"));

@@ -106,7 +106,8 @@ fn xml_files() {
 
 #[test]
 fn pbrt_files() {
-    fuzz("a.pbrt", &corpus::pbrt(), None);
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/pbrt/scenes");
+    fuzz("a.pbrt", &corpus::pbrt(&scenes), None);
 }
 
 #[test]
