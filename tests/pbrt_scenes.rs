@@ -27,9 +27,8 @@ fn the_cornell_box_has_the_same_picture_as_pbrt_and_as_xml() {
     let size = [32, 32];
     let xml = World::load("cornell-box.xml", size, &[]);
     let pbrt = world("cornell-box.pbrt", size);
-    let render = |world: &World, seed| {
-        world.render::<PathTracer>(&Params::default(), 128, seed, Show::All)
-    };
+    let render =
+        |world: &World, seed| world.render::<PathTracer>(&Params::default(), 128, seed, Show::All);
     assert_agree("cornell-box", &render(&xml, 1), &render(&pbrt, 2), 4);
 }
 

@@ -63,12 +63,7 @@ fn refuse_other_dialects(path: &Path, doc: &Document, parts: &SceneParts, report
 }
 
 /// Build the scene that a document describes.
-fn load_document(
-    path: &Path,
-    doc: Document,
-    options: &Options,
-    report: &Report,
-) -> Option<Loaded> {
+fn load_document(path: &Path, doc: Document, options: &Options, report: &Report) -> Option<Loaded> {
     let assets = Assets::load(&doc, report);
     let mut hash = doc.hash;
     hash.word(assets.hash.value());

@@ -19,15 +19,23 @@ impl Translator<'_> {
                 Bsdf::opaque(diffuse)
             }
             "coateddiffuse" => self.coated_diffuse(params),
-            "conductor" => {
-                self.conductor(params, ["eta", "k", "reflectance"], ROUGHNESS)
-            }
+            "conductor" => self.conductor(params, ["eta", "k", "reflectance"], ROUGHNESS),
             "coatedconductor" => {
                 self.note_approximation(params, kind, "the conductor without its coat");
-                params.ignore(&["interface.roughness", "interface.uroughness", "interface.vroughness"]);
-                params.ignore(&["interface.eta", "thickness", "maxdepth", "nsamples", "g", "albedo"]);
-                let names =
-                    ["conductor.roughness", "conductor.uroughness", "conductor.vroughness"];
+                params.ignore(&[
+                    "interface.roughness",
+                    "interface.uroughness",
+                    "interface.vroughness",
+                ]);
+                params.ignore(&[
+                    "interface.eta",
+                    "thickness",
+                    "maxdepth",
+                    "nsamples",
+                    "g",
+                    "albedo",
+                ]);
+                let names = ["conductor.roughness", "conductor.uroughness", "conductor.vroughness"];
                 self.conductor(params, ["conductor.eta", "conductor.k", "reflectance"], names)
             }
             "dielectric" => self.dielectric(params, &["eta"]),
@@ -80,7 +88,12 @@ impl Translator<'_> {
             .suggestion(kind, KNOWN)
             .or_else(|| Some(format!("known are: {}", KNOWN.join(", "))));
         let span = params.text("type").map_or(params.span, |text| text.span);
-        self.report.error_help(span, format!("unknown material `{kind}`"), "expected a material", help);
+        self.report.error_help(
+            span,
+            format!("unknown material `{kind}`"),
+            "expected a material",
+            help,
+        );
     }
 
     /// A diffuse base under a dielectric coat. Mitsuba's `plastic` is the same without the coat's thickness; light that
@@ -124,7 +137,10 @@ impl Translator<'_> {
         let (eta, k) = match self.factor(params, reflectance) {
             Some(Factor::Constant(r)) => {
                 // pbrt: eta = 1, and k such that the reflectance at normal incidence is r.
-                (Rgb::WHITE, r.map(|r| 2.0 * (r.clamp(0.0, 0.9999) / (1.0 - r.clamp(0.0, 0.9999))).sqrt()))
+                (
+                    Rgb::WHITE,
+                    r.map(|r| 2.0 * (r.clamp(0.0, 0.9999) / (1.0 - r.clamp(0.0, 0.9999))).sqrt()),
+                )
             }
             Some(texture @ Factor::Texture(..)) => {
                 self.set_factor(conductor, "specular_reflectance", &texture, span);

@@ -56,7 +56,11 @@ impl Translator<'_> {
                 "orthographic"
             }
             kind @ ("spherical" | "environment") => {
-                report.error(span, format!("camera `{kind}` is not supported"), "expected perspective");
+                report.error(
+                    span,
+                    format!("camera `{kind}` is not supported"),
+                    "expected perspective",
+                );
                 return None;
             }
             _ => {
@@ -82,7 +86,8 @@ impl Translator<'_> {
             Some(ratio) if ratio > 0.0 => ratio,
             _ => aspect,
         };
-        let shorter = if frame > 1.0 { DVec2::new(frame, 1.0) } else { DVec2::new(1.0, 1.0 / frame) };
+        let shorter =
+            if frame > 1.0 { DVec2::new(frame, 1.0) } else { DVec2::new(1.0, 1.0 / frame) };
         let (half, center) = match params.numbers("screenwindow") {
             Some(&[x0, x1, y0, y1]) if x0 < x1 && y0 < y1 => {
                 (DVec2::new(x1 - x0, y1 - y0) * 0.5, DVec2::new(x0 + x1, y0 + y1) * 0.5)
@@ -90,13 +95,18 @@ impl Translator<'_> {
             Some(_) => {
                 let span = params.span_of("screenwindow");
                 let message = "`screenwindow` is not a window";
-                self.report.error(span, message, "expected the least and largest x, then those of y");
+                self.report.error(
+                    span,
+                    message,
+                    "expected the least and largest x, then those of y",
+                );
                 (shorter, DVec2::ZERO)
             }
             None => (shorter, DVec2::ZERO),
         };
         if (half.x / half.y / aspect - 1.0).abs() > 1e-3 {
-            let message = "pixels are not square: the picture keeps its width, and its height changes";
+            let message =
+                "pixels are not square: the picture keeps its width, and its height changes";
             self.report.warn(params.span, message);
         }
         (half, center)
@@ -123,14 +133,20 @@ impl Translator<'_> {
         self.doc.set(sensor, "fov", span, Value::Float(fov_x as f32));
         self.doc.set(sensor, "fov_axis", span, Value::Text("x".into()));
         let offset = center / (2.0 * half);
-        let offsets = [("principal_point_offset_x", offset.x), ("principal_point_offset_y", -offset.y)];
+        let offsets =
+            [("principal_point_offset_x", offset.x), ("principal_point_offset_y", -offset.y)];
         for (name, v) in offsets.into_iter().filter(|(_, v)| *v != 0.0) {
             self.doc.set(sensor, name, span, Value::Float(v as f32));
         }
         let lens = params.number("lensradius", report).unwrap_or(0.0) as f32;
         let focus = params.number("focaldistance", report).unwrap_or(1e6) as f32;
         self.doc.set(sensor, "aperture_radius", params.span_of("lensradius"), Value::Float(lens));
-        self.doc.set(sensor, "focus_distance", params.span_of("focaldistance"), Value::Float(focus));
+        self.doc.set(
+            sensor,
+            "focus_distance",
+            params.span_of("focaldistance"),
+            Value::Float(focus),
+        );
     }
 
     /// The angle of view of a realistic camera, from the focal length in the name of its lens file.
@@ -174,7 +190,12 @@ impl Translator<'_> {
             let why = "the whole picture is rendered";
             params.note_ignored(&["cropwindow", "pixelbounds"], why, self.report);
             params.ignore(&["xresolution", "yresolution", "filename", "diagonal", "savefp16"]);
-            params.ignore(&["maxcomponentvalue", "maxsampleluminance", "scale", "coordinatesystem"]);
+            params.ignore(&[
+                "maxcomponentvalue",
+                "maxsampleluminance",
+                "scale",
+                "coordinatesystem",
+            ]);
             params.report_unused(self.report);
         }
         let filter = self.add_filter(span);
@@ -230,7 +251,10 @@ impl Translator<'_> {
             }
         };
         if let ("box", Some(r)) = (plugin, params.number("xradius", report).filter(|r| *r != 0.5)) {
-            report.warn(params.span_of("xradius"), format!("a box of radius {r} is read as one pixel"));
+            report.warn(
+                params.span_of("xradius"),
+                format!("a box of radius {r} is read as one pixel"),
+            );
         }
         params.ignore(&["xradius", "yradius", "xwidth", "ywidth"]);
         params.report_unused(report);

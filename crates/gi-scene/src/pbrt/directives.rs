@@ -105,9 +105,9 @@ impl Translator<'_> {
             }
             "TransformTimes" => drop(reader.numbers::<2>()?),
             "AttributeBegin" => self.state.push(Opened::Attribute, span, self.report),
-            "AttributeEnd" => drop(self.state.pop(Opened::Attribute, span, self.report)),
+            "AttributeEnd" => self.end(Opened::Attribute, span),
             "TransformBegin" => self.state.push(self.transform_level(), span, self.report),
-            "TransformEnd" => drop(self.state.pop(self.transform_level(), span, self.report)),
+            "TransformEnd" => self.end(self.transform_level(), span),
             "ReverseOrientation" => {
                 self.state.now.reverse_orientation = !self.state.now.reverse_orientation;
             }
@@ -242,6 +242,10 @@ impl Translator<'_> {
         if self.is_v3 { Opened::Transform } else { Opened::Attribute }
     }
 
+    fn end(&mut self, opened: Opened, span: Span) {
+        self.state.pop(opened, self.is_v3, span, self.report);
+    }
+
     fn attribute(&mut self, reader: &mut Reader<'_>) -> Option<()> {
         let target = reader.name("shape, light, material, medium or texture")?;
         let added = reader.parameters();
@@ -293,7 +297,8 @@ impl Translator<'_> {
 
 /// Skip to the next directive.
 fn skip(reader: &mut Reader<'_>) {
-    let stops = |t: &Token, reader: &Reader<'_>| t.kind == Kind::Word && is_directive(reader.word(t));
+    let stops =
+        |t: &Token, reader: &Reader<'_>| t.kind == Kind::Word && is_directive(reader.word(t));
     while reader.peek().is_some_and(|t| !stops(&t, reader)) {
         reader.next();
     }

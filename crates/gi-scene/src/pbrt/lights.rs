@@ -51,7 +51,8 @@ impl Translator<'_> {
             "distant" => self.distant(params),
             "infinite" | "exinfinite" => Some(self.infinite(params)),
             "projection" => {
-                self.report.warn(params.span, "`projection` is not supported: the light is ignored");
+                self.report
+                    .warn(params.span, "`projection` is not supported: the light is ignored");
                 return;
             }
             _ => {

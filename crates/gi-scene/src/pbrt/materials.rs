@@ -75,11 +75,7 @@ impl Translator<'_> {
             self.report.error(params.span, message, "");
             return;
         }
-        let key = if taken {
-            format!("material {}", self.next_number()).into()
-        } else {
-            key(name)
-        };
+        let key = if taken { format!("material {}", self.next_number()).into() } else { key(name) };
         match params.text("type") {
             Some(kind) => {
                 let kind = kind.text.clone();

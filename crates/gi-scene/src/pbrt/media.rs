@@ -7,7 +7,8 @@ use super::params::{Params, Text};
 use crate::document::{Class, Meaning, ObjectId, Value};
 
 /// The media that are read, and those that are ignored.
-const KNOWN: [&str; 6] = ["homogeneous", "uniformgrid", "rgbgrid", "cloud", "nanovdb", "heterogeneous"];
+const KNOWN: [&str; 6] =
+    ["homogeneous", "uniformgrid", "rgbgrid", "cloud", "nanovdb", "heterogeneous"];
 
 /// Reduced scattering and absorption coefficients per millimetre \[Jensen01\].
 const PRESETS: [(&str, [f32; 3], [f32; 3]); 12] = [

@@ -206,9 +206,8 @@ impl Params {
 
     /// The numbers of a parameter that is neither a colour nor a texture.
     pub(super) fn numbers(&self, name: &'static str) -> Option<&[f64]> {
-        let plain = |p: &Param| {
-            matches!(p.kind, Type::Integer | Type::Float | Type::Pair | Type::Triple)
-        };
+        let plain =
+            |p: &Param| matches!(p.kind, Type::Integer | Type::Float | Type::Pair | Type::Triple);
         match &self.find(name, plain)?.values {
             Values::Numbers(all) => Some(all),
             _ => None,

@@ -159,7 +159,8 @@ impl Translator<'_> {
         self.inline_mesh(shape, params, corners, triangles);
         if is_subdivision {
             params.ignore(&["levels", "nlevels", "scheme"]);
-            let message = "shape `loopsubdiv` is approximated by its control mesh with smooth normals";
+            let message =
+                "shape `loopsubdiv` is approximated by its control mesh with smooth normals";
             self.report.warn(params.span, message);
             if let Some(read) = self.doc.inline_meshes.borrow_mut().get_mut(&shape) {
                 read.mesh.smooth_normals();
@@ -255,7 +256,7 @@ impl Translator<'_> {
 
     /// `ObjectEnd`.
     pub(super) fn object_end(&mut self, span: Span) {
-        if self.state.pop(super::state::Opened::Object, span, self.report) {
+        if self.state.pop(super::state::Opened::Object, self.is_v3, span, self.report) {
             self.group = None;
         }
     }

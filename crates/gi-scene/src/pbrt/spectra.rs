@@ -160,9 +160,8 @@ impl Translator<'_> {
         name: &'static str,
         meaning: Meaning,
     ) -> Option<Rgb> {
-        let is_color = |p: &Param| {
-            matches!(p.kind, Type::Rgb | Type::Xyz | Type::Spectrum | Type::Blackbody)
-        };
+        let is_color =
+            |p: &Param| matches!(p.kind, Type::Rgb | Type::Xyz | Type::Spectrum | Type::Blackbody);
         let p = params.find(name, is_color)?;
         let color = match &p.values {
             Values::Numbers(all) => self.numbers_color(p.kind, all, meaning),
@@ -186,9 +185,7 @@ impl Translator<'_> {
 
     fn numbers_color(&self, kind: Type, all: &[f64], meaning: Meaning) -> Result<Rgb, String> {
         match (kind, all) {
-            (Type::Rgb, &[r, g, b]) => {
-                Ok(self.state.now.color_space.to_rec709([r, g, b], meaning))
-            }
+            (Type::Rgb, &[r, g, b]) => Ok(self.state.now.color_space.to_rec709([r, g, b], meaning)),
             (Type::Xyz, &[x, y, z]) => Ok(xyz_to_rgb([x, y, z])),
             (Type::Blackbody, &[kelvin]) => Ok(self.blackbody(kelvin, 1.0)),
             (Type::Blackbody, &[kelvin, scale]) => Ok(self.blackbody(kelvin, scale)),

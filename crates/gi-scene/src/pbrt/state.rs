@@ -75,15 +75,19 @@ impl State {
     }
 
     /// Restore the state that was kept last. Whether the directive that kept it matches this one; otherwise an error is
-    /// reported.
-    pub(super) fn pop(&mut self, opened: Opened, span: Span, report: &Report) -> bool {
+    /// reported. In pbrt-v3, `AttributeEnd` and `ObjectEnd` end each other's levels.
+    pub(super) fn pop(&mut self, opened: Opened, is_v3: bool, span: Span, report: &Report) -> bool {
+        let alike = |other: Opened| {
+            let crossed = is_v3 && other != Opened::Transform && opened != Opened::Transform;
+            other == opened || crossed
+        };
         match self.stack.last() {
             None => {
                 let message = format!("there is no open `{}`", opened.name());
                 report.error(span, message, "");
                 return false;
             }
-            Some((other, at, _)) if *other != opened => {
+            Some((other, at, _)) if !alike(*other) => {
                 let message = format!("`{}` at {} is open", other.name(), report.place(*at));
                 let expected = format!("this ends `{}`", opened.name());
                 report.error(span, message, &expected);
@@ -178,10 +182,8 @@ pub(super) fn look_at(v: [f64; 9]) -> Result<DAffine3, &'static str> {
     let [eye, look, up] = [0, 3, 6].map(|k| DVec3::new(v[k], v[k + 1], v[k + 2]));
     let z = (look - eye).try_normalize().ok_or("the eye and the point it looks at are the same")?;
     let x = up.cross(z).try_normalize().ok_or("the up direction is parallel to the view")?;
-    let from_camera = DAffine3 {
-        matrix3: glam::DMat3::from_cols(x, z.cross(x), z),
-        translation: eye,
-    };
+    let from_camera =
+        DAffine3 { matrix3: glam::DMat3::from_cols(x, z.cross(x), z), translation: eye };
     Ok(from_camera.inverse())
 }
 

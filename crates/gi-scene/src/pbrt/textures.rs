@@ -97,7 +97,8 @@ impl Translator<'_> {
         match factor {
             Factor::Constant(c) => self.doc.set(object, name, span, Value::Color(*c)),
             Factor::Texture(text, is_float) => {
-                let known = self.texture_named(&text.text, *is_float).map(|known| known.key.clone());
+                let known =
+                    self.texture_named(&text.text, *is_float).map(|known| known.key.clone());
                 let key = known.unwrap_or_else(|| {
                     // pbrt-v4 accepts textures that are defined later.
                     let key = key(&text.text, *is_float, 0);
@@ -152,7 +153,8 @@ impl Translator<'_> {
 
     fn texture(&mut self, params: &Params, is_float: bool) -> Option<Made> {
         let read = |this: &Self, name, default: f64| {
-            let factor = if is_float { this.scalar(params, name) } else { this.factor(params, name) };
+            let factor =
+                if is_float { this.scalar(params, name) } else { this.factor(params, name) };
             factor.unwrap_or(Factor::grey(default))
         };
         let approximated = |this: &Self, by: &str| {
@@ -173,7 +175,10 @@ impl Translator<'_> {
             "scale" => {
                 let first = if self.is_v3 { "tex1" } else { "tex" };
                 let second = if self.is_v3 { "tex2" } else { "scale" };
-                let pair = [read(self, first, 1.0), self.factor(params, second).unwrap_or(Factor::grey(1.0))];
+                let pair = [
+                    read(self, first, 1.0),
+                    self.factor(params, second).unwrap_or(Factor::grey(1.0)),
+                ];
                 self.product(params, pair)
             }
             "mix" | "directionmix" => {
@@ -197,7 +202,14 @@ impl Translator<'_> {
             }
             "fbm" | "wrinkled" | "windy" | "ptex" | "marble" => {
                 approximated(self, "the constant 0.5");
-                params.ignore(&["octaves", "roughness", "scale", "variation", "filename", "encoding"]);
+                params.ignore(&[
+                    "octaves",
+                    "roughness",
+                    "scale",
+                    "variation",
+                    "filename",
+                    "encoding",
+                ]);
                 Made::Constant(Rgb::grey(0.5))
             }
             _ => {
@@ -243,10 +255,15 @@ impl Translator<'_> {
             self.doc.set(texture, "raw", span, Value::Bool(true));
         }
         if params.bool("invert", false, report) {
-            report.warn(params.span_of("invert"), "`invert` is ignored: the picture is used as it is");
+            report.warn(
+                params.span_of("invert"),
+                "`invert` is ignored: the picture is used as it is",
+            );
         }
         match params.number("scale", report) {
-            Some(scale) if scale != 1.0 => Some(self.scaled(texture, Rgb::grey(scale as f32), span)),
+            Some(scale) if scale != 1.0 => {
+                Some(self.scaled(texture, Rgb::grey(scale as f32), span))
+            }
             _ => Some(texture),
         }
     }
@@ -267,7 +284,8 @@ impl Translator<'_> {
     /// From a surface's coordinates to those of a texture. A picture's second coordinate runs downward.
     fn mapping(&self, params: &Params, picture: bool) -> DAffine3 {
         if let Some(kind) = params.text("mapping").filter(|kind| kind.text != "uv") {
-            let message = format!("the mapping `{}` is ignored: the surface's own is used", kind.text);
+            let message =
+                format!("the mapping `{}` is ignored: the surface's own is used", kind.text);
             self.report.warn(kind.span, message);
             params.ignore(&["v1", "v2"]);
         }
@@ -295,7 +313,9 @@ impl Translator<'_> {
 
     fn product(&mut self, params: &Params, pair: [Factor; 2]) -> Made {
         match pair {
-            [Factor::Constant(a), Factor::Constant(b)] => Made::Constant((a * b).map(|v| v.clamp(-MAX_NUMBER, MAX_NUMBER))),
+            [Factor::Constant(a), Factor::Constant(b)] => {
+                Made::Constant((a * b).map(|v| v.clamp(-MAX_NUMBER, MAX_NUMBER)))
+            }
             [Factor::Texture(texture, kind), Factor::Constant(c)]
             | [Factor::Constant(c), Factor::Texture(texture, kind)] => {
                 let scale = self.doc.add(Class::Texture, "texture", "scale", params.span);
@@ -351,10 +371,7 @@ fn key(name: &str, is_float: bool, version: usize) -> String {
 
 /// From pbrt's coordinates, whose second one runs upward, to those of a picture.
 pub(super) fn downward() -> DAffine3 {
-    DAffine3 {
-        matrix3: DMat3::from_diagonal(DVec3::new(1.0, -1.0, 1.0)),
-        translation: DVec3::Y,
-    }
+    DAffine3 { matrix3: DMat3::from_diagonal(DVec3::new(1.0, -1.0, 1.0)), translation: DVec3::Y }
 }
 
 /// Whether a parameter is a texture.

@@ -17,9 +17,7 @@ impl Translator<'_> {
                 self.note_approximation(params, kind, "`roughplastic`");
                 self.glossy(params, [0.25, 0.25], None)
             }
-            "metal" => {
-                self.conductor(params, ["eta", "k", "reflectance"], ROUGHNESS)
-            }
+            "metal" => self.conductor(params, ["eta", "k", "reflectance"], ROUGHNESS),
             "mirror" => {
                 let mirror = self.plain(params, "conductor");
                 self.set_or(mirror, params, "Kr", "specular_reflectance", 0.9);

@@ -3,8 +3,8 @@
 pub(crate) mod mesh_file;
 pub(crate) mod obj;
 mod place;
-mod power;
 pub(crate) mod ply;
+mod power;
 mod serialized;
 pub(crate) mod sheet;
 pub(crate) mod smooth;

@@ -128,7 +128,8 @@ fn each_mistake_has_its_message() {
 
 #[test]
 fn unknown_parameters_give_a_warning_with_a_suggestion() {
-    let loaded = world("Shape \"sphere\" \"float radus\" 3\nMaterial \"diffuse\" \"float roughness\" 1");
+    let loaded =
+        world("Shape \"sphere\" \"float radus\" 3\nMaterial \"diffuse\" \"float roughness\" 1");
     let notes = warnings(&loaded);
     assert_eq!(
         notes,
@@ -137,6 +138,16 @@ fn unknown_parameters_give_a_warning_with_a_suggestion() {
             "4: material `diffuse` has no parameter `roughness`: ignored",
         ]
     );
+}
+
+#[test]
+fn levels_may_cross_in_the_old_format_only() {
+    let crossed = "WorldBegin AttributeBegin ObjectBegin \"a\" Shape \"sphere\" AttributeEnd ObjectEnd \
+        ObjectInstance \"a\"";
+    assert!(problems(crossed).contains("`ObjectBegin` at scene.pbrt:1 is open"));
+    let folder = common::Folder::new();
+    let path = folder.write("scene.pbrt", format!("{crossed} WorldEnd"));
+    assert_eq!(load(&path, &Options::default()).unwrap().parts.groups.len(), 1);
 }
 
 #[test]

@@ -34,7 +34,8 @@ fn exported_scenes_are_the_same() {
     for name in names() {
         let folder = common::Folder::new();
         let out = folder.path("out.xml");
-        export_mitsuba(&path(&name), &Options::default(), &out).unwrap_or_else(|e| panic!("{name}: {e}"));
+        export_mitsuba(&path(&name), &Options::default(), &out)
+            .unwrap_or_else(|e| panic!("{name}: {e}"));
         let (ours, back) = (scene(&name), load(&out, &Options::default()));
         let back = back.unwrap_or_else(|problems| panic!("{name}: {problems}"));
         let (a, b) = (&ours.parts, &back.parts);
@@ -46,7 +47,8 @@ fn exported_scenes_are_the_same() {
             let near = (x.0 - y.0).length() + (x.1 - y.1).length() < 1e-4;
             assert!(near && (&x.2, x.3) == (&y.2, y.3), "{name}, shape {n}: {x:?} {y:?}");
         }
-        let difference = (ours.camera.to_world.translation - back.camera.to_world.translation).length();
+        let difference =
+            (ours.camera.to_world.translation - back.camera.to_world.translation).length();
         assert!(difference < 1e-5, "{name}: {:?} {:?}", ours.camera, back.camera);
     }
 }

@@ -52,5 +52,9 @@ fn inner(loaded: &Loaded, n: usize) -> &Material {
 
 /// The warnings without their places.
 fn warnings(loaded: &Loaded) -> Vec<&str> {
-    loaded.warnings.iter().map(|w| w.split_once(".pbrt:").map_or(w.as_str(), |(_, rest)| rest)).collect()
+    loaded
+        .warnings
+        .iter()
+        .map(|w| w.split_once(".pbrt:").map_or(w.as_str(), |(_, rest)| rest))
+        .collect()
 }

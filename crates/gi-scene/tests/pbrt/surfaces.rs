@@ -63,7 +63,8 @@ fn all_materials_are_read() {
 
 #[test]
 fn opaque_materials_have_two_sides() {
-    let loaded = world("Material \"diffuse\" Shape \"sphere\" Material \"dielectric\" Shape \"sphere\"");
+    let loaded =
+        world("Material \"diffuse\" Shape \"sphere\" Material \"dielectric\" Shape \"sphere\"");
     let of = |n: usize| &loaded.parts.materials[loaded.parts.shapes[n].material];
     assert!(matches!(of(0), Material::TwoSided { .. }));
     assert!(matches!(of(1), Material::Dielectric { .. }));
@@ -91,7 +92,9 @@ fn textures_are_read() {
     assert_eq!(to_uv.transform_point2(Vec2::new(0.25, 0.25)), Vec2::new(0.5, 0.5));
     assert_eq!(bitmap.width(), 4);
     // pbrt's v runs upward: the bottom left corner of a picture is at its origin.
-    let plain = world_with_picture("Texture \"p\" \"spectrum\" \"imagemap\" \"string filename\" \"picture.pfm\"");
+    let plain = world_with_picture(
+        "Texture \"p\" \"spectrum\" \"imagemap\" \"string filename\" \"picture.pfm\"",
+    );
     near(plain.eval(Vec2::new(0.125, 0.125)), [0.0, 0.75, 0.5]);
     let Material::NormalMap { inner: metal, .. } = inner(&loaded, 4) else { panic!() };
     let Material::Conductor { roughness: Some(r), .. } = &loaded.parts.materials[*metal] else {
@@ -106,7 +109,9 @@ fn textures_are_read() {
 fn world_with_picture(texture: &str) -> Texture {
     let folder = common::Folder::new();
     folder.write("picture.pfm", std::fs::read(path("picture.pfm")).unwrap());
-    let text = format!("WorldBegin {texture} Material \"diffuse\" \"texture reflectance\" \"p\" Shape \"disk\"");
+    let text = format!(
+        "WorldBegin {texture} Material \"diffuse\" \"texture reflectance\" \"p\" Shape \"disk\""
+    );
     let loaded = load(&folder.write("scene.pbrt", text), &Options::default()).unwrap();
     match inner(&loaded, 0) {
         Material::Diffuse { reflectance } => {
@@ -124,7 +129,10 @@ fn alpha_becomes_a_mask() {
     let of = |n: usize| &loaded.parts.materials[loaded.parts.shapes[n].material];
     let Material::Mask { opacity: Texture::Checkerboard { .. }, inner } = of(0) else { panic!() };
     assert!(matches!(loaded.parts.materials[*inner], Material::TwoSided { .. }));
-    assert_eq!(loaded.parts.shapes[0].material, loaded.parts.shapes[1].material, "one mask for both");
+    assert_eq!(
+        loaded.parts.shapes[0].material, loaded.parts.shapes[1].material,
+        "one mask for both"
+    );
     let Material::Mask { opacity, .. } = of(2) else { panic!() };
     assert_eq!(number(opacity), 0.5);
     assert!(matches!(of(3), Material::TwoSided { .. }), "an alpha of one is no mask");
@@ -152,7 +160,10 @@ fn the_old_format_is_read() {
     assert!(eta.b > 1.0, "gold, without the file: {eta:?}");
     let Material::Blend { weight, first, .. } = is(4) else { panic!() };
     assert_eq!(number(weight), 0.75);
-    assert!(matches!(loaded.parts.materials[*first], Material::Dielectric { .. }), "the second one");
+    assert!(
+        matches!(loaded.parts.materials[*first], Material::Dielectric { .. }),
+        "the second one"
+    );
     let outer = &loaded.parts.materials[loaded.parts.shapes[5].material];
     assert!(matches!(outer, Material::Mask { .. }));
     let gi_core::light::LightSource::Environment { scale, image, .. } = &loaded.parts.lights[1]

@@ -71,7 +71,10 @@ fn all_shapes_are_read() {
     }
     assert_eq!(mesh(&shapes[9]).normals.len(), 4, "smooth");
     let notes = warnings(&loaded).join("\n");
-    assert!(notes.contains("`curve` is not supported") && notes.contains("`loopsubdiv`"), "{notes}");
+    assert!(
+        notes.contains("`curve` is not supported") && notes.contains("`loopsubdiv`"),
+        "{notes}"
+    );
 }
 
 #[test]
@@ -97,7 +100,9 @@ fn transforms_follow_each_other() {
     near(5, [(eye + x).into(), (eye + z.cross(x)).into(), (eye + z).into()]);
     // A mirrored triangle has the mirrored normal of the original; its corners change places for that.
     near(6, [[-1., 0., 0.], [0., 0., 1.], [0., 1., 0.]]);
-    assert!((mesh(&loaded.parts.shapes[6]).area_vector(0) - Vec3::new(-1., 1., 1.)).length() < 1e-6);
+    assert!(
+        (mesh(&loaded.parts.shapes[6]).area_vector(0) - Vec3::new(-1., 1., 1.)).length() < 1e-6
+    );
     let flipped: Vec<bool> = loaded.parts.shapes.iter().map(|s| s.flip_normals).collect();
     assert_eq!(flipped, [false, false, false, false, false, false, false, true, false]);
     near(8, [[1., 1., 0.], [0., 2., 0.], [0., 1., 1.]]);
@@ -126,7 +131,9 @@ fn groups_are_placed_by_instances() {
     assert!((place(2) - Vec3::new(0.0, 0.0, 0.0)).length() < 1e-6, "{}", place(2));
     let [outside] = loaded.parts.shapes.as_slice() else { panic!() };
     assert!((outside.geometry.bounds().extent().x - 0.2).abs() < 1e-6);
-    let Material::Diffuse { reflectance: Texture::Constant(c) } = inner(&loaded, 0) else { panic!() };
+    let Material::Diffuse { reflectance: Texture::Constant(c) } = inner(&loaded, 0) else {
+        panic!()
+    };
     assert_eq!(c.to_array(), [0.7, 0.2, 0.2], "the material before the group");
 }
 
@@ -157,7 +164,9 @@ fn the_grammar_is_understood() {
         _ => panic!(),
     };
     assert_eq!([radius(0), radius(1), radius(2)], [0.25, 0.5, 1.0]);
-    let Material::Diffuse { reflectance: Texture::Constant(c) } = inner(&loaded, 0) else { panic!() };
+    let Material::Diffuse { reflectance: Texture::Constant(c) } = inner(&loaded, 0) else {
+        panic!()
+    };
     assert_eq!(c.to_array(), [0.2, 0.4, 0.6], "of the `Attribute` directive");
     assert_eq!(loaded.camera.projection, Projection::Orthographic);
     let width = loaded.camera.to_world.matrix3.x_axis.length();
@@ -180,7 +189,11 @@ fn lenses_and_shifted_pictures_are_read() {
     // The sphere lies straight ahead of the eye, a quarter of the picture left of its centre and a quarter below.
     let camera = gi_core::camera::Camera::new(&loaded.camera);
     let seen = camera.connect(Vec3::new(1.0, 2.0, 0.0), [0.5; 2], 0.0).expect("visible");
-    assert!((seen.film[0] - 10.0).abs() < 0.1 && (seen.film[1] - 15.0).abs() < 0.1, "{:?}", seen.film);
+    assert!(
+        (seen.film[0] - 10.0).abs() < 0.1 && (seen.film[1] - 15.0).abs() < 0.1,
+        "{:?}",
+        seen.film
+    );
     assert!(warnings(&loaded).join("\n").contains("multiplies by 2"), "{:?}", loaded.warnings);
 }
 
