@@ -1,4 +1,4 @@
-//! pbrt's maps from a roughness to the width of the facets.
+//! pbrt's maps from a roughness to the width of the facets, and inverted textures.
 
 use std::sync::Arc;
 
@@ -29,6 +29,11 @@ impl Builder<'_> {
         }
     }
 
+    /// One minus a texture, at least zero.
+    pub(crate) fn inverted(&mut self, node: Node<'_>, texture: Texture) -> Texture {
+        self.map_texture(node, texture, |v| (1.0 - v).max(0.0))
+    }
+
     fn map_texture(&mut self, node: Node<'_>, texture: Texture, map: fn(f32) -> f32) -> Texture {
         match texture {
             Texture::Constant(c) => Texture::Constant(c.map(map)),
@@ -39,7 +44,7 @@ impl Builder<'_> {
             },
             Texture::Bitmap { bitmap, to_uv, scale } => {
                 let (w, h) = (bitmap.width(), bitmap.height());
-                let claim = node.report.budget.claim("pictures of roughness");
+                let claim = node.report.budget.claim("changed pictures");
                 if let Err(why) = claim.keep((w * h * size_of::<Rgb>()) as u64) {
                     node.error(why, "");
                     return Texture::grey(0.5);

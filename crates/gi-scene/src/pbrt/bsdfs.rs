@@ -56,15 +56,7 @@ impl Translator<'_> {
                 self.note_approximation(params, kind, "a coated diffuse surface");
                 self.subsurface(params)
             }
-            "hair" | "measured" | "fourier" => {
-                self.note_approximation(params, kind, "a diffuse surface");
-                params.ignore(&["filename", "bsdffile", "sigma_a", "color", "reflectance"]);
-                params.ignore(&["eumelanin", "pheomelanin", "eta", "beta_m", "beta_n", "alpha"]);
-                let diffuse = self.plain(params, "diffuse");
-                let color = if kind == "hair" { Rgb::new(0.3, 0.2, 0.12) } else { Rgb::grey(0.5) };
-                self.doc.set(diffuse, "reflectance", params.span, Value::Color(color));
-                Bsdf::opaque(diffuse)
-            }
+            "hair" | "measured" | "fourier" => self.diffuse_instead(params, kind),
             "interface" | "none" | "" => Bsdf::two_sided(self.plain(params, "null")),
             _ => match self.v3_bsdf(kind, params) {
                 Some(bsdf) => bsdf,
@@ -80,6 +72,17 @@ impl Translator<'_> {
                 }
             },
         })
+    }
+
+    /// A diffuse surface in place of a material that is not supported.
+    fn diffuse_instead(&mut self, params: &Params, kind: &str) -> Bsdf {
+        self.note_approximation(params, kind, "a diffuse surface");
+        params.ignore(&["filename", "bsdffile", "sigma_a", "color", "reflectance"]);
+        params.ignore(&["eumelanin", "pheomelanin", "eta", "beta_m", "beta_n", "alpha"]);
+        let diffuse = self.plain(params, "diffuse");
+        let color = if kind == "hair" { Rgb::new(0.3, 0.2, 0.12) } else { Rgb::grey(0.5) };
+        self.doc.set(diffuse, "reflectance", params.span, Value::Color(color));
+        Bsdf::opaque(diffuse)
     }
 
     fn unknown_material(&self, kind: &str, params: &Params) {

@@ -6,10 +6,11 @@ use glam::{DAffine3, DVec3};
 
 use super::Translator;
 use super::lexer::{Kind, Token};
-use super::params::{Params, Text};
+use super::params::Params;
 use super::reader::{MAX_PARAMETERS, Reader};
 use super::spectra::ColorSpace;
 use super::state::{self, Opened, TARGETS};
+use super::types::Text;
 use crate::diagnostics::Span;
 
 /// All directives. `WorldEnd` is pbrt-v3's.

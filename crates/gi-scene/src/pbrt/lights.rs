@@ -6,7 +6,8 @@ use gi_core::math::Rgb;
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::Translator;
-use super::params::{Params, Text};
+use super::params::Params;
+use super::types::Text;
 use crate::diagnostics::Span;
 use crate::document::{Class, Meaning, ObjectId, Value};
 
@@ -138,7 +139,7 @@ impl Translator<'_> {
         let (_, direction) = self.direction(params)?;
         let mut irradiance = self.emission(params, "L");
         if let Some(lux) = params.number("illuminance", self.report).filter(|e| *e > 0.0) {
-            irradiance = irradiance * lux as f32;
+            irradiance *= lux as f32;
         }
         let light = self.emitter(params, "directional");
         let to_world = Value::Transform(self.state.now.ctm);
@@ -211,7 +212,7 @@ impl Translator<'_> {
             Some(file) => {
                 let picture = self.doc.add(Class::Texture, "area light", "bitmap", file.span);
                 self.doc.set(picture, "filename", file.span, Value::Text(file.text.clone()));
-                let to_uv = Value::Transform(super::textures::downward());
+                let to_uv = Value::Transform(super::pictures::downward());
                 self.doc.set(picture, "to_uv", file.span, to_uv);
                 let scale = self.doc.add(Class::Texture, "area light", "scale", file.span);
                 let factor = Value::Color(Rgb::grey(light.scale as f32));

@@ -3,8 +3,9 @@
 use std::rc::Rc;
 
 use super::Translator;
-use super::params::{Params, Text};
+use super::params::Params;
 use super::textures::{Factor, is_texture};
+use super::types::Text;
 use crate::document::{Class, ObjectId, Value};
 
 /// The supported materials; those after `interface` are pbrt-v3's.
@@ -153,7 +154,7 @@ impl Translator<'_> {
             let map = self.doc.add(Class::Texture, "texture", "bitmap", span);
             self.doc.set(map, "filename", file.span, Value::Text(file.text.clone()));
             self.doc.set(map, "raw", span, Value::Bool(true));
-            self.doc.set(map, "to_uv", span, Value::Transform(super::textures::downward()));
+            self.doc.set(map, "to_uv", span, Value::Transform(super::pictures::downward()));
             return self.bent_by(params, "normalmap", map, bsdf);
         }
         let name = if params.has("displacement") { "displacement" } else { "bumpmap" };

@@ -3,7 +3,8 @@
 use gi_core::math::Rgb;
 
 use super::Translator;
-use super::params::{Params, Text};
+use super::params::Params;
+use super::types::Text;
 use crate::document::{Class, Meaning, ObjectId, Value};
 
 /// The media that are read, and those that are ignored.

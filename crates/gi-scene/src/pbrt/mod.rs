@@ -14,11 +14,13 @@ mod materials;
 mod media;
 mod meshes;
 mod params;
+mod pictures;
 mod reader;
 mod shapes;
 mod spectra;
 mod state;
 mod textures;
+mod types;
 mod v3;
 
 use std::cell::{Cell, RefCell};
@@ -33,10 +35,11 @@ use crate::document::{Class, Document, ObjectId};
 use crate::files;
 use crate::hash::Hash;
 use lexer::{Kind, Lexer};
-use params::{Params, Text};
+use params::Params;
 use reader::Reader;
 use state::State;
 use textures::Known;
+use types::Text;
 
 /// Largest depth of nested includes.
 const MAX_INCLUDE_DEPTH: usize = 15;

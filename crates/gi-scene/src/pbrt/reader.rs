@@ -3,7 +3,8 @@
 use std::rc::Rc;
 
 use super::lexer::{Kind, Lexer, Token};
-use super::params::{Param, Text, Type, Values};
+use super::params::Param;
+use super::types::{Text, Type, Values};
 use crate::diagnostics::{Report, Span};
 use crate::value;
 

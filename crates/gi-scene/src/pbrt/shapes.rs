@@ -6,8 +6,9 @@ use glam::{DAffine3, DVec3};
 
 use super::Translator;
 use super::meshes::{Corners, ProfilePoint, revolve};
-use super::params::{Params, Text};
+use super::params::Params;
 use super::textures::Factor;
+use super::types::Text;
 use crate::diagnostics::Span;
 use crate::document::{Class, ObjectId, Value};
 

@@ -7,7 +7,8 @@ use gi_core::math::Rgb;
 use glam::{DMat3, DVec3};
 
 use super::Translator;
-use super::params::{Param, Params, Text, Type, Values};
+use super::params::{Param, Params};
+use super::types::{Text, Type, Values};
 use crate::document::Meaning;
 use crate::files;
 use crate::materials::ior;

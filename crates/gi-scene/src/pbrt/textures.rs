@@ -1,10 +1,12 @@
 //! Textures: `constant`, `imagemap`, `checkerboard` and `scale`; others are replaced by a constant, with a warning.
 
 use gi_core::math::Rgb;
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DVec3};
 
 use super::Translator;
-use super::params::{Param, Params, Text, Type};
+use super::params::{Param, Params};
+use super::types::Text;
+use super::types::Type;
 use crate::diagnostics::Span;
 use crate::document::{Class, Meaning, ObjectId, Value};
 use crate::value::MAX_NUMBER;
@@ -202,14 +204,8 @@ impl Translator<'_> {
             }
             "fbm" | "wrinkled" | "windy" | "ptex" | "marble" => {
                 approximated(self, "the constant 0.5");
-                params.ignore(&[
-                    "octaves",
-                    "roughness",
-                    "scale",
-                    "variation",
-                    "filename",
-                    "encoding",
-                ]);
+                params.ignore(&["octaves", "roughness", "scale", "variation"]);
+                params.ignore(&["filename", "encoding"]);
                 Made::Constant(Rgb::grey(0.5))
             }
             _ => {
@@ -219,84 +215,17 @@ impl Translator<'_> {
         })
     }
 
-    fn imagemap(&mut self, params: &Params) -> Option<ObjectId> {
-        let Some(file) = params.text("filename") else {
-            self.report.error(params.span, "`imagemap` without a `filename`", "");
-            return None;
-        };
-        let (report, span) = (self.report, params.span);
-        let texture = self.doc.add(Class::Texture, "texture", "bitmap", span);
-        self.doc.set(texture, "filename", file.span, Value::Text(file.text.clone()));
-        let to_uv = self.mapping(params, true);
-        self.doc.set(texture, "to_uv", span, Value::Transform(to_uv));
-        params.ignore(&["maxanisotropy", "trilinear"]);
-        if let Some(wrap) = params.text("wrap") {
-            let mode = match wrap.text.as_str() {
-                "repeat" => "repeat",
-                "clamp" | "black" => "clamp",
-                "octahedralsphere" => "repeat",
-                other => {
-                    let message = format!("unknown wrap mode `{other}`");
-                    report.error(wrap.span, message, "expected repeat, clamp or black");
-                    "repeat"
-                }
-            };
-            if wrap.text == "black" {
-                report.warn(wrap.span, "wrap mode `black` is read as `clamp`");
-            }
-            self.doc.set(texture, "wrap_mode", wrap.span, Value::Text(mode.into()));
-        }
-        if params.text("filter").is_some_and(|f| f.text == "point") {
-            self.doc.set(texture, "filter_type", span, Value::Text("nearest".into()));
-        }
-        let is_linear = params.text("encoding").is_some_and(|e| e.text == "linear");
-        let gamma = params.find("gamma", |p| p.kind == Type::Bool).is_some();
-        if is_linear || (gamma && !params.bool("gamma", true, report)) {
-            self.doc.set(texture, "raw", span, Value::Bool(true));
-        }
-        if params.bool("invert", false, report) {
-            report.warn(
-                params.span_of("invert"),
-                "`invert` is ignored: the picture is used as it is",
-            );
-        }
-        match params.number("scale", report) {
-            Some(scale) if scale != 1.0 => {
-                Some(self.scaled(texture, Rgb::grey(scale as f32), span))
-            }
-            _ => Some(texture),
-        }
-    }
-
     /// A texture object without parameters.
     pub(super) fn plain_texture(&mut self, params: &Params, plugin: &str) -> ObjectId {
         self.doc.add(Class::Texture, "texture", plugin, params.span)
     }
 
     /// A texture times a factor.
-    fn scaled(&mut self, texture: ObjectId, factor: Rgb, span: Span) -> ObjectId {
+    pub(super) fn scaled(&mut self, texture: ObjectId, factor: Rgb, span: Span) -> ObjectId {
         let scale = self.doc.add(Class::Texture, "texture", "scale", span);
         self.doc.set(scale, "scale", span, Value::Color(factor));
         self.doc.nest(scale, "", texture);
         scale
-    }
-
-    /// From a surface's coordinates to those of a texture. A picture's second coordinate runs downward.
-    fn mapping(&self, params: &Params, picture: bool) -> DAffine3 {
-        if let Some(kind) = params.text("mapping").filter(|kind| kind.text != "uv") {
-            let message =
-                format!("the mapping `{}` is ignored: the surface's own is used", kind.text);
-            self.report.warn(kind.span, message);
-            params.ignore(&["v1", "v2"]);
-        }
-        let number = |name, default| params.number(name, self.report).unwrap_or(default);
-        let (u, v) = (number("uscale", 1.0), number("vscale", 1.0));
-        let (du, dv) = (number("udelta", 0.0), number("vdelta", 0.0));
-        let own = DAffine3 {
-            matrix3: DMat3::from_diagonal(DVec3::new(u, v, 1.0)),
-            translation: DVec3::new(du, dv, 0.0),
-        };
-        if picture { downward() * own } else { own }
     }
 
     fn checkerboard(&mut self, params: &Params, tiles: &[Factor; 2]) -> ObjectId {
@@ -367,11 +296,6 @@ impl Made {
 fn key(name: &str, is_float: bool, version: usize) -> String {
     let kind = if is_float { "float" } else { "spectrum" };
     format!("{kind} texture {version} {name}")
-}
-
-/// From pbrt's coordinates, whose second one runs upward, to those of a picture.
-pub(super) fn downward() -> DAffine3 {
-    DAffine3 { matrix3: DMat3::from_diagonal(DVec3::new(1.0, -1.0, 1.0)), translation: DVec3::Y }
 }
 
 /// Whether a parameter is a texture.

@@ -96,6 +96,10 @@ fn textures_are_read() {
         "Texture \"p\" \"spectrum\" \"imagemap\" \"string filename\" \"picture.pfm\"",
     );
     near(plain.eval(Vec2::new(0.125, 0.125)), [0.0, 0.75, 0.5]);
+    let inverted = world_with_picture(
+        "Texture \"p\" \"spectrum\" \"imagemap\" \"string filename\" \"picture.pfm\" \"bool invert\" true",
+    );
+    near(inverted.eval(Vec2::new(0.125, 0.125)), [1.0, 0.25, 0.5]);
     let Material::NormalMap { inner: metal, .. } = inner(&loaded, 4) else { panic!() };
     let Material::Conductor { roughness: Some(r), .. } = &loaded.parts.materials[*metal] else {
         panic!()

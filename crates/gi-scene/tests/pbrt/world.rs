@@ -65,9 +65,8 @@ fn all_shapes_are_read() {
     assert_eq!(mesh(&shapes[5]).normals, [Vec3::Z; 4]);
     assert_eq!(mesh(&shapes[5]).uvs[2], glam::Vec2::ONE);
     assert!(mesh(&shapes[6]).normals.is_empty(), "a mesh without normals stays faceted");
-    for n in 5..9 {
-        let mesh = mesh(&shapes[n]);
-        assert!(mesh.area_vector(0).z > 0.0, "{n} faces the eye");
+    for shape in &shapes[5..9] {
+        assert!(mesh(shape).area_vector(0).z > 0.0, "{shape:?} faces the eye");
     }
     assert_eq!(mesh(&shapes[9]).normals.len(), 4, "smooth");
     let notes = warnings(&loaded).join("\n");
