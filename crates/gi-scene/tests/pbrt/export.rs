@@ -47,6 +47,7 @@ fn exported_scenes_are_the_same() {
             let near = (x.0 - y.0).length() + (x.1 - y.1).length() < 1e-4;
             assert!(near && (&x.2, x.3) == (&y.2, y.3), "{name}, shape {n}: {x:?} {y:?}");
         }
+        assert_eq!(ours.filter, back.filter, "{name}");
         let difference =
             (ours.camera.to_world.translation - back.camera.to_world.translation).length();
         assert!(difference < 1e-5, "{name}: {:?} {:?}", ours.camera, back.camera);
