@@ -43,7 +43,7 @@ pub(crate) fn blocks(film: &Film, side: usize) -> Vec<(f64, f64)> {
 }
 
 /// Check that two unbiased estimates of the same picture agree in every block.
-fn assert_agree(name: &str, a: &Film, b: &Film, side: usize) {
+pub(crate) fn assert_agree(name: &str, a: &Film, b: &Film, side: usize) {
     let (a, b) = (blocks(a, side), blocks(b, side));
     let level = sidak(1e-3, a.len());
     for (k, ((ma, va), (mb, vb))) in a.into_iter().zip(b).enumerate() {

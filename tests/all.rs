@@ -24,6 +24,8 @@ mod media;
 mod media_light;
 /// Checks the help of the programs' options.
 mod options;
+/// Renders scenes in pbrt's format.
+mod pbrt_scenes;
 /// Checks photon mapping.
 mod photonmap;
 /// Checks progressive photon mapping.

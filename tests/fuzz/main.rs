@@ -28,7 +28,10 @@ fn inputs_that_once_failed() {
         let kind = path.extension().unwrap_or_default().to_string_lossy().into_owned();
         let checked = match saved.iter().find(|target| target.name == kind) {
             Some(target) => harness::guarded(|| target.check(&bytes)),
-            None => harness::guarded(|| scenes.check(&bytes, None)),
+            None => {
+                let name = format!("scene.{}", if kind == "pbrt" { "pbrt" } else { "xml" });
+                harness::guarded(|| scenes.check(&name, &bytes, None))
+            }
         };
         checked.unwrap_or_else(|why| panic!("{}: {why}", path.display()));
     }

@@ -107,8 +107,13 @@ impl Target {
     }
 
     /// Render a scene with one technique, or with all.
-    pub(crate) fn check(&self, bytes: &[u8], only: Option<usize>) -> Result<bool, String> {
-        let Some(world) = self.world(&self.0.write("scene.xml", bytes)) else { return Ok(false) };
+    pub(crate) fn check(
+        &self,
+        name: &str,
+        bytes: &[u8],
+        only: Option<usize>,
+    ) -> Result<bool, String> {
+        let Some(world) = self.world(&self.0.write(name, bytes)) else { return Ok(false) };
         let renderers = RENDERERS.iter().enumerate();
         for (_, r) in renderers.filter(|(k, _)| only.is_none_or(|only| only == *k)) {
             let film = (r.render)(&world).map_err(|why| format!("{}: {why}", r.name))?;
@@ -139,6 +144,17 @@ fn scenes_have_finite_pictures_whatever_is_damaged() {
     let mut count = 0;
     harness::fuzz("pixels.xml", &corpus::xml(), |bytes| {
         count += 1;
-        target.check(bytes, Some(count % RENDERERS.len()))
+        target.check("scene.xml", bytes, Some(count % RENDERERS.len()))
+    });
+}
+
+#[test]
+fn pbrt_scenes_have_finite_pictures_whatever_is_damaged() {
+    let target = Target::new();
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/gi-scene/tests/pbrt/scenes");
+    let mut count = 0;
+    harness::fuzz("pixels.pbrt", &corpus::pbrt(&scenes), |bytes| {
+        count += 1;
+        target.check("scene.pbrt", bytes, Some(count % RENDERERS.len()))
     });
 }

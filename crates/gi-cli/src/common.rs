@@ -19,7 +19,7 @@ const RUN: &str = "Run";
 /// The flags that all programs have.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Common {
-    /// Scene: Mitsuba XML (0.5, 0.6, 3.x), or a plain OBJ file with its MTL
+    /// Scene: Mitsuba XML (0.5, 0.6, 3.x), pbrt (v4, v3), or a plain OBJ file with its MTL
     #[arg(help_heading = SCENE)]
     pub scene: PathBuf,
     /// Picture to write: .exr (all layers), .pfm or .hdr; a .png view is written beside it [default: SCENE.PROGRAM.exr]

@@ -5,7 +5,8 @@ use gi_core::light::LightSource;
 
 use crate::builder::Builder;
 use crate::document::{Class, Document, Node};
-use crate::origins::LightOrigin;
+use crate::origins::{LightOrigin, ShapeOrigin};
+use crate::shapes::sheet;
 
 impl<'a> Builder<'a> {
     /// Build everything in the scene except its sensor.
@@ -40,8 +41,11 @@ impl<'a> Builder<'a> {
             "instance" => self.instance(node),
             _ => {
                 if let Some((shape, origin)) = self.shape(node) {
+                    let second = sheet::second(node, &shape);
                     self.parts.shapes.push(shape);
                     self.origins.shapes.push(origin);
+                    self.origins.shapes.extend(second.iter().map(|_| ShapeOrigin::Itself));
+                    self.parts.shapes.extend(second);
                 }
             }
         }

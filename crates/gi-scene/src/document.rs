@@ -1,5 +1,5 @@
 //! A scene file as a tree of typed properties, with includes inlined, `$name`s substituted and references resolved.
-//! Only this module and its submodules read XML.
+//! Only this module and its submodules read XML; `pbrt` makes the same tree of its own format.
 
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -12,9 +12,11 @@ use crate::diagnostics::{Report, Span};
 use crate::files::Folders;
 use crate::hash::Hash;
 use crate::local::Local;
+use crate::shapes::mesh_file::ReadMesh;
 use crate::spectrum::Spectrum;
 
 mod colors;
+mod grow;
 mod node;
 mod parse;
 mod ranges;
@@ -171,6 +173,10 @@ pub(crate) struct Document {
     pub(crate) presets: BTreeMap<String, String>,
     /// Major version of the format that the file declares; 0 means 0.5 or 0.6.
     pub(crate) version: u32,
+    /// Whether the file is pbrt's: its meshes without normals stay faceted, and keep their sides if they are mirrored.
+    pub(crate) is_pbrt: bool,
+    /// Meshes that the scene file itself contains. Each is taken when it is moved to its place.
+    pub(crate) inline_meshes: RefCell<HashMap<ObjectId, ReadMesh>>,
     /// Unknown tags directly inside the scene, each once.
     pub(crate) unknown_tags: Vec<String>,
     /// Whether any unknown tag has a `type`, as scene objects do.

@@ -10,7 +10,7 @@ use crate::document::{Class, Node};
 use crate::origins::LightOrigin;
 use crate::rotation::rotation;
 use crate::textures::{note_gamma, warn_negative};
-use crate::{sky, texels};
+use crate::{equal_area, sky, texels};
 
 /// Plugins that are supported at the top level.
 const KNOWN: [&str; 8] =
@@ -54,21 +54,29 @@ impl Builder<'_> {
         else {
             return;
         };
-        let origin = LightOrigin::Picture(file.path.clone());
+        let is_square = node.doc.is_pbrt && node.bool("equal_area", false);
+        let origin = match is_square {
+            true => LightOrigin::Itself,
+            false => LightOrigin::Picture(file.path.clone()),
+        };
         let (image, negative) = self.origins.as_light(&image, file, node.report);
         if let Some(at) = negative {
             warn_negative(node, file, at);
         }
         // The light has a copy of its own.
         let claim = node.report.budget.claim(file.path.display());
-        if let Err(why) = claim.keep(image.bytes()) {
+        let bytes = if is_square { equal_area::bytes(&image) } else { image.bytes() };
+        if let Err(why) = claim.keep(bytes) {
             return node.error(format!("cannot copy `{}`: {why}", file.path.display()), "");
         }
         let brightest = texels::brightest(&image, &file.path);
         if !node.check_light("scale", Rgb::grey(scale * brightest)) {
             return;
         }
-        let image = Bitmap::clone(&image);
+        let image = match is_square {
+            true => equal_area::resampled(&image),
+            false => Bitmap::clone(&image),
+        };
         self.push_light(LightSource::Environment { image, scale, to_world }, origin);
     }
 }

@@ -8,6 +8,7 @@ use std::fs;
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
+use flate2::read::MultiGzDecoder;
 use gi_core::files::open_regular;
 
 use crate::budget::Claim;
@@ -139,7 +140,33 @@ fn read_limited(path: &Path, limit: u64, claim: &mut Claim<'_>) -> Result<Vec<u8
     // Not more than claimed, even if the file is growing.
     file.take(length).read_to_end(&mut bytes).map_err(|e| e.to_string())?;
     refuse_pointer(&bytes)?;
-    Ok(bytes)
+    match is_compressed(path) {
+        true => decompressed(&bytes, limit, claim),
+        false => Ok(bytes),
+    }
+}
+
+/// Whether a file's name says that it is compressed by gzip, as pbrt accepts.
+fn is_compressed(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gz"))
+}
+
+/// The contents of a file in gzip's format, of which the claim keeps count while they grow.
+fn decompressed(bytes: &[u8], limit: u64, claim: &mut Claim<'_>) -> Result<Vec<u8>, String> {
+    const PIECE: u64 = 1 << 16;
+    let mut reader = MultiGzDecoder::new(bytes);
+    let mut all = Vec::new();
+    loop {
+        let read = reader.by_ref().take(PIECE).read_to_end(&mut all).map_err(|e| e.to_string())?;
+        if all.len() as u64 > limit {
+            return Err(format!("it contains more than {limit} bytes"));
+        }
+        // A growing vector doubles.
+        claim.at_least((bytes.len() + 2 * all.len()) as u64)?;
+        if read == 0 {
+            return Ok(all);
+        }
+    }
 }
 
 /// The hash of a file's bytes, read a piece at a time.

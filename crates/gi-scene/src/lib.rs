@@ -1,7 +1,7 @@
-//! Scene input: Mitsuba XML (0.5, 0.6 and 3.x) and bare OBJ files become a [`gi_core::scene::SceneParts`].
+//! Scene input: Mitsuba XML (0.5, 0.6 and 3.x), pbrt-v4 and pbrt-v3, and bare OBJ files become a [`gi_core::scene::SceneParts`].
 //! There is no second scene representation: the tree of properties is dropped once the scene is built.
 //!
-//! `document` turns text into typed properties with source positions. `assets` reads meshes and pictures in parallel.
+//! `document` turns XML into typed properties with source positions; `pbrt` does the same for pbrt's format. `assets` reads meshes and pictures in parallel.
 //! `build` makes materials, shapes and lights; the result is [`Loaded`]. A `diagnostics::Report` collects all errors,
 //! so that the user sees them at once.
 #![forbid(unsafe_code)]
@@ -13,6 +13,7 @@ mod builder;
 mod diagnostics;
 mod document;
 mod emitters;
+mod equal_area;
 mod export;
 mod files;
 mod framing;
@@ -25,6 +26,7 @@ mod media;
 mod obj_scene;
 mod options;
 mod origins;
+mod pbrt;
 mod precision;
 mod rotation;
 mod sensor;

@@ -10,20 +10,25 @@ use crate::builder::Builder;
 use crate::diagnostics::{Diagnostics, Report};
 use crate::document::{self, Document};
 use crate::options::{Loaded, Options};
-use crate::{framing, integrator, obj_scene, precision, sensor};
+use crate::{framing, integrator, obj_scene, pbrt, precision, sensor};
 
-/// Load a scene: Mitsuba XML, or a bare OBJ file with its materials.
+/// Load a scene: Mitsuba XML, pbrt, or a bare OBJ file with its materials.
 ///
 /// # Errors
 /// All errors of the scene.
 pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let name = name.strip_suffix(".gz").filter(|n| n.ends_with(".pbrt")).unwrap_or(&name);
+    let extension = name.rsplit_once('.').map_or("", |(_, extension)| extension);
     let report = Report::new(options.max_memory);
-    let loaded = match extension.as_str() {
+    let loaded = match extension {
         "obj" => obj_scene::load(path, options, &report),
-        "xml" => load_xml(path, options, &report),
+        "xml" => document::parse(path, &options.defines, &report)
+            .and_then(|doc| load_document(path, doc, options, &report)),
+        "pbrt" => pbrt::parse(path, &options.defines, &report)
+            .and_then(|doc| load_document(path, doc, options, &report)),
         _ => {
-            let message = format!("`{}` is neither .xml nor .obj", path.display());
+            let message = format!("`{}` is none of .xml, .pbrt and .obj", path.display());
             report.error_nowhere(message);
             None
         }
@@ -57,8 +62,8 @@ fn refuse_other_dialects(path: &Path, doc: &Document, parts: &SceneParts, report
     ));
 }
 
-fn load_xml(path: &Path, options: &Options, report: &Report) -> Option<Loaded> {
-    let doc = document::parse(path, &options.defines, report)?;
+/// Build the scene that a document describes.
+fn load_document(path: &Path, doc: Document, options: &Options, report: &Report) -> Option<Loaded> {
     let assets = Assets::load(&doc, report);
     let mut hash = doc.hash;
     hash.word(assets.hash.value());

@@ -126,7 +126,9 @@ impl Builder<'_> {
         }
         let bitmap = self.assets.bitmap(node.id)?;
         self.origins.note_bitmap(&bitmap, self.assets.bitmap_file(node.id)?);
-        Some(Texture::Bitmap { bitmap, to_uv: to_uv(node), scale: Rgb::WHITE })
+        let texture = Texture::Bitmap { bitmap, to_uv: to_uv(node), scale: Rgb::WHITE };
+        let is_inverted = node.doc.is_pbrt && node.bool("invert", false);
+        Some(if is_inverted { self.inverted(node, texture) } else { texture })
     }
 }
 

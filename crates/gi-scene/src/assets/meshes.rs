@@ -13,7 +13,7 @@ use crate::document::{Document, Node, ObjectId};
 use crate::files;
 use crate::hash::Hash;
 use crate::local;
-use crate::shapes::mesh_file::{self, MeshFile, Placement, ReadMesh};
+use crate::shapes::mesh_file::{self, MeshFile, MeshKind, Placement, ReadMesh};
 use crate::shapes::smooth;
 
 impl Assets {
@@ -42,11 +42,23 @@ impl Assets {
             raw.iter().map(|read| read.as_ref().and_then(mesh_file::extent)).collect();
         let of_object: HashMap<ObjectId, usize> =
             wanted.iter().zip(&index).map(|(w, i)| (w.object, *i)).collect();
-        let place = local::place(doc, report, |id| extents[*of_object.get(&id)?]);
+        let inline = doc.inline_meshes.take();
+        let place = local::place(doc, report, |id| match inline.get(&id) {
+            Some(read) => mesh_file::extent(read),
+            None => extents[*of_object.get(&id)?],
+        });
         doc.local.replace(place);
         let place = |object| Placement::of(Node { doc, report, id: object });
+        let inline = inline.into_iter().map(|(object, read)| {
+            let span = Node { doc, report, id: object }.span();
+            let key = MeshFile { path: files::folder_of(&doc.search[0]), kind: MeshKind::Inline };
+            Copy { want: Wanted { object, span, key }, read }
+        });
+        let mut inline: Vec<Copy> = inline.collect();
+        inline.sort_by_key(|copy| copy.want.object);
         let jobs: Vec<_> = copies(raw, wanted, index, report)
             .into_iter()
+            .chain(inline)
             .map(|copy| (place(copy.want.object), copy))
             .collect();
         let budget = &report.budget;

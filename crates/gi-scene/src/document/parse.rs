@@ -80,18 +80,7 @@ impl<'r> Parser<'r> {
             forced: true,
             used: Cell::new(name.starts_with("gi.")),
         };
-        let doc = Document {
-            objects: Vec::new(),
-            ids: HashMap::new(),
-            search: vec![files::folder_of(path)],
-            folders: files::Folders::default(),
-            presets,
-            version: 3,
-            unknown_tags: Vec::new(),
-            unknown_things: false,
-            hash,
-            local: RefCell::default(),
-        };
+        let doc = Document { presets, hash, ..Document::new(path) };
         let mut all = Defines::default();
         defines.iter().rev().map(define).for_each(|d| all.add(d)); // the last -D for a name wins
         Parser {

@@ -10,6 +10,12 @@ impl Exporter<'_> {
     /// Write all lights that are not surfaces.
     pub(super) fn lights(&mut self) -> Result<(), String> {
         let loaded = self.loaded;
+        let at_infinity = |light: &&LightSource| {
+            matches!(light, LightSource::Environment { .. } | LightSource::Constant { .. })
+        };
+        if loaded.parts.lights.iter().filter(at_infinity).count() > 1 {
+            self.warn("several lights at infinity are exported: Mitsuba 3 accepts only one");
+        }
         for (light, origin) in loaded.parts.lights.iter().zip(&loaded.origins.lights) {
             match origin {
                 LightOrigin::SunSky(sky) => self.sun_and_sky(sky),
@@ -60,10 +66,14 @@ impl Exporter<'_> {
                 xml.open("emitter", &[("type", "constant")]);
                 xml.color("radiance", *radiance);
             }
-            LightSource::Environment { scale, to_world, .. } => {
-                let file = file.ok_or("an environment map without a file")?;
+            LightSource::Environment { image, scale, to_world } => {
+                let file = match file {
+                    Some(file) => file.to_owned(),
+                    None => self.bake(image, Rgb::WHITE)?,
+                };
+                let xml = &mut self.xml;
                 xml.open("emitter", &[("type", "envmap")]);
-                xml.value("string", "filename", file);
+                xml.value("string", "filename", &file);
                 xml.value("float", "scale", &scale.to_string());
                 xml.transform("to_world", to_world);
             }

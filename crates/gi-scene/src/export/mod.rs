@@ -165,6 +165,11 @@ impl<'a> Exporter<'a> {
     }
 
     fn sensor(&mut self, camera: &CameraSpec) {
+        let shift = camera.principal_point_offset;
+        let has_lens = matches!(camera.projection, Projection::Perspective { aperture_radius, .. } if aperture_radius > 0.0);
+        if has_lens && shift != glam::Vec2::ZERO {
+            self.warn("`principal_point_offset` is not exported: Mitsuba 3's `thinlens` has none");
+        }
         let xml = &mut self.xml;
         match camera.projection {
             Projection::Orthographic => xml.open("sensor", &[("type", "orthographic")]),
@@ -182,8 +187,7 @@ impl<'a> Exporter<'a> {
         if camera.near > 0.0 {
             xml.value("float", "near_clip", &camera.near.to_string());
         }
-        let shift = camera.principal_point_offset;
-        if shift != glam::Vec2::ZERO {
+        if !has_lens && shift != glam::Vec2::ZERO {
             xml.value("float", "principal_point_offset_x", &shift.x.to_string());
             xml.value("float", "principal_point_offset_y", &shift.y.to_string());
         }
@@ -269,7 +273,7 @@ fn filter(xml: &mut Xml, filter: Filter) {
         Filter::Tent => ("tent", vec![]),
         Filter::Gaussian { stddev } => ("gaussian", vec![("float", "stddev", stddev.to_string())]),
         Filter::Mitchell { b, c } => {
-            ("mitchell", vec![("float", "A", b.to_string()), ("float", "B", c.to_string())])
+            ("mitchell", vec![("float", "B", b.to_string()), ("float", "C", c.to_string())])
         }
         Filter::CatmullRom => ("catmullrom", vec![]),
         Filter::Lanczos { lobes } => ("lanczos", vec![("integer", "lobes", lobes.to_string())]),

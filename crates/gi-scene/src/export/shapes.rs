@@ -84,7 +84,7 @@ impl Exporter<'_> {
         let (kind, flip, usual) = match file.kind {
             MeshKind::Obj { flip } => ("obj", flip, true),
             MeshKind::Ply { flip } => ("ply", flip, false),
-            MeshKind::Serialized { .. } => unreachable!("converted"),
+            MeshKind::Serialized { .. } | MeshKind::Inline => unreachable!("converted"),
         };
         self.xml.open("shape", &[("type", kind)]);
         let name = self.file_name(&file.path);

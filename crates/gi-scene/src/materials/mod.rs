@@ -4,6 +4,7 @@ mod approximate;
 pub(crate) mod ior;
 mod parameters;
 mod principled;
+mod remap;
 mod wrappers;
 
 use gi_core::material::{BentNormals, Distribution, Material, Roughness};
@@ -244,6 +245,7 @@ impl Builder<'_> {
         let alpha = self.alpha(node, "alpha", Texture::grey(0.1));
         let alpha_u = self.alpha(node, "alpha_u", alpha.clone());
         let alpha_v = self.alpha(node, "alpha_v", alpha);
+        let [alpha_u, alpha_v] = [alpha_u, alpha_v].map(|alpha| self.remapped(node, alpha));
         Some(Roughness { distribution, alpha_u, alpha_v })
     }
 }

@@ -30,6 +30,8 @@ pub(crate) enum MeshKind {
     Ply { flip: bool },
     /// Mitsuba's own format; one file contains several meshes.
     Serialized { index: usize },
+    /// Not a file: the scene file itself contains the mesh.
+    Inline,
 }
 
 /// The contents of a mesh file.
@@ -84,7 +86,7 @@ impl MeshFile {
     /// Whether the file stores positions in single precision. Text has as many digits as its author gave.
     fn is_single(&self, bytes: &[u8]) -> bool {
         match self.kind {
-            MeshKind::Obj { .. } => false,
+            MeshKind::Obj { .. } | MeshKind::Inline => false,
             MeshKind::Ply { .. } => ply::is_single(bytes),
             MeshKind::Serialized { index } => serialized::is_single(bytes, index),
         }
@@ -104,10 +106,16 @@ impl MeshFile {
                 let (_, mesh) = contents.meshes.pop().ok_or("it contains no faces")?;
                 all(mesh, contents.portable, note)
             }
-            MeshKind::Ply { flip } => all(ply::parse(bytes, (flip, origin), claim)?, true, None),
+            MeshKind::Ply { flip } => {
+                let mesh = ply::parse(bytes, (flip, origin), claim)?;
+                // Mitsuba 3 reads triangles only.
+                let portable = ply::face_count(bytes) == Some(mesh.triangles.len() as u64);
+                all(mesh, portable, None)
+            }
             MeshKind::Serialized { index } => {
                 all(serialized::parse(bytes, (index, origin), claim)?, false, None)
             }
+            MeshKind::Inline => return Err("it is not a file".into()),
         })
     }
 }
@@ -159,6 +167,9 @@ pub(crate) struct Placement {
     pub(crate) to_world: DAffine3,
     face_normals: bool,
     max_smooth_angle: Option<f32>,
+    /// Whether a mesh without normals stays faceted and keeps its sides even if it is mirrored, as in pbrt. Otherwise it
+    /// gets smooth normals, and a mirrored mesh turns its sides, as in Mitsuba.
+    faceted: bool,
 }
 
 impl Placement {
@@ -168,6 +179,7 @@ impl Placement {
             to_world: node.to_world(),
             face_normals: node.bool("face_normals", false),
             max_smooth_angle: node.float_opt("max_smooth_angle"),
+            faceted: node.doc.is_pbrt,
         }
     }
 
@@ -198,6 +210,14 @@ impl Placement {
                 claim.set(mesh.triangles.len() as u64 * smooth::BYTES)?;
                 smooth::smooth_up_to(mesh, degrees.to_radians());
                 claim.keep(bytes(mesh))?;
+            }
+            None if mesh.normals.is_empty() && self.faceted => {
+                if self.to_world.matrix3.determinant() < 0.0 {
+                    if mesh.triangles.is_shared() {
+                        claim.keep(triangle_bytes(mesh))?;
+                    }
+                    mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+                }
             }
             None if mesh.normals.is_empty() => mesh.smooth_normals(),
             None if smooth::face_their_normals(mesh) => {}

@@ -4,7 +4,9 @@ pub(crate) mod mesh_file;
 pub(crate) mod obj;
 mod place;
 pub(crate) mod ply;
+mod power;
 mod serialized;
+pub(crate) mod sheet;
 pub(crate) mod smooth;
 mod solids;
 
@@ -59,7 +61,8 @@ impl Builder<'_> {
             node.warn("this shape is already in the scene: the second reference is ignored");
             return None;
         }
-        if !KNOWN.contains(&node.plugin()) {
+        let is_inline = node.doc.is_pbrt && node.plugin() == "trianglemesh";
+        if !KNOWN.contains(&node.plugin()) && !is_inline {
             node.unknown_plugin(&KNOWN);
             return None;
         }
@@ -72,13 +75,16 @@ impl Builder<'_> {
         ]);
         node.ignore(&["to_world", "subdiv", "silhouette_sampling_weight"]);
         let material = self.shape_material(node);
-        let emission = self.emission(node);
+        let mut emission = self.emission(node);
         let [interior, exterior] = ["interior", "exterior"]
             .map(|side| node.child_if(side, |n| n.class() == Class::Medium))
             .map(|medium| medium.and_then(|m| self.medium(m)));
         let (geometry, origin, mirrored) = self.geometry(node)?;
         let name = node.object().id.clone().unwrap_or_else(|| node.plugin().to_owned());
         note_flatness(node, &name, &geometry);
+        if let (Some(radiance), true) = (&mut emission, node.doc.is_pbrt) {
+            power::normalize(node, &geometry, radiance);
+        }
         let shape = Shape {
             name,
             geometry,
@@ -115,7 +121,11 @@ impl Builder<'_> {
             "cylinder" => (solids::cylinder(node, &to_world)?, ShapeOrigin::Itself, false),
             _ => {
                 let (file, portable, mesh) = self.assets.take_mesh(node.id)?;
-                let origin = if portable && !node.has("max_smooth_angle") {
+                // pbrt also reads compressed files, and a mirror does not turn a faceted mesh inside out.
+                let mirrored = to_world.matrix3.determinant() < 0.0 && mesh.normals.is_empty();
+                let is_compressed = file.path.extension().is_some_and(|e| e == "gz");
+                let special = node.doc.is_pbrt && (mirrored || is_compressed);
+                let origin = if portable && !special && !node.has("max_smooth_angle") {
                     ShapeOrigin::File(file, rounded)
                 } else {
                     ShapeOrigin::Itself

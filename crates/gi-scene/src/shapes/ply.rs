@@ -43,6 +43,12 @@ pub(crate) fn is_single(bytes: &[u8]) -> bool {
     !matches!(header.format, Format::Ascii) && vertices.any(has_float)
 }
 
+/// The number of faces that a file announces.
+pub(crate) fn face_count(bytes: &[u8]) -> Option<u64> {
+    let (header, _) = Header::parse(bytes).ok()?;
+    header.elements.iter().find(|e| e.name == "face").map(|e| e.count)
+}
+
 /// A sequence of numbers.
 enum Source<'a> {
     Text(std::str::SplitAsciiWhitespace<'a>, usize),

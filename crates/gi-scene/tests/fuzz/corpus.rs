@@ -1,6 +1,7 @@
 //! Small valid files of each kind.
 
 use std::io::Write;
+use std::path::Path;
 
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
@@ -23,6 +24,10 @@ pub(crate) fn write_companions(folder: &Folder) {
     folder.write("m.ply", &ply()[0]);
     folder.write("m.serialized", &serialized()[0]);
     folder.write("p.pfm", &pictures("pfm")[0]);
+    folder.write("meshes/square.ply", &ply()[0]);
+    for name in ["picture.pfm", "sky.pfm"] {
+        folder.write(name, &pictures("pfm")[0]);
+    }
     folder.write("part.xml", "<scene version='3.0.0'><bsdf type='diffuse' id='part'/></scene>");
 }
 
@@ -69,6 +74,20 @@ pub(crate) fn xml() -> Vec<Vec<u8>> {
         scene("3.0.0", lights),
         scene("0.6.0", old),
     ]
+}
+
+/// The scenes of the tests of the format, which are in this folder, and one that uses the companions.
+pub(crate) fn pbrt(scenes: &Path) -> Vec<Vec<u8>> {
+    let mut paths: Vec<_> = std::fs::read_dir(scenes).unwrap().map(|e| e.unwrap().path()).collect();
+    paths.sort();
+    let scenes = paths.iter().filter(|path| path.extension().is_some_and(|e| e == "pbrt"));
+    let companions = "WorldBegin\nLightSource \"infinite\" \"string filename\" \"p.pfm\"\n\
+        Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"p.pfm\"\n\
+        Material \"conductor\" \"texture roughness\" \"t\" \"string normalmap\" \"p.pfm\"\n\
+        Shape \"plymesh\" \"string filename\" \"m.ply\" \"texture alpha\" \"t\"\n";
+    let mut files: Vec<_> = scenes.map(|path| std::fs::read(path).unwrap()).collect();
+    files.push(companions.into());
+    files
 }
 
 pub(crate) fn obj() -> Vec<Vec<u8>> {

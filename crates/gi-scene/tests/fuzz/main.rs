@@ -105,6 +105,12 @@ fn xml_files() {
 }
 
 #[test]
+fn pbrt_files() {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/pbrt/scenes");
+    fuzz("a.pbrt", &corpus::pbrt(&scenes), None);
+}
+
+#[test]
 fn obj_files() {
     fuzz("a.obj", &corpus::obj(), None);
 }
@@ -138,7 +144,7 @@ fn files_that_once_failed() {
         let bytes = std::fs::read(&path).unwrap();
         let folder = Folder::new();
         let path = match kind.as_str() {
-            "xml" | "obj" => path,
+            "xml" | "obj" | "pbrt" => path,
             "mtl" => continue, // an OBJ file names it
             "ply" | "serialized" => {
                 folder.write(&format!("m.{kind}"), bytes);

@@ -21,6 +21,13 @@ fn xml(folder: &Folder, n: usize, element: impl Fn(&mut String, usize), end: &st
     folder.write("scene.xml", body)
 }
 
+/// The same in pbrt's format.
+fn pbrt(folder: &Folder, n: usize, element: impl Fn(&mut String, usize)) -> PathBuf {
+    let mut text = String::from("Camera \"perspective\"\nWorldBegin\n");
+    (0..n).for_each(|k| element(&mut text, k));
+    folder.write("scene.pbrt", text)
+}
+
 macro_rules! kinds {
     ($($name:literal: |$folder:ident, $n:ident| $write:expr;)*) => {
         /// All kinds.
@@ -148,6 +155,45 @@ kinds! {
         f.write("a.obj", obj);
         let mesh = "<shape type='obj'><string name='filename' value='a.obj'/><float name='max_smooth_angle' value='40'/></shape>";
         xml(f, 0, each!("{k}"), mesh)
+    };
+    "pbrt shapes": |f, n| pbrt(f, n, each!("Translate 0 0 {k}\nShape \"sphere\""));
+    "pbrt meshes": |f, n| pbrt(f, n, each!("Shape \"trianglemesh\" \"point3 P\" [{k} 0 0 1 0 0 0 1 0]"));
+    "numbers of a pbrt mesh": |f, n| {
+        let mut points = String::from("Shape \"trianglemesh\" \"point3 P\" [");
+        (0..n).for_each(|k| each!("{k} 0 0 1 0 0 0 1 0")(&mut points, k));
+        points += "] \"integer indices\" [";
+        (0..n).for_each(|k| write!(points, "{} {} {} ", 3 * k, 3 * k + 1, 3 * k + 2).expect("memory can be written to"));
+        pbrt(f, 1, |out, _| { *out += &points; *out += "]"; })
+    };
+    "pbrt materials": |f, n| {
+        pbrt(f, n, each!("MakeNamedMaterial \"m{k}\" \"string type\" \"diffuse\"\nNamedMaterial \"m{k}\"\nShape \"sphere\""))
+    };
+    "unknown pbrt materials": |f, n| {
+        pbrt(f, n, each!("MakeNamedMaterial \"m{k}\" \"string type\" \"diffuse\"\nNamedMaterial \"l{k}\"\nShape \"sphere\""))
+    };
+    "pbrt textures": |f, n| {
+        pbrt(f, n, each!("Texture \"t{k}\" \"float\" \"checkerboard\"\nShape \"sphere\" \"texture alpha\" \"t{k}\""))
+    };
+    "attributes of pbrt": |f, n| {
+        pbrt(f, n, each!("Attribute \"shape\" \"float a{k}\" 1\nAttributeBegin\nShape \"sphere\"\nAttributeEnd"))
+    };
+    "unknown pbrt directives": |f, n| pbrt(f, n, each!("Spere{k} \"a\" \"float b\" 1"));
+    "unknown pbrt parameters": |f, n| pbrt(f, n, each!("Shape \"sphere\" \"float radus{k}\" 1"));
+    "parameters of one pbrt shape": |f, n| {
+        let mut all = String::from("Shape \"sphere\"");
+        (0..n).for_each(|k| each!(" \"float radus{k}\" 1")(&mut all, k));
+        pbrt(f, 1, |out, _| *out += &all)
+    };
+    "open pbrt attributes": |f, n| pbrt(f, n, each!("AttributeBegin # {k}"));
+    "open strings of pbrt": |f, n| pbrt(f, n, each!("Shape \"sphere{k}"));
+    "pbrt instances": |f, n| {
+        pbrt(f, n, each!("ObjectBegin \"o{k}\"\nShape \"sphere\"\nObjectEnd\nObjectInstance \"o{k}\""))
+    };
+    "pbrt area lights": |f, n| pbrt(f, n, each!("AreaLightSource \"diffuse\" \"float scale\" {k}\nShape \"sphere\""));
+    "an included pbrt file": |f, n| {
+        let times = 1000.min(n);
+        f.write("part.pbrt", "Shape \"sphere\"\n".repeat(n / times));
+        pbrt(f, times, |out, _| *out += "Include \"part.pbrt\"\n")
     };
     "shapes that share a mesh": |f, n| {
         f.write("a.obj", format!("{TRIANGLE}f 1 2 3\n"));
