@@ -31,20 +31,27 @@ fn render<'a, T: Technique<'a>>(world: &'a World, params: &T::Params) -> Result<
     Ok(film)
 }
 
-const RENDERERS: [Renderer; 8] = [
+fn render_paths(world: &World, mode: pathtrace::Mode) -> Result<Film, String> {
+    let params = pathtrace::Params { mode, ..Default::default() };
+    render::<pathtrace::PathTracer>(world, &params)
+}
+
+const RENDERERS: [Renderer; 10] = [
     Renderer {
         name: "paths from the eye",
-        render: |world| render::<pathtrace::PathTracer>(world, &pathtrace::Params::default()),
+        render: |world| render_paths(world, pathtrace::Mode::Path),
     },
     Renderer {
         name: "paths from the lights",
-        render: |world| {
-            let mode = pathtrace::Mode::Light;
-            render::<pathtrace::PathTracer>(
-                world,
-                &pathtrace::Params { mode, ..Default::default() },
-            )
-        },
+        render: |world| render_paths(world, pathtrace::Mode::Light),
+    },
+    Renderer {
+        name: "paths from both ends",
+        render: |world| render_paths(world, pathtrace::Mode::Bdpt),
+    },
+    Renderer {
+        name: "vertex connection and merging",
+        render: |world| render_paths(world, pathtrace::Mode::Vcm),
     },
     Renderer {
         name: "irradiance caching",
