@@ -79,7 +79,7 @@ impl Builder<'_> {
 
     /// A `<texture>`; `None` if an error was reported.
     pub(crate) fn texture_object(&mut self, node: Node<'_>, depth: usize) -> Option<Texture> {
-        const KNOWN: [&str; 3] = ["bitmap", "checkerboard", "scale"];
+        const KNOWN: [&str; 4] = ["bitmap", "checkerboard", "scale", "rawconstant"];
         if depth > MAX_NESTING {
             node.error("textures are nested too deeply", "");
             return None;
@@ -107,6 +107,13 @@ impl Builder<'_> {
                     None => Texture::Constant(node.color("value", Meaning::Factor)?),
                 };
                 Some(inner.scaled(factor))
+            }
+            "rawconstant" => {
+                let value = node.raw("value");
+                if value.is_none() {
+                    node.error("`rawconstant` without a `value`", "expected one or three numbers");
+                }
+                value.map(Texture::Constant)
             }
             _ => {
                 node.unknown_plugin(&KNOWN);

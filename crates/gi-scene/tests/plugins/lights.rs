@@ -108,3 +108,24 @@ fn a_boundary_of_media_without_a_bsdf_is_invisible_in_the_old_format() {
     assert!(matches!(of_only_shape(&old_scene(body)), Material::Null));
     assert!(matches!(of_only_shape(&scene(body)), Material::Diffuse { .. }));
 }
+
+#[test]
+fn media_have_the_names_of_mitsuba_0_6() {
+    let medium = |inner: &str| {
+        let body = format!(
+            "<medium type='homogeneous' id='m'>{inner}</medium>
+            <shape type='sphere'><bsdf type='null'/><ref name='interior' id='m'/></shape>"
+        );
+        old_scene(&body).parts.media[0].clone()
+    };
+    let named =
+        medium("<string name='material' value='wholemilk'/><float name='scale' value='0.5'/>");
+    let scattered = named.albedo * named.sigma_t;
+    for (got, want) in scattered.to_array().into_iter().zip([127.5, 160.5, 188.5]) {
+        assert!((got - want).abs() < 1e-3, "{scattered:?}");
+    }
+    assert_eq!(medium(""), medium("<string name='material' value='Skin1'/>"));
+    let wrong = "<medium type='homogeneous'><string name='material' value='wholemilc'/></medium>";
+    let shown = common::Folder::new().problems(wrong);
+    assert!(shown.contains("unknown medium `wholemilc`") && shown.contains("Wholemilk"), "{shown}");
+}

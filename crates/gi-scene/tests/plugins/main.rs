@@ -243,6 +243,40 @@ fn a_spectrum_may_be_a_bitmap() {
 }
 
 #[test]
+fn spectra_have_the_spellings_of_mitsuba_2() {
+    let albedo = |inner: &str| match material(&format!("<bsdf type='diffuse'>{inner}</bsdf>")) {
+        Material::Diffuse { reflectance } => constant(&reflectance),
+        other => panic!("{other:?}"),
+    };
+    let of = |kind: &str, inner: &str| {
+        albedo(&format!("<spectrum type='{kind}' name='reflectance'>{inner}</spectrum>"))
+    };
+    assert_eq!(of("srgb", "<rgb name='color' value='.1 .2 .3'/>"), Rgb::new(0.1, 0.2, 0.3));
+    let pairs = albedo("<spectrum name='reflectance' value='400:0.2, 500:0.5, 600:0.9'/>");
+    let lists = "<string name='values' value='0.2, 0.5, 0.9'/>";
+    let range = |first: &str, last: &str| {
+        format!("<float name='{first}' value='400'/><float name='{last}' value='600'/>{lists}")
+    };
+    assert_eq!(of("regular", &range("wavelength_min", "wavelength_max")), pairs);
+    assert_eq!(of("interpolated", &range("lambda_min", "lambda_max")), pairs);
+    let nodes = format!("<string name='wavelengths' value='400, 500, 600'/>{lists}");
+    assert_eq!(of("irregular", &nodes), pairs);
+    let vector = "<texture type='rawconstant' name='reflectance'><vector name='value' value='.1, .2, .3'/></texture>";
+    assert_eq!(albedo(vector), Rgb::new(0.1, 0.2, 0.3));
+    assert_eq!(of("rawconstant", "<float name='value' value='.25'/>"), Rgb::grey(0.25));
+    let light = scene(
+        "<emitter type='constant'><spectrum type='srgb_d65' name='radiance'>
+         <rgb name='color' value='1 2 3'/><float name='scale' value='2'/></spectrum></emitter>",
+    );
+    let LightSource::Constant { radiance } = light.parts.lights[0] else { panic!() };
+    assert_eq!(radiance, Rgb::new(2.0, 4.0, 6.0));
+    let uneven = "<shape type='cube'><bsdf type='diffuse'><spectrum type='irregular' name='reflectance'>
+        <string name='wavelengths' value='400, 500'/><string name='values' value='1'/></spectrum></bsdf></shape>";
+    let shown = common::Folder::new().problems(uneven);
+    assert!(shown.contains("2 wavelengths for 1 values"), "{shown}");
+}
+
+#[test]
 fn principled_has_the_parameters_of_mitsuba() {
     let of = |kind: &str, inner: &str| material(&format!("<bsdf type='{kind}'>{inner}</bsdf>"));
     let Material::Principled(p) = of("principled", "") else { panic!() };
