@@ -49,6 +49,9 @@ pub struct Common {
     /// Set a parameter of the scene ($NAME), or a program's preset (gi.PROGRAM.FLAG)
     #[arg(help_heading = SCENE, short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
     pub define: Vec<(String, String)>,
+    /// Number of the sensor to render, from 0, in a scene that has several
+    #[arg(help_heading = SCENE, long, value_name = "N")]
+    pub sensor: Option<usize>,
     /// Position of the camera [default: as in the scene; for a plain OBJ file, one that shows the whole scene]
     #[arg(help_heading = SCENE, long, value_name = "X,Y,Z", value_parser = parse_vec3, allow_hyphen_values = true)]
     pub origin: Option<Vec3>,
@@ -138,6 +141,7 @@ impl Common {
         let mut options = gi_scene::Options {
             defines: self.define.clone(),
             size: self.size,
+            sensor: self.sensor,
             camera,
             ..gi_scene::Options::default()
         };

@@ -70,7 +70,7 @@ fn load_xml(path: &Path, options: &Options, report: &Report) -> Option<Loaded> {
     precision::check(&builder.parts, builder.assets.rounding, report);
     refuse_other_dialects(path, &doc, &builder.parts, report);
     let integrator_max_depth = integrator::read(&doc, report);
-    let seen = sensor::read(&doc, report, options.size, &builder.parts);
+    let seen = sensor::read(&doc, report, options, &builder.parts);
     let (camera, filter) = match seen {
         Some((camera, filter)) => {
             (framing::moved(camera, &options.camera, builder.parts.origin, report)?, filter)

@@ -18,6 +18,8 @@ pub struct Options {
     pub defines: Vec<(String, String)>,
     /// The picture's width and height, instead of the scene's.
     pub size: Option<[usize; 2]>,
+    /// Which of the scene's sensors is used, from 0. `None` uses the first one.
+    pub sensor: Option<usize>,
     /// Changes to the scene's camera.
     pub camera: CameraOverride,
     /// The memory that loading may take, in bytes: pictures, meshes and text. By default half of this machine's memory.
@@ -29,6 +31,7 @@ impl Default for Options {
         Options {
             defines: Vec::new(),
             size: None,
+            sensor: None,
             camera: CameraOverride::default(),
             max_memory: half_of_the_machine(),
         }

@@ -3,7 +3,9 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod lights;
+mod sensors;
 mod shapes;
+mod spectra;
 
 use common::{material, of_only_shape, old_scene, scene};
 use gi_core::camera::Projection;
@@ -37,35 +39,6 @@ fn a_shape_without_a_bsdf_is_grey_and_a_light_without_one_black() {
     };
     assert_eq!([albedo(0), albedo(1)], [Rgb::grey(0.5), Rgb::BLACK]);
     assert_eq!(constant(loaded.parts.shapes[1].emission.as_ref().unwrap()), Rgb::WHITE);
-}
-
-#[test]
-fn diffuse_takes_colours_numbers_and_spectra() {
-    let albedo = |inner: &str| match material(&format!("<bsdf type='diffuse'>{inner}</bsdf>")) {
-        Material::Diffuse { reflectance } => constant(&reflectance),
-        other => panic!("{other:?}"),
-    };
-    assert_eq!(albedo(""), Rgb::grey(0.5));
-    assert_eq!(albedo("<rgb name='reflectance' value='.1, .2 .3'/>"), Rgb::new(0.1, 0.2, 0.3));
-    assert_eq!(albedo("<rgb name='reflectance' value='0.25'/>"), Rgb::grey(0.25));
-    assert_eq!(albedo("<spectrum name='reflectance' value='0.25'/>"), Rgb::grey(0.25));
-    assert_eq!(albedo("<srgb name='reflectance' value='#ffffff'/>"), Rgb::WHITE);
-    assert_eq!(albedo("<rgb name='reflectance' value='2 0.5 0'/>"), Rgb::new(1.0, 0.5, 0.0));
-}
-
-#[test]
-fn a_measured_reflectance_has_mitsubas_colour() {
-    // Values from Mitsuba 3.9.1: the same pairs under D65.
-    let inner = "<spectrum name='reflectance' value='400:0.2, 500:0.5, 600:0.9, 700:0.1'/>";
-    let Material::Diffuse { reflectance } =
-        material(&format!("<bsdf type='diffuse'>{inner}</bsdf>"))
-    else {
-        panic!()
-    };
-    let got = constant(&reflectance).to_array();
-    for (g, want) in got.into_iter().zip([0.815_698, 0.686_849, 0.317_002]) {
-        assert!((g - want).abs() < 1e-3, "{got:?}");
-    }
 }
 
 #[test]
@@ -181,32 +154,6 @@ fn a_mixture_becomes_nested_blends_with_the_same_weights() {
 }
 
 #[test]
-fn sensors_see_the_same_as_in_mitsuba() {
-    let fov = |inner: &str| {
-        let film = "<film type='hdrfilm'><integer name='width' value='300'/><integer name='height' value='200'/></film>";
-        let loaded = scene(&format!("<sensor type='perspective'>{inner}{film}</sensor>"));
-        let Projection::Perspective { fov_x, .. } = loaded.camera.projection else { panic!() };
-        fov_x.to_degrees()
-    };
-    // Values from Mitsuba 3.9.1.
-    let along = |axis: &str| {
-        fov(&format!("<float name='fov' value='40'/><string name='fov_axis' value='{axis}'/>"))
-    };
-    let got = ["x", "y", "diagonal", "smaller", "larger"].map(along);
-    for (g, want) in got.into_iter().zip([40.0, 57.265_14, 33.696_98, 57.265_14, 40.0]) {
-        assert!((g - want).abs() < 1e-3, "{got:?}");
-    }
-    let plain = scene("<sensor type='perspective'/>");
-    assert_eq!((plain.camera.size, plain.filter), ([768, 576], Filter::Gaussian { stddev: 0.5 }));
-    let Projection::Perspective { fov_x, .. } = plain.camera.projection else { panic!() };
-    assert!((fov_x.to_degrees() - 38.1848).abs() < 1e-3);
-    let lens =
-        scene("<sensor type='perspective'><string name='focal_length' value='35mm'/></sensor>");
-    let Projection::Perspective { fov_x, .. } = lens.camera.projection else { panic!() };
-    assert!((fov_x.to_degrees() - 52.622_54).abs() < 1e-3);
-}
-
-#[test]
 fn the_hash_of_the_world_ignores_the_camera() {
     let world = |camera: &str, radius: f32, preset: &str| {
         let text = format!(
@@ -228,52 +175,6 @@ fn the_hash_of_the_world_ignores_the_camera() {
         assert_ne!(other_hash, hash);
     }
     assert_ne!(world("", 1.5, "").0, first);
-}
-
-#[test]
-fn a_spectrum_may_be_a_bitmap() {
-    let folder = common::Folder::new();
-    let half = [0.5f32; 3].map(f32::to_le_bytes).concat();
-    folder.write("a.pfm", [b"PF\n1 1\n-1.0\n".as_slice(), &half].concat());
-    let body = "<shape type='cube'><bsdf type='diffuse'><spectrum type='bitmap' name='reflectance'>
-        <string name='filename' value='a.pfm'/></spectrum></bsdf></shape>";
-    let loaded = folder.scene("3.0.0", body).unwrap();
-    let Material::Diffuse { reflectance } = of_only_shape(&loaded) else { panic!() };
-    assert_eq!(reflectance.mean(), Rgb::grey(0.5));
-}
-
-#[test]
-fn spectra_have_the_spellings_of_mitsuba_2() {
-    let albedo = |inner: &str| match material(&format!("<bsdf type='diffuse'>{inner}</bsdf>")) {
-        Material::Diffuse { reflectance } => constant(&reflectance),
-        other => panic!("{other:?}"),
-    };
-    let of = |kind: &str, inner: &str| {
-        albedo(&format!("<spectrum type='{kind}' name='reflectance'>{inner}</spectrum>"))
-    };
-    assert_eq!(of("srgb", "<rgb name='color' value='.1 .2 .3'/>"), Rgb::new(0.1, 0.2, 0.3));
-    let pairs = albedo("<spectrum name='reflectance' value='400:0.2, 500:0.5, 600:0.9'/>");
-    let lists = "<string name='values' value='0.2, 0.5, 0.9'/>";
-    let range = |first: &str, last: &str| {
-        format!("<float name='{first}' value='400'/><float name='{last}' value='600'/>{lists}")
-    };
-    assert_eq!(of("regular", &range("wavelength_min", "wavelength_max")), pairs);
-    assert_eq!(of("interpolated", &range("lambda_min", "lambda_max")), pairs);
-    let nodes = format!("<string name='wavelengths' value='400, 500, 600'/>{lists}");
-    assert_eq!(of("irregular", &nodes), pairs);
-    let vector = "<texture type='rawconstant' name='reflectance'><vector name='value' value='.1, .2, .3'/></texture>";
-    assert_eq!(albedo(vector), Rgb::new(0.1, 0.2, 0.3));
-    assert_eq!(of("rawconstant", "<float name='value' value='.25'/>"), Rgb::grey(0.25));
-    let light = scene(
-        "<emitter type='constant'><spectrum type='srgb_d65' name='radiance'>
-         <rgb name='color' value='1 2 3'/><float name='scale' value='2'/></spectrum></emitter>",
-    );
-    let LightSource::Constant { radiance } = light.parts.lights[0] else { panic!() };
-    assert_eq!(radiance, Rgb::new(2.0, 4.0, 6.0));
-    let uneven = "<shape type='cube'><bsdf type='diffuse'><spectrum type='irregular' name='reflectance'>
-        <string name='wavelengths' value='400, 500'/><string name='values' value='1'/></spectrum></bsdf></shape>";
-    let shown = common::Folder::new().problems(uneven);
-    assert!(shown.contains("2 wavelengths for 1 values"), "{shown}");
 }
 
 #[test]
@@ -314,7 +215,6 @@ fn ignored_parameters_that_change_the_picture_give_a_warning() {
             "<sensor type='perspective'><film type='hdrfilm'>{inner}</film></sensor><shape type='cube'/>"
         )
     };
-    named(&film("<integer name='cropWidth' value='5'/>"), "`crop_width` is ignored");
     named(&film("<string name='pixelFormat' value='luminance'/>"), "`pixel_format`");
     let far = "<sensor type='perspective'><float name='farClip' value='1'/>
         <transform name='toWorld'><translate z='-5'/></transform></sensor><shape type='cube'/>";
