@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 mod assets;
+mod attributes;
 mod budget;
 mod build;
 mod builder;

@@ -79,7 +79,8 @@ impl Builder<'_> {
 
     /// A `<texture>`; `None` if an error was reported.
     pub(crate) fn texture_object(&mut self, node: Node<'_>, depth: usize) -> Option<Texture> {
-        const KNOWN: [&str; 4] = ["bitmap", "checkerboard", "scale", "rawconstant"];
+        const KNOWN: [&str; 5] =
+            ["bitmap", "checkerboard", "scale", "rawconstant", "mesh_attribute"];
         if depth > MAX_NESTING {
             node.error("textures are nested too deeply", "");
             return None;
@@ -108,6 +109,7 @@ impl Builder<'_> {
                 };
                 Some(inner.scaled(factor))
             }
+            "mesh_attribute" => self.attribute_texture(node),
             "rawconstant" => {
                 let value = node.raw("value");
                 if value.is_none() {

@@ -47,7 +47,8 @@ const MAX_NESTING: usize = 32;
 impl Builder<'_> {
     /// The material of a BSDF, built when first used; black if an error was reported.
     pub(crate) fn material(&mut self, node: Node<'_>) -> usize {
-        if let Some(&known) = self.material_of.get(&node.id) {
+        let shared = self.attributes.is_none();
+        if let Some(&known) = self.material_of.get(&node.id).filter(|_| shared) {
             return known;
         }
         if self.open_materials.contains(&node.id) {
@@ -65,7 +66,9 @@ impl Builder<'_> {
             Some(material) => self.push_material(material, node.object().id.clone()),
             None => self.black(),
         };
-        self.material_of.insert(node.id, index);
+        if shared {
+            self.material_of.insert(node.id, index);
+        }
         index
     }
 
