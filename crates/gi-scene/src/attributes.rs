@@ -70,7 +70,8 @@ impl Builder<'_> {
             let bytes = files::read_bytes(&path, &mut claim)?;
             let mut own = node.report.budget.claim(path.display());
             let corners = guarded(|| ply::attribute(&bytes, name, &mut own))?;
-            own.keep((corners.len() * 4 * size_of::<Rgb>()) as u64)?;
+            // Its texels, and three vertices of its own per triangle.
+            own.keep((corners.len() * (4 * size_of::<Rgb>() + 3 * 36)) as u64)?;
             finite(&corners)?;
             Ok::<_, String>(corners)
         };

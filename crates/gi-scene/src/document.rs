@@ -18,6 +18,7 @@ mod colors;
 mod node;
 mod parse;
 mod ranges;
+mod refused;
 
 pub(crate) use colors::Meaning;
 pub(crate) use node::Node;

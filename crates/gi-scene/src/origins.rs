@@ -110,6 +110,7 @@ impl Origins {
             Texture::Checkerboard { color0, color1, .. } => {
                 join(self.range(color0), self.range(color1))
             }
+            Texture::Grid { squares, lines, .. } => join(self.range(squares), self.range(lines)),
             Texture::Bitmap { bitmap, scale, .. } => {
                 let floats = self.bitmap_file(bitmap).is_none_or(|f| holds_floats(&f.path));
                 if !floats {

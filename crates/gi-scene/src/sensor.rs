@@ -114,7 +114,7 @@ fn projection(sensor: Node<'_>, aspect: f32) -> Option<(Projection, Affine3A)> {
 }
 
 /// The horizontal angle of view, radians.
-fn fov_x(sensor: Node<'_>, aspect: f32) -> Option<f32> {
+pub(crate) fn fov_x(sensor: Node<'_>, aspect: f32) -> Option<f32> {
     let (half_tangent, axis) = match sensor.float_opt("fov") {
         Some(degrees) if 0.0 < degrees && degrees < 180.0 => {
             ((0.5 * degrees.to_radians()).tan(), sensor.text("fov_axis").unwrap_or("x"))

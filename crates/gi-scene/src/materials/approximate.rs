@@ -1,10 +1,13 @@
 //! BSDFs without an exact counterpart: each is approximated, with a warning.
 
+use gi_core::bsdf::dielectric_hemispherical;
 use gi_core::material::Material;
+use gi_core::math::Rgb;
 use gi_core::texture::Texture;
 
+use super::ior;
 use crate::builder::Builder;
-use crate::document::{Class, Node};
+use crate::document::{Class, Meaning, Node};
 use crate::value;
 
 impl Builder<'_> {
@@ -21,6 +24,53 @@ impl Builder<'_> {
             specular: self.share(node, "specular_reflectance", 0.2),
             exponent: Texture::grey(exponent),
         }
+    }
+
+    /// A coat over a diffuse base, as `plastic`. Mitsuba 0.6 leaves out the light that the coat reflects back to the base;
+    /// a darker base makes up for that, so that a smooth clear coat is the same.
+    pub(super) fn coating(&mut self, node: Node<'_>) -> Option<Material> {
+        node.ignore(&["specular_sampling_weight"]);
+        let bases = node.children(Class::Bsdf);
+        let [base] = bases.as_slice() else {
+            let message = format!("`{}` has {} bsdfs", node.plugin(), bases.len());
+            node.error(message, "expected one");
+            return None;
+        };
+        if !["diffuse", "lambertian"].contains(&base.plugin()) {
+            let (kind, inner) = (node.plugin(), base.plugin());
+            let help =
+                "`principled` has a `clearcoat`; without the coat, the base is supported alone";
+            let message = format!("`{kind}` around `{inner}` is not supported");
+            node.report.error_help(
+                node.span(),
+                message,
+                "only around `diffuse`",
+                Some(help.into()),
+            );
+            return None;
+        }
+        let eta = ior::relative(node, "bk7")?;
+        let leaves = 1.0 - dielectric_hemispherical(1.0 / eta);
+        let diffuse = self.share(*base, "reflectance", 0.5).scaled(Rgb::grey(leaves));
+        let sigma = node.color("sigma_a", Meaning::Factor).unwrap_or(Rgb::BLACK);
+        let thickness = node.within("thickness", 1.0, 0.0..=value::MAX_NUMBER);
+        let passes = (sigma * thickness).map(|s| (-2.0 * s.max(0.0)).exp());
+        if !sigma.is_black() {
+            node.warn(
+                "the absorption of the coating is approximated by that of light along the normal",
+            );
+        }
+        let roughness = self.roughness(node, "roughcoating");
+        if roughness.is_some() {
+            node.warn("`roughcoating` is approximated by `roughplastic`");
+        }
+        Some(Material::Plastic {
+            eta,
+            diffuse: diffuse.scaled(passes),
+            specular: self.share(node, "specular_reflectance", 1.0),
+            nonlinear: false,
+            roughness,
+        })
     }
 
     /// A weighted sum as nested blends. If the weights sum to less than one, the rest of the light is absorbed.

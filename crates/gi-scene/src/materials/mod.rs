@@ -14,7 +14,7 @@ use crate::builder::Builder;
 use crate::document::{Meaning, Node};
 
 /// The supported plugins.
-const KNOWN: [&str; 24] = [
+const KNOWN: [&str; 26] = [
     "diffuse",
     "roughdiffuse",
     "dielectric",
@@ -37,6 +37,8 @@ const KNOWN: [&str; 24] = [
     "principled",
     "principledthin",
     "pplastic",
+    "coating",
+    "roughcoating",
     "lambertian",
     "opacity",
 ];
@@ -119,6 +121,7 @@ impl Builder<'_> {
             },
             "conductor" | "roughconductor" => self.conductor(node)?,
             "plastic" | "roughplastic" | "pplastic" => self.plastic(node)?,
+            "coating" | "roughcoating" => return self.coating(node),
             "phong" => Material::Phong {
                 diffuse: self.share(node, "diffuse_reflectance", 0.5),
                 specular: self.share(node, "specular_reflectance", 0.2),

@@ -122,6 +122,58 @@ fn wrappers_hold_their_children() {
 }
 
 #[test]
+fn a_coat_over_a_diffuse_base_is_plastic_without_light_between_the_two() {
+    let coat = |inner: &str| {
+        format!(
+            "<bsdf type='coating'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/>{inner}</bsdf>"
+        )
+    };
+    let base = "<bsdf type='diffuse'><rgb name='reflectance' value='0.8'/></bsdf>";
+    let Material::Plastic { eta, diffuse, nonlinear: false, roughness: None, .. } =
+        material(&coat(base))
+    else {
+        panic!()
+    };
+    // `plastic` divides its base by 1 - 0.5963, the part that the coat lets out \[Egan73\].
+    let albedo = constant(&diffuse).r / (1.0 - 0.5963);
+    assert!(eta == 1.5 && (albedo - 0.8).abs() < 1e-3, "{albedo}");
+    let tinted =
+        format!("{base}<rgb name='sigma_a' value='0 1 1'/><float name='thickness' value='0.5'/>");
+    let Material::Plastic { diffuse: tinted, .. } = material(&coat(&tinted)) else { panic!() };
+    let ratio = constant(&tinted).g / constant(&diffuse).g;
+    assert!((ratio - (-1.0f32).exp()).abs() < 1e-5, "{ratio}");
+    let metal = format!("<shape type='cube'>{}</shape>", coat("<bsdf type='roughconductor'/>"));
+    let shown = common::Folder::new().problems(&metal);
+    assert!(shown.contains("`coating` around `roughconductor` is not supported"), "{shown}");
+    assert!(shown.contains("clearcoat"), "{shown}");
+}
+
+#[test]
+fn plugins_that_are_not_supported_are_refused_with_a_reason_and_advice() {
+    let shown = common::Folder::new().problems(
+        "<shape type='sdfgrid'/><emitter type='directionalarea'/><shape type='cube'><bsdf type='irawan'/></shape>",
+    );
+    for text in [
+        "shape `sdfgrid` is not supported",
+        "marching cubes",
+        "emitter `directionalarea` is not supported",
+        "woven cloth",
+        "`principled` with sheen",
+    ] {
+        assert!(shown.contains(text), "{text}: {shown}");
+    }
+}
+
+#[test]
+fn a_grid_texture_has_the_defaults_of_mitsuba_0_6() {
+    let grid = "<bsdf type='diffuse'><texture type='gridtexture' name='reflectance'>
+        <float name='uscale' value='4'/><float name='line_width' value='0.05'/></texture></bsdf>";
+    let Material::Diffuse { reflectance } = material(grid) else { panic!() };
+    let at = |x: f32, y: f32| reflectance.eval(Vec2::new(x, y)).r;
+    assert_eq!([at(0.251, 0.5), at(0.1, 0.97), at(0.1, 0.5)], [0.4, 0.4, 0.2]);
+}
+
+#[test]
 fn twosided_around_a_mask_swaps_places_with_it() {
     let inside = "<bsdf type='twosided'><bsdf type='mask'><bsdf type='diffuse'/></bsdf></bsdf>";
     assert!(matches!(material(inside), Material::Mask { .. }));
