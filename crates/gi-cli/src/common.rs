@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use gi_core::options::{Show, SurfaceLayers};
+use gi_scene::AddedLight;
 use glam::Vec3;
 
 use crate::budget::{Budget, parse_time};
@@ -49,6 +50,9 @@ pub struct Common {
     /// Set a parameter of the scene ($NAME), or a program's preset (gi.PROGRAM.FLAG)
     #[arg(help_heading = SCENE, short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
     pub define: Vec<(String, String)>,
+    /// Add a light to the scene: a clear sky with a sun, soft boxes, or a point light at the camera
+    #[arg(help_heading = SCENE, long, value_name = "sky|studio|headlight", value_parser = parse_light)]
+    pub light: Option<AddedLight>,
     /// Number of the sensor to render, from 0, in a scene that has several
     #[arg(help_heading = SCENE, long, value_name = "N")]
     pub sensor: Option<usize>,
@@ -142,6 +146,7 @@ impl Common {
             defines: self.define.clone(),
             size: self.size,
             sensor: self.sensor,
+            light: self.light,
             camera,
             ..gi_scene::Options::default()
         };
@@ -185,6 +190,11 @@ fn parse_memory(text: &str) -> Result<u64, String> {
     };
     let bytes = number.parse::<f64>().ok().map(|n| n * factor).filter(|n| *n >= 1.0 && *n < 1e18);
     bytes.map(|n| n as u64).ok_or_else(|| wrong.to_string())
+}
+
+fn parse_light(text: &str) -> Result<AddedLight, String> {
+    let names = || format!("expected {}", AddedLight::NAMES.join(", "));
+    AddedLight::named(text).ok_or_else(names)
 }
 
 fn parse_define(text: &str) -> Result<(String, String), String> {

@@ -9,7 +9,7 @@ use gi_core::image_io::Layers;
 use gi_core::options::Parameters;
 use gi_core::scene::{Scene, SceneParts};
 use gi_core::technique::{Setting, Technique};
-use gi_scene::{ExportError, Loaded};
+use gi_scene::{AddedLight, ExportError, Loaded};
 use glam::Vec3A;
 
 use crate::checkpoint::{Identity, no_state};
@@ -268,7 +268,10 @@ fn say_scene(common: &Common, scene: &Scene, film: u64, [w, h]: [usize; 2]) {
             film.div_ceil(1_000_000)
         ));
         if scene.lights().all().is_empty() {
-            say("warning: nothing shines in this scene; the picture will be black");
+            let advice = AddedLight::NAMES.map(|name| format!("--light {name}")).join(" or ");
+            say(format!(
+                "warning: nothing shines in this scene; the picture will be black. {advice} adds a light"
+            ));
         }
     }
 }

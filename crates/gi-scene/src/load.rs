@@ -10,7 +10,7 @@ use crate::builder::Builder;
 use crate::diagnostics::{Diagnostics, Report};
 use crate::document::{self, Document};
 use crate::options::{Loaded, Options};
-use crate::{framing, integrator, obj_scene, precision, sensor};
+use crate::{added_light, framing, integrator, obj_scene, precision, sensor};
 
 /// Load a scene: Mitsuba XML, or a bare OBJ file with its materials.
 ///
@@ -32,6 +32,9 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
         report.error_nowhere(format!("`{}` contains no scene", path.display()));
     }
     let mut loaded = loaded;
+    if let (Some(loaded), Some(light)) = (&mut loaded, options.light) {
+        added_light::add(loaded, light, &report);
+    }
     for warning in loaded.iter_mut().flat_map(|l| l.parts.enclose_media()) {
         report.warn_nowhere(warning);
     }

@@ -65,10 +65,14 @@ impl Exporter<'_> {
                 xml.open("emitter", &[("type", "constant")]);
                 xml.color("radiance", *radiance);
             }
-            LightSource::Environment { scale, to_world, .. } => {
-                let file = file.ok_or("an environment map without a file")?;
+            LightSource::Environment { image, scale, to_world } => {
+                let file = match file {
+                    Some(file) => file.to_owned(),
+                    None => self.bake(image, Rgb::WHITE)?,
+                };
+                let xml = &mut self.xml;
                 xml.open("emitter", &[("type", "envmap")]);
-                xml.value("string", "filename", file);
+                xml.value("string", "filename", &file);
                 xml.value("float", "scale", &scale.to_string());
                 xml.transform("to_world", to_world);
             }

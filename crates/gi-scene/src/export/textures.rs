@@ -102,7 +102,7 @@ impl Exporter<'_> {
     }
 
     /// Write a picture times a factor to a file, because Mitsuba 3 cannot multiply pictures.
-    fn bake(&mut self, bitmap: &Bitmap, scale: Rgb) -> Result<String, String> {
+    pub(super) fn bake(&mut self, bitmap: &Bitmap, scale: Rgb) -> Result<String, String> {
         let size = [bitmap.width(), bitmap.height()];
         let texel = |i: usize| (bitmap.texel(i % size[0], i / size[0]) * scale).to_array();
         let layers = Layers::of_rgb(size, (0..size[0] * size[1]).map(texel));
