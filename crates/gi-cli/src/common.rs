@@ -71,6 +71,9 @@ pub struct Common {
     /// Memory that loading the scene may take: 500M, 8G [default: half of the machine's]
     #[arg(help_heading = SCENE, long, value_name = "BYTES", value_parser = parse_memory)]
     pub max_memory: Option<u64>,
+    /// Only say what was read and approximated, what looks wrong, and which program suits the scene
+    #[arg(help_heading = SCENE, long, conflicts_with = "export_mitsuba")]
+    pub inspect: bool,
     /// Only write the scene, as the program understood it, as Mitsuba 3 XML
     #[arg(help_heading = SCENE, long, value_name = "FILE.xml")]
     pub export_mitsuba: Option<PathBuf>,

@@ -40,9 +40,10 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     }
     report.reads(path);
     let files = report.files();
+    let memory = report.budget.total();
     let warnings = report.finish()?;
     let loaded = loaded.expect("a scene without errors was built");
-    Ok(Loaded { warnings, files, ..loaded })
+    Ok(Loaded { warnings, files, memory, ..loaded })
 }
 
 /// Refuse a scene in another XML format: its picture would be black, which misleads.
@@ -104,6 +105,7 @@ fn load_xml(path: &Path, options: &Options, report: &Report) -> Option<Loaded> {
         hash,
         world,
         files: Vec::new(),
+        memory: 0,
         origins,
     })
 }

@@ -97,6 +97,8 @@ pub struct Loaded {
     pub hash: u64,
     /// Hash of the world alone: independent of camera, film, integrator and presets.
     pub world: u64,
+    /// Memory that meshes, pictures and text take, in bytes.
+    pub memory: u64,
     /// All files that were read: the scene, included files, meshes and pictures.
     pub files: Vec<PathBuf>,
     pub(crate) origins: Origins,

@@ -10,6 +10,17 @@ use crate::builder::Builder;
 use crate::document::{Class, Meaning, Node};
 use crate::value;
 
+/// Fraction of diffuse light that passes a coat of this optical depth once, after refraction into it.
+fn mean_passage(depth: f32, eta: f32) -> f32 {
+    const STEPS: usize = 64;
+    let passage = |k: usize| {
+        let sin_sq = (k as f32 + 0.5) / STEPS as f32;
+        let cos = (1.0 - sin_sq / (eta * eta)).max(0.0).sqrt();
+        (-depth / cos).exp()
+    };
+    (0..STEPS).map(passage).sum::<f32>() / STEPS as f32
+}
+
 impl Builder<'_> {
     /// Ward's lobe falls as exp(-tan^2 / alpha^2) about the half vector, Phong's as cos^n about the mirror direction.
     /// The mirror direction turns twice as fast, so near the peak they agree for n = 1 / (2 alpha^2).
@@ -54,10 +65,10 @@ impl Builder<'_> {
         let diffuse = self.share(*base, "reflectance", 0.5).scaled(Rgb::grey(leaves));
         let sigma = node.color("sigma_a", Meaning::Factor).unwrap_or(Rgb::BLACK);
         let thickness = node.within("thickness", 1.0, 0.0..=value::MAX_NUMBER);
-        let passes = (sigma * thickness).map(|s| (-2.0 * s.max(0.0)).exp());
+        let passes = (sigma * thickness).map(|depth| mean_passage(depth.max(0.0), eta).powi(2));
         if !sigma.is_black() {
             node.warn(
-                "the absorption of the coating is approximated by that of light along the normal",
+                "the absorption of the coating is approximated by its mean over all directions",
             );
         }
         let roughness = self.roughness(node, "roughcoating");

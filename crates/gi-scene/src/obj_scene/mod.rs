@@ -97,6 +97,7 @@ pub(crate) fn load(path: &Path, options: &Options, report: &Report) -> Option<Lo
         hash: reader.hash.value(),
         world,
         files: Vec::new(),
+        memory: 0,
         origins: reader.origins,
     })
 }
