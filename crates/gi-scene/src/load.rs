@@ -70,6 +70,11 @@ fn load_xml(path: &Path, options: &Options, report: &Report) -> Option<Loaded> {
     world.word(assets.hash.value());
     let mut builder = Builder::new(report, assets);
     builder.scene(&doc);
+    let has_media = !builder.parts.media.is_empty();
+    builder.parts.hides_emitters = integrator::hides_emitters(&doc, report, has_media);
+    if builder.parts.hides_emitters {
+        world.bytes(b"hides emitters");
+    }
     builder.parts.origin = doc.local.borrow().origin.as_vec3();
     precision::check(&builder.parts, builder.assets.rounding, report);
     refuse_other_dialects(path, &doc, &builder.parts, report);
