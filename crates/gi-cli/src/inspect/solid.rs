@@ -117,7 +117,7 @@ mod tests {
     use super::*;
 
     /// A box from -1 to 1, its corners not shared between faces.
-    pub(crate) fn cube() -> Mesh {
+    fn cube() -> Mesh {
         let mut mesh = Mesh::default();
         let mut triangles = Vec::new();
         for axis in 0..3 {
@@ -127,7 +127,9 @@ mod tests {
                     (p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]) = (side, u * side, v);
                     mesh.positions.push(Vec3::from(p));
                 };
-                [(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)].map(|(u, v)| corner(u, v));
+                [(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)]
+                    .into_iter()
+                    .for_each(|(u, v)| corner(u, v));
                 let first = mesh.positions.len() as u32 - 4;
                 triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|i: u32| first + i)));
             }

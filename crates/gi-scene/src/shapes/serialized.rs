@@ -39,8 +39,7 @@ pub(crate) fn parse(
     let vertices = stream.count()?;
     let triangles = stream.count()?;
     match flags & (SINGLE | DOUBLE) {
-        // Files of the first versions of the format name no precision: they are in single precision.
-        0 | SINGLE => {}
+        0 | SINGLE => {} // old files name no precision
         DOUBLE => stream.double = true,
         other => return Err(format!("its precision is coded as {other:#x}")),
     }
