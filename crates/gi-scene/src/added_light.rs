@@ -82,7 +82,7 @@ fn sun_and_sky(axes: &Axes) -> SunSky {
     SunSky {
         turbidity: 3.0,
         albedo: Rgb::grey(0.3),
-        sun_direction: axes.toward(-0.64 * side, SUN_HEIGHT, 0.768 * side),
+        sun_direction: axes.toward(-0.6 * side, SUN_HEIGHT, 0.8 * side),
         sun_scale: SKY_SCALE,
         sky_scale: SKY_SCALE,
         angular_radius: sky::sun::ANGULAR_RADIUS,

@@ -159,8 +159,8 @@ mod tests {
         // Mean over one square, by points in the middle of small cells.
         let n = 200;
         let point = |i: usize| 0.5 * (i as f32 + 0.5) / n as f32;
-        let sum: f32 = (0..n * n).map(|k| at(point(k % n), point(k / n))).sum();
-        assert!((grid.mean().r - sum / (n * n) as f32).abs() < 1e-4);
+        let sum: f64 = (0..n * n).map(|k| f64::from(at(point(k % n), point(k / n)))).sum();
+        assert!((f64::from(grid.mean().r) - sum / (n * n) as f64).abs() < 1e-4);
         assert_eq!(grid.scaled(Rgb::grey(2.0)).eval(Vec2::ZERO).r, 0.8);
     }
 }
