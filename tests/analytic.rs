@@ -1,5 +1,6 @@
 //! Scenes with known answers.
 
+mod hidden;
 mod masks;
 
 use gi_core::camera::CameraSpec;

@@ -171,3 +171,58 @@ fn a_symbolic_link_is_written_through() {
         assert_eq!(far, ["a.exr", "b.png", "c.json"]);
     }
 }
+
+#[test]
+fn inspect_describes_the_scene_and_writes_nothing() {
+    let folder = scene_folder();
+    let before = contents(&folder);
+    for program in PROGRAMS {
+        let program = path_of(program);
+        let output = run(program.to_str().expect("UTF-8"), &[&folder.at("scene.xml"), "--inspect"]);
+        assert_success(&output);
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        for part in [
+            "scene.xml: 5 files",
+            "shapes     1: 1 mesh; 1 triangles",
+            "lights     1: 1 environment",
+            "Approximated or ignored",
+            "Suspicious",
+            "Suggestion",
+        ] {
+            assert!(text.contains(part), "no {part}: {text}");
+        }
+    }
+    assert!(contents(&folder) == before, "--inspect changed a file");
+    let pathtrace = path_of("pathtrace");
+    let pathtrace = pathtrace.to_str().expect("UTF-8");
+    let missing = run(pathtrace, &[&folder.at("none.xml"), "--inspect"]);
+    assert_refused(&missing, 2, &["none.xml"]);
+    let dark = run(pathtrace, &[&folder.at("mesh.obj"), "--inspect"]);
+    assert!(String::from_utf8_lossy(&dark.stdout).contains("--light sky"));
+}
+
+#[test]
+fn a_file_without_light_is_black_with_advice_and_lit_with_an_added_light() {
+    let folder = scene_folder();
+    let (mesh, out) = (folder.at("mesh.obj"), folder.at("out.pfm"));
+    let render = |light: &[&str]| {
+        let mut line = vec![mesh.as_str(), "-o", out.as_str(), "--size", "8x8", "--spp", "4"];
+        line.extend(light);
+        let output = run(path_of("pathtrace").to_str().expect("UTF-8"), &line);
+        assert_success(&output);
+        let picture = std::fs::read(&out).expect("a picture");
+        let brightest = picture[picture.len() - 8 * 8 * 12..].chunks_exact(4);
+        let numbers = brightest.map(|b| f32::from_le_bytes(b.try_into().expect("four bytes")));
+        (gi_tests::program::said(&output), numbers.fold(0.0, f32::max))
+    };
+    let (said, brightest) = render(&[]);
+    assert!(said.contains("--light sky or --light studio or --light headlight"), "{said}");
+    assert!(brightest == 0.0);
+    for light in ["sky", "studio", "headlight"] {
+        let (said, brightest) = render(&["--light", light]);
+        assert!(!said.contains("nothing shines"), "{said}");
+        assert!((0.05..5.0).contains(&brightest), "{light}: {brightest}");
+    }
+    let output = run(path_of("pathtrace").to_str().expect("UTF-8"), &[&mesh, "--light", "moon"]);
+    assert_refused(&output, 2, &["expected sky, studio, headlight"]);
+}

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use gi_core::options::{Show, SurfaceLayers};
+use gi_scene::AddedLight;
 use glam::Vec3;
 
 use crate::budget::{Budget, parse_time};
@@ -49,6 +50,12 @@ pub struct Common {
     /// Set a parameter of the scene ($NAME), or a program's preset (gi.PROGRAM.FLAG)
     #[arg(help_heading = SCENE, short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
     pub define: Vec<(String, String)>,
+    /// Add a light to the scene: a clear sky with a sun, soft boxes, or a point light at the camera
+    #[arg(help_heading = SCENE, long, value_name = "sky|studio|headlight", value_parser = parse_light)]
+    pub light: Option<AddedLight>,
+    /// Number of the sensor to render, from 0, in a scene that has several
+    #[arg(help_heading = SCENE, long, value_name = "N")]
+    pub sensor: Option<usize>,
     /// Position of the camera [default: as in the scene; for a plain OBJ file, one that shows the whole scene]
     #[arg(help_heading = SCENE, long, value_name = "X,Y,Z", value_parser = parse_vec3, allow_hyphen_values = true)]
     pub origin: Option<Vec3>,
@@ -64,6 +71,9 @@ pub struct Common {
     /// Memory that loading the scene may take: 500M, 8G [default: half of the machine's]
     #[arg(help_heading = SCENE, long, value_name = "BYTES", value_parser = parse_memory)]
     pub max_memory: Option<u64>,
+    /// Only say what was read and approximated, what looks wrong, and which program suits the scene
+    #[arg(help_heading = SCENE, long, conflicts_with = "export_mitsuba")]
+    pub inspect: bool,
     /// Only write the scene, as the program understood it, as Mitsuba 3 XML
     #[arg(help_heading = SCENE, long, value_name = "FILE.xml")]
     pub export_mitsuba: Option<PathBuf>,
@@ -138,6 +148,8 @@ impl Common {
         let mut options = gi_scene::Options {
             defines: self.define.clone(),
             size: self.size,
+            sensor: self.sensor,
+            light: self.light,
             camera,
             ..gi_scene::Options::default()
         };
@@ -181,6 +193,11 @@ fn parse_memory(text: &str) -> Result<u64, String> {
     };
     let bytes = number.parse::<f64>().ok().map(|n| n * factor).filter(|n| *n >= 1.0 && *n < 1e18);
     bytes.map(|n| n as u64).ok_or_else(|| wrong.to_string())
+}
+
+fn parse_light(text: &str) -> Result<AddedLight, String> {
+    let names = || format!("expected {}", AddedLight::NAMES.join(", "));
+    AddedLight::named(text).ok_or_else(names)
 }
 
 fn parse_define(text: &str) -> Result<(String, String), String> {

@@ -13,6 +13,7 @@ mod display;
 mod finish;
 mod help;
 mod identity;
+mod inspect;
 mod passes;
 mod paths;
 mod presets;

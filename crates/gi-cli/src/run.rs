@@ -9,11 +9,12 @@ use gi_core::image_io::Layers;
 use gi_core::options::Parameters;
 use gi_core::scene::{Scene, SceneParts};
 use gi_core::technique::{Setting, Technique};
-use gi_scene::{ExportError, Loaded};
+use gi_scene::{AddedLight, ExportError, Loaded};
 use glam::Vec3A;
 
 use crate::checkpoint::{Identity, no_state};
 use crate::finish::Finished;
+use crate::inspect::inspect;
 use crate::passes::{Making, check_checkpoints, identity, merge};
 use crate::paths::{Files, check_export};
 use crate::presets::with_presets;
@@ -42,6 +43,9 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<Option<Signal>, Fa
     }
     if !P::RESUMES && (common.checkpoint.is_some() || !common.merge.is_empty()) {
         return Err(no_state());
+    }
+    if common.inspect {
+        return inspect(common).map(|()| None);
     }
     if let Some(out) = &common.export_mitsuba {
         return export(common, out).map(|()| None);
@@ -207,12 +211,12 @@ fn make_passes<'a, 't, T: Technique<'t>>(
 }
 
 /// A failure whose cause is what the user gave.
-fn input_error(message: String) -> Failure {
+pub(crate) fn input_error(message: String) -> Failure {
     Failure::Input(format!("error: {message}"))
 }
 
 /// Read the scene.
-fn load(common: &Common) -> Result<Loaded, Failure> {
+pub(crate) fn load(common: &Common) -> Result<Loaded, Failure> {
     gi_scene::load(&common.scene, &common.scene_options())
         .map_err(|problems| Failure::Input(problems.to_string()))
 }
@@ -234,7 +238,8 @@ fn export(common: &Common, out: &Path) -> Result<(), Failure> {
 /// Largest picture that is made, in pixels.
 const MAX_PIXELS: usize = 1 << 26;
 
-fn check_film([w, h]: [usize; 2]) -> Result<(), Failure> {
+/// Refuse a film that is too large.
+pub(crate) fn check_film([w, h]: [usize; 2]) -> Result<(), Failure> {
     if w.saturating_mul(h) <= MAX_PIXELS {
         return Ok(());
     }
@@ -268,7 +273,10 @@ fn say_scene(common: &Common, scene: &Scene, film: u64, [w, h]: [usize; 2]) {
             film.div_ceil(1_000_000)
         ));
         if scene.lights().all().is_empty() {
-            say("warning: nothing shines in this scene; the picture will be black");
+            let advice = AddedLight::NAMES.map(|name| format!("--light {name}")).join(" or ");
+            say(format!(
+                "warning: nothing shines in this scene; the picture will be black. {advice} adds a light"
+            ));
         }
     }
 }

@@ -100,6 +100,11 @@ impl Assets {
         Some(&self.bitmaps[*self.bitmap_of.get(&object)?].0)
     }
 
+    /// The file of the mesh that a shape names, before the mesh is taken.
+    pub(crate) fn mesh_path(&self, object: ObjectId) -> Option<PathBuf> {
+        self.meshes.get(&object).map(|(file, ..)| file.path.clone())
+    }
+
     /// The mesh that a shape names, in world space, and whether Mitsuba 3 reads its file too.
     /// Each mesh can be taken once.
     pub(crate) fn take_mesh(&mut self, object: ObjectId) -> Option<(MeshFile, bool, Mesh)> {

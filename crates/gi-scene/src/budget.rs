@@ -27,6 +27,11 @@ impl Budget {
         Budget { limit, taken: Mutex::default() }
     }
 
+    /// Memory that is taken now, in bytes.
+    pub(crate) fn total(&self) -> u64 {
+        self.taken().total
+    }
+
     fn taken(&self) -> MutexGuard<'_, Taken> {
         self.taken.lock().unwrap_or_else(PoisonError::into_inner)
     }

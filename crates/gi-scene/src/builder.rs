@@ -6,6 +6,7 @@ use std::collections::{HashMap, HashSet};
 use gi_core::scene::SceneParts;
 
 use crate::assets::Assets;
+use crate::attributes::AttributeSource;
 use crate::diagnostics::Report;
 use crate::document::ObjectId;
 use crate::origins::Origins;
@@ -29,6 +30,8 @@ pub(crate) struct Builder<'a> {
     pub(crate) built_shapes: HashSet<ObjectId>,
     /// Emitters that belong to shapes.
     pub(crate) used_emitters: HashSet<ObjectId>,
+    /// Set while a shape is built whose textures read attributes of its mesh. Its materials are its own.
+    pub(crate) attributes: Option<AttributeSource>,
 }
 
 impl<'a> Builder<'a> {
@@ -49,6 +52,7 @@ impl<'a> Builder<'a> {
             group_of: HashMap::new(),
             built_shapes: HashSet::new(),
             used_emitters: HashSet::new(),
+            attributes: None,
         }
     }
 }

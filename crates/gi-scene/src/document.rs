@@ -20,6 +20,7 @@ mod grow;
 mod node;
 mod parse;
 mod ranges;
+mod refused;
 
 pub(crate) use colors::Meaning;
 pub(crate) use node::Node;

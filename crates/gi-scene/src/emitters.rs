@@ -6,15 +6,29 @@ use gi_core::texture::Bitmap;
 use glam::Vec3;
 
 use crate::builder::Builder;
-use crate::document::{Class, Node};
+use crate::document::Node;
 use crate::origins::LightOrigin;
 use crate::rotation::rotation;
 use crate::textures::{note_gamma, warn_negative};
 use crate::{equal_area, sky, texels};
 
+mod spots;
+
+use spots::collimated;
+
 /// Plugins that are supported at the top level.
-const KNOWN: [&str; 8] =
-    ["point", "spot", "directional", "constant", "envmap", "sun", "sky", "sunsky"];
+const KNOWN: [&str; 10] = [
+    "point",
+    "spot",
+    "directional",
+    "constant",
+    "envmap",
+    "sun",
+    "sky",
+    "sunsky",
+    "projector",
+    "collimated",
+];
 
 impl Builder<'_> {
     /// Add the light that an emitter describes.
@@ -23,6 +37,8 @@ impl Builder<'_> {
         let light = match node.plugin() {
             "point" => Some(point(node)),
             "spot" => self.spot(node),
+            "projector" => self.projector(node),
+            "collimated" => collimated(node),
             "directional" => directional(node),
             "constant" => Some(LightSource::Constant { radiance: light_color(node, "radiance") }),
             "envmap" => return self.environment(node),
@@ -105,47 +121,6 @@ fn direction(node: Node<'_>, name: &'static str) -> Option<Vec3> {
         return None;
     }
     Some(unit)
-}
-
-impl Builder<'_> {
-    /// A spot light, with or without a picture to project.
-    fn spot(&mut self, node: Node<'_>) -> Option<LightSource> {
-        let plain = plain_spot(node)?;
-        let LightSource::Spot { position, direction, mut intensity, cutoff, beam } = plain else {
-            return Some(plain);
-        };
-        let Some(texture) = node.child_if("texture", |n| n.class() == Class::Texture) else {
-            return Some(plain);
-        };
-        let picture = self.texture_object(texture, 0)?;
-        let [least, most] = self.origins.range(&picture);
-        if least < 0.0 {
-            texture.error(format!("the spot's picture is {least} somewhere"), "expected 0 or more");
-            return None;
-        }
-        // Move the picture's values above one into `intensity`, so that the picture is at most one.
-        let picture = picture.scaled(Rgb::grey(1.0 / most.max(1.0)));
-        intensity *= most.max(1.0);
-        let m = node.transform("to_world");
-        let axes = [m.matrix3.x_axis.into(), m.matrix3.y_axis.into(), direction];
-        Some(LightSource::Projector { position, axes, intensity, cutoff, beam, picture })
-    }
-}
-
-fn plain_spot(node: Node<'_>) -> Option<LightSource> {
-    let cutoff = node.float("cutoff_angle", 20.0);
-    let beam = node.float("beam_width", 0.75 * cutoff);
-    if !(0.0 < cutoff && cutoff <= 180.0 && 0.0 <= beam && beam <= cutoff) {
-        node.error(format!("cutoff {cutoff}, beam {beam}"), "expected 0 <= beam <= cutoff <= 180");
-        return None;
-    }
-    Some(LightSource::Spot {
-        position: node.to_world().translation.as_vec3(),
-        direction: direction(node, "direction")?,
-        intensity: light_color(node, "intensity"),
-        cutoff: cutoff.to_radians(),
-        beam: beam.to_radians(),
-    })
 }
 
 fn directional(node: Node<'_>) -> Option<LightSource> {

@@ -13,10 +13,7 @@ const PARTIAL: [(&str, &str); 6] = [
     ("stokes", "polarisation is not supported"),
 ];
 /// Options that change the picture.
-const SWITCHES: [(&str, &str); 2] = [
-    ("hide_emitters", "lamps are visible"),
-    ("strict_normals", "shading normals do not stop light"),
-];
+const SWITCHES: [(&str, &str); 1] = [("strict_normals", "shading normals do not stop light")];
 
 /// Read the longest path of the scene's integrator; -1 means unlimited.
 pub(crate) fn read(doc: &Document, report: &Report) -> Option<i32> {
@@ -35,6 +32,21 @@ pub(crate) fn read(doc: &Document, report: &Report) -> Option<i32> {
         }
     }
     depth
+}
+
+/// Whether the scene's integrator hides light sources from the camera.
+pub(crate) fn hides_emitters(doc: &Document, report: &Report, has_media: bool) -> bool {
+    let mut integrators =
+        doc.nodes(report).filter(|n| n.class() == Class::Ignored && n.object().tag == "integrator");
+    let asked = integrators.find_map(|node| match node.peek("hide_emitters") {
+        Some((Value::Bool(true), span)) => Some(span),
+        _ => None,
+    });
+    if let (Some(span), true) = (asked, has_media) {
+        let message = "`hide_emitters` is ignored in a scene with media: lamps are visible";
+        report.warn(span, message);
+    }
+    asked.is_some() && !has_media
 }
 
 fn max_depth(node: Node<'_>) -> Option<i32> {

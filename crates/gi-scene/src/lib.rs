@@ -6,7 +6,9 @@
 //! so that the user sees them at once.
 #![forbid(unsafe_code)]
 
+mod added_light;
 mod assets;
+mod attributes;
 mod budget;
 mod build;
 mod builder;
@@ -42,4 +44,4 @@ mod value;
 pub use diagnostics::Diagnostics;
 pub use export::{ExportError, export_mitsuba};
 pub use load::load;
-pub use options::{CameraOverride, Loaded, Options};
+pub use options::{AddedLight, CameraOverride, Loaded, Options};

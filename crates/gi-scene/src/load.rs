@@ -10,7 +10,7 @@ use crate::builder::Builder;
 use crate::diagnostics::{Diagnostics, Report};
 use crate::document::{self, Document};
 use crate::options::{Loaded, Options};
-use crate::{framing, integrator, obj_scene, pbrt, precision, sensor};
+use crate::{added_light, framing, integrator, obj_scene, pbrt, precision, sensor};
 
 /// Load a scene: Mitsuba XML, pbrt, or a bare OBJ file with its materials.
 ///
@@ -37,14 +37,18 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
         report.error_nowhere(format!("`{}` contains no scene", path.display()));
     }
     let mut loaded = loaded;
+    if let (Some(loaded), Some(light)) = (&mut loaded, options.light) {
+        added_light::add(loaded, light, &report);
+    }
     for warning in loaded.iter_mut().flat_map(|l| l.parts.enclose_media()) {
         report.warn_nowhere(warning);
     }
     report.reads(path);
     let files = report.files();
+    let memory = report.budget.total();
     let warnings = report.finish()?;
     let loaded = loaded.expect("a scene without errors was built");
-    Ok(Loaded { warnings, files, ..loaded })
+    Ok(Loaded { warnings, files, memory, ..loaded })
 }
 
 /// Refuse a scene in another XML format: its picture would be black, which misleads.
@@ -71,11 +75,16 @@ fn load_document(path: &Path, doc: Document, options: &Options, report: &Report)
     world.word(assets.hash.value());
     let mut builder = Builder::new(report, assets);
     builder.scene(&doc);
+    let has_media = !builder.parts.media.is_empty();
+    builder.parts.hides_emitters = integrator::hides_emitters(&doc, report, has_media);
+    if builder.parts.hides_emitters {
+        world.bytes(b"hides emitters");
+    }
     builder.parts.origin = doc.local.borrow().origin.as_vec3();
     precision::check(&builder.parts, builder.assets.rounding, report);
     refuse_other_dialects(path, &doc, &builder.parts, report);
     let integrator_max_depth = integrator::read(&doc, report);
-    let seen = sensor::read(&doc, report, options.size, &builder.parts);
+    let seen = sensor::read(&doc, report, options, &builder.parts);
     let (camera, filter) = match seen {
         Some((camera, filter)) => {
             (framing::moved(camera, &options.camera, builder.parts.origin, report)?, filter)
@@ -106,6 +115,7 @@ fn load_document(path: &Path, doc: Document, options: &Options, report: &Report)
         hash,
         world,
         files: Vec::new(),
+        memory: 0,
         origins,
     })
 }

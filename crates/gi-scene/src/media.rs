@@ -7,6 +7,8 @@ use gi_core::medium::{Medium, Phase};
 use crate::builder::Builder;
 use crate::document::{Class, Meaning, Node};
 
+mod measured;
+
 impl Builder<'_> {
     /// The medium of an object, built when first used; `None` if an error was reported.
     pub(crate) fn medium(&mut self, node: Node<'_>) -> Option<MediumId> {
@@ -34,19 +36,17 @@ fn homogeneous(node: Node<'_>) -> Option<Medium> {
     let (sigma_t, albedo) = if sigma_s.is_some() || sigma_a.is_some() {
         let s = sigma_s.unwrap_or(Rgb::BLACK);
         let t = s + sigma_a.unwrap_or(Rgb::BLACK);
-        (t, s.zip(t, |s, t| if t > 0.0 { s / t } else { 0.0 }))
+        (t, albedo_of(s, t))
     } else {
-        if let Some(name) = node.text_opt("material") {
-            node.error(
-                format!("named medium `{name}` is not supported"),
-                "expected sigma_t and albedo",
-            );
-            return None;
-        }
-        (
-            color(node, "sigma_t").unwrap_or(Rgb::WHITE),
-            color(node, "albedo").unwrap_or(Rgb::grey(0.75)),
-        )
+        let named = node.text("material").map(|name| measured_medium(node, name));
+        let given = node.has("sigma_t") || node.has("albedo") || node.child("sigma_t").is_some();
+        // In Mitsuba 0.6, a medium without any parameter is skin.
+        let (t, albedo) = match named {
+            Some(medium) => medium?,
+            None if node.doc.version == 0 && !given => measured_medium(node, "Skin1")?,
+            None => (Rgb::WHITE, Rgb::grey(0.75)),
+        };
+        (color(node, "sigma_t").unwrap_or(t), color(node, "albedo").unwrap_or(albedo))
     };
     let sigma_t = sigma_t * scale;
     if sigma_t.to_array().into_iter().chain(albedo.to_array()).any(|v| v < 0.0)
@@ -56,6 +56,24 @@ fn homogeneous(node: Node<'_>) -> Option<Medium> {
         return None;
     }
     Some(Medium { sigma_t, albedo, phase: phase(node) })
+}
+
+/// Extinction and albedo of a medium that Mitsuba 0.6 knows by name.
+fn measured_medium(node: Node<'_>, name: &str) -> Option<(Rgb, Rgb)> {
+    let Some((s, a)) = measured::coefficients(name) else {
+        let help = node.report.suggestion(name, measured::names());
+        let message = format!("unknown medium `{name}`");
+        let expected = "expected a measured medium, such as `skin1`, or sigma_t and albedo";
+        node.report.error_help(node.span_of("material"), message, expected, help);
+        return None;
+    };
+    let t = s + a;
+    Some((t, albedo_of(s, t)))
+}
+
+/// Scattering over extinction.
+fn albedo_of(s: Rgb, t: Rgb) -> Rgb {
+    s.zip(t, |s, t| if t > 0.0 { s / t } else { 0.0 })
 }
 
 /// A colour, or a `constvolume` that contains one.

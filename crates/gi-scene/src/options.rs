@@ -18,6 +18,10 @@ pub struct Options {
     pub defines: Vec<(String, String)>,
     /// The picture's width and height, instead of the scene's.
     pub size: Option<[usize; 2]>,
+    /// Which of the scene's sensors is used, from 0. `None` uses the first one.
+    pub sensor: Option<usize>,
+    /// A light to add to the scene.
+    pub light: Option<AddedLight>,
     /// Changes to the scene's camera.
     pub camera: CameraOverride,
     /// The memory that loading may take, in bytes: pictures, meshes and text. By default half of this machine's memory.
@@ -29,9 +33,34 @@ impl Default for Options {
         Options {
             defines: Vec::new(),
             size: None,
+            sensor: None,
+            light: None,
             camera: CameraOverride::default(),
             max_memory: half_of_the_machine(),
         }
+    }
+}
+
+/// A light that the user adds to a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AddedLight {
+    /// A clear sky with the sun behind the camera.
+    Sky,
+    /// Soft boxes in a bright room.
+    Studio,
+    /// A point light at the camera.
+    Headlight,
+}
+
+impl AddedLight {
+    /// The names of all added lights.
+    pub const NAMES: [&str; 3] = ["sky", "studio", "headlight"];
+
+    /// The light of that name.
+    pub fn named(name: &str) -> Option<AddedLight> {
+        let all = [AddedLight::Sky, AddedLight::Studio, AddedLight::Headlight];
+        let index = AddedLight::NAMES.iter().position(|known| *known == name)?;
+        Some(all[index])
     }
 }
 
@@ -68,6 +97,8 @@ pub struct Loaded {
     pub hash: u64,
     /// Hash of the world alone: independent of camera, film, integrator and presets.
     pub world: u64,
+    /// Memory that meshes, pictures and text take, in bytes.
+    pub memory: u64,
     /// All files that were read: the scene, included files, meshes and pictures.
     pub files: Vec<PathBuf>,
     pub(crate) origins: Origins,

@@ -28,6 +28,8 @@ pub(crate) struct Origins {
     pub(crate) lights: Vec<LightOrigin>,
     /// Picture files, indexed by the picture's address. The picture is stored too, so that the address stays valid.
     bitmaps: HashMap<usize, (Arc<Bitmap>, BitmapFile)>,
+    /// Ranges of pictures in which some texels are not used, indexed like `bitmaps`.
+    ranges: HashMap<usize, (Arc<Bitmap>, [f32; 2])>,
     /// Pictures of light without their negative texels, indexed by the address of the original, which is stored too.
     lifted: HashMap<usize, (Arc<Bitmap>, Lifted)>,
 }
@@ -64,6 +66,11 @@ impl Origins {
     pub(crate) fn note_bitmap(&mut self, bitmap: &Arc<Bitmap>, file: &BitmapFile) {
         let known = self.bitmaps.entry(Arc::as_ptr(bitmap).addr());
         known.or_insert_with(|| (bitmap.clone(), file.clone()));
+    }
+
+    /// Record the smallest and the largest value of a picture, if its texels reach further.
+    pub(crate) fn note_range(&mut self, bitmap: &Arc<Bitmap>, range: [f32; 2]) {
+        self.ranges.insert(Arc::as_ptr(bitmap).addr(), (bitmap.clone(), range));
     }
 
     /// A picture of light: negative texels become zero. The copy is made once, however many lights use the picture.
@@ -103,12 +110,17 @@ impl Origins {
             Texture::Checkerboard { color0, color1, .. } => {
                 join(self.range(color0), self.range(color1))
             }
+            Texture::Grid { squares, lines, .. } => join(self.range(squares), self.range(lines)),
             Texture::Bitmap { bitmap, scale, .. } => {
                 let floats = self.bitmap_file(bitmap).is_none_or(|f| holds_floats(&f.path));
                 if !floats {
                     return join([0.0, 0.0], of(*scale));
                 }
-                let [least, most] = bitmap.range();
+                let known = self.ranges.get(&Arc::as_ptr(bitmap).addr());
+                let [least, most] = match known {
+                    Some((_, range)) => range.map(Rgb::grey),
+                    None => bitmap.range(),
+                };
                 join(of(least * *scale), of(most * *scale))
             }
         }

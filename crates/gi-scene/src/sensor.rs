@@ -1,5 +1,7 @@
 //! The sensor: camera, film and filter.
 
+mod film;
+
 use gi_core::camera::{CameraSpec, Projection};
 use gi_core::filter::Filter;
 use gi_core::scene::SceneParts;
@@ -7,42 +9,29 @@ use glam::{Affine3A, Mat3, Vec2, Vec3};
 
 use crate::diagnostics::Report;
 use crate::document::{Class, Document, Node};
+use crate::options::Options;
 use crate::value::MAX_NUMBER;
+use film::Crop;
 
-/// Default film size.
-const DEFAULT_SIZE: [usize; 2] = [768, 576];
-/// Largest width or height: a larger film would not fit into memory.
-const MAX_SIZE: i64 = 1 << 15;
 /// Diagonal of 36 x 24 mm film, to which focal lengths refer, millimetres.
 const FILM_DIAGONAL: f32 = 43.266_615;
-/// Largest standard deviation of a Gaussian filter, pixels: a wider one only blurs, and each sample adds to thousands
-/// of pixels.
-const MAX_STDDEV: f32 = 4.0;
-/// Largest absolute value of Mitchell's parameters. They are useful in [0, 1]; far beyond, the weights cancel.
-const MAX_MITCHELL: f32 = 10.0;
-/// Largest radius of a Lanczos filter, pixels.
-const MAX_LOBES: i64 = 8;
 /// Focal length of a sensor that gives neither a focal length nor an angle, millimetres.
 const DEFAULT_FOCAL_LENGTH: f32 = 50.0;
 
-/// The camera and filter of a scene; `None` if it has no sensor.
+/// The camera and filter of a scene; `None` if it has no sensor, or if an error was reported.
 pub(crate) fn read(
     doc: &Document,
     report: &Report,
-    size: Option<[usize; 2]>,
+    options: &Options,
     parts: &SceneParts,
 ) -> Option<(CameraSpec, Filter)> {
-    let scene = doc.nodes(report).next()?;
-    let sensors = scene.children(Class::Sensor);
-    if let [_, second, ..] = sensors.as_slice() {
-        second.warn("the scene has several sensors: the first is used");
-    }
-    let sensor = *sensors.first()?;
+    let sensor = chosen(doc, report, options.sensor)?;
     let films = sensor.children(Class::Film);
-    let filter = films.first().map_or(Filter::Gaussian { stddev: 0.5 }, |film| filter(*film));
+    let filter = films.first().map_or(Filter::Gaussian { stddev: 0.5 }, |film| film::filter(*film));
     // Read the film even if its size is overridden, so that its errors are reported.
-    let film_size = films.first().map_or(DEFAULT_SIZE, |film| film_size(*film));
-    let size = size.unwrap_or(film_size);
+    let (film_size, crop) =
+        films.first().map_or((film::DEFAULT_SIZE, Crop::WHOLE), |film| film::size(*film));
+    let size = options.size.unwrap_or(film_size);
     let principal_point_offset = Vec2::new(
         sensor.float("principal_point_offset_x", 0.0),
         sensor.float("principal_point_offset_y", 0.0),
@@ -50,10 +39,34 @@ pub(crate) fn read(
     sensor.children(Class::Ignored);
     sensor.children(Class::Medium);
     sensor.ignore(&["shutter_open", "shutter_close", "focus_distance", "aperture_radius"]);
-    let (projection, to_world) = projection(sensor, size)?;
+    let whole = Vec2::from_array(size.map(|s| s as f32)) / crop.size;
+    let (projection, to_world) = projection(sensor, whole.x / whole.y)?;
     note_far_clip(sensor, to_world, parts);
     let near = sensor.within("near_clip", 0.0, 0.0..=MAX_NUMBER);
-    Some((CameraSpec { to_world, projection, size, near, principal_point_offset }, filter))
+    let whole = CameraSpec { to_world, projection, size, near, principal_point_offset };
+    Some((crop.apply(whole), filter))
+}
+
+/// The sensor that the user asked for, or the first one.
+fn chosen<'a>(doc: &'a Document, report: &'a Report, index: Option<usize>) -> Option<Node<'a>> {
+    let sensors = doc.nodes(report).next()?.children(Class::Sensor);
+    match (index, sensors.as_slice()) {
+        (None, [_, second, ..]) => second.warn(
+            "the scene has several sensors: the first is used, number 0; --sensor 1 chooses this one",
+        ),
+        (Some(index), all) if index >= all.len() => {
+            let n = all.len();
+            let message = match n {
+                0 => "the scene has no sensor".to_owned(),
+                1 => "the scene has one sensor, number 0".to_owned(),
+                _ => format!("the scene has {n} sensors, numbered 0 to {}", n - 1),
+            };
+            report.error_nowhere(format!("--sensor {index}: {message}"));
+            return None;
+        }
+        _ => {}
+    }
+    sensors.get(index.unwrap_or(0)).copied()
 }
 
 /// Warn if the scene reaches beyond the sensor's far plane, which is ignored.
@@ -68,7 +81,8 @@ fn note_far_clip(sensor: Node<'_>, to_world: Affine3A, parts: &SceneParts) {
     }
 }
 
-fn projection(sensor: Node<'_>, size: [usize; 2]) -> Option<(Projection, Affine3A)> {
+/// `aspect` is that of the whole film, width over height.
+fn projection(sensor: Node<'_>, aspect: f32) -> Option<(Projection, Affine3A)> {
     let m = sensor.to_world().as_affine3a();
     if !m.inverse().is_finite() {
         let span = sensor.span_of("to_world");
@@ -88,7 +102,7 @@ fn projection(sensor: Node<'_>, size: [usize; 2]) -> Option<(Projection, Affine3
             return None;
         }
     };
-    let fov_x = fov_x(sensor, size[0] as f32 / size[1] as f32)?;
+    let fov_x = fov_x(sensor, aspect)?;
     let focus_distance =
         if lens > 0.0 { sensor.above_zero("focus_distance", 1.0, MAX_NUMBER) } else { 1.0 };
     // Scale does not matter for a perspective camera: keep only its position, rotation and mirroring.
@@ -100,7 +114,7 @@ fn projection(sensor: Node<'_>, size: [usize; 2]) -> Option<(Projection, Affine3
 }
 
 /// The horizontal angle of view, radians.
-fn fov_x(sensor: Node<'_>, aspect: f32) -> Option<f32> {
+pub(crate) fn fov_x(sensor: Node<'_>, aspect: f32) -> Option<f32> {
     let (half_tangent, axis) = match sensor.float_opt("fov") {
         Some(degrees) if 0.0 < degrees && degrees < 180.0 => {
             ((0.5 * degrees.to_radians()).tan(), sensor.text("fov_axis").unwrap_or("x"))
@@ -161,82 +175,4 @@ fn focal_length(sensor: Node<'_>) -> Option<f32> {
         );
     }
     positive
-}
-
-fn film_size(film: Node<'_>) -> [usize; 2] {
-    let [w, h] = DEFAULT_SIZE.map(|d| d as i64);
-    let size = [film.int_opt("width").unwrap_or(w), film.int_opt("height").unwrap_or(h)];
-    for crop in ["crop_width", "crop_height", "crop_offset_x", "crop_offset_y"] {
-        if film.has(crop) {
-            film.report.warn(
-                film.span_of(crop),
-                format!("`{crop}` is ignored: the whole picture is rendered"),
-            );
-        }
-    }
-    film.ignore(&[
-        "file_format",
-        "pixel_format",
-        "component_format",
-        "gamma",
-        "banner",
-        "attach_log",
-        "high_quality_edges",
-        "filename",
-        "exposure",
-        "tonemap_method",
-        "key",
-        "burn",
-        "sample_border",
-        "compensate",
-        "metadata",
-        "variable",
-        "digits",
-    ]);
-    film.children(Class::Filter);
-    if film.text("pixel_format").is_some_and(|f| f.to_lowercase().starts_with("luminance")) {
-        let message = "`pixel_format` is ignored: the picture is in colour";
-        film.report.warn(film.span_of("pixel_format"), message);
-    }
-    if size.iter().any(|s| !(1..=MAX_SIZE).contains(s)) {
-        film.error(format!("a film of {} x {}", size[0], size[1]), "expected 1 to 32768");
-        return DEFAULT_SIZE;
-    }
-    size.map(|s| s as usize)
-}
-
-fn filter(film: Node<'_>) -> Filter {
-    let filters = film.children(Class::Filter);
-    let Some(filter) = filters.first() else { return Filter::Gaussian { stddev: 0.5 } };
-    let third = |name| filter.within(name, 1.0 / 3.0, -MAX_MITCHELL..=MAX_MITCHELL);
-    match filter.plugin() {
-        "box" => Filter::Box,
-        "tent" => Filter::Tent,
-        "gaussian" => {
-            let stddev = filter.above_zero("stddev", 0.5, MAX_STDDEV);
-            Filter::Gaussian { stddev }
-        }
-        "mitchell" => Filter::Mitchell { b: third("b"), c: third("c") },
-        "catmullrom" => Filter::CatmullRom,
-        "lanczos" => {
-            let lobes = filter.int_opt("lobes").unwrap_or(3);
-            if !(1..=MAX_LOBES).contains(&lobes) {
-                let span = filter.span_of("lobes");
-                filter.report.error(span, format!("lobes {lobes}"), "expected 1 to 8");
-                return Filter::Box;
-            }
-            Filter::Lanczos { lobes: lobes as u32 }
-        }
-        _ => {
-            filter.unknown_plugin(&[
-                "box",
-                "tent",
-                "gaussian",
-                "mitchell",
-                "catmullrom",
-                "lanczos",
-            ]);
-            Filter::Box
-        }
-    }
 }

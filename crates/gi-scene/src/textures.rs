@@ -8,6 +8,10 @@ use crate::builder::Builder;
 use crate::document::{Class, Meaning, Node};
 use crate::texels::BitmapFile;
 
+/// The supported plugins.
+const KNOWN: [&str; 6] =
+    ["bitmap", "checkerboard", "scale", "rawconstant", "mesh_attribute", "gridtexture"];
+
 /// Largest depth of nested textures. A texture that refers to the next one twice doubles the size at each level.
 const MAX_NESTING: usize = 6;
 
@@ -66,6 +70,10 @@ impl Builder<'_> {
                 self.lift_texels(node, color0);
                 self.lift_texels(node, color1);
             }
+            Texture::Grid { squares, lines, .. } => {
+                self.lift_texels(node, squares);
+                self.lift_texels(node, lines);
+            }
             Texture::Bitmap { bitmap, .. } => {
                 let Some(file) = self.origins.bitmap_file(bitmap).cloned() else { return };
                 let (lifted, first) = self.origins.as_light(bitmap, &file, node.report);
@@ -79,7 +87,6 @@ impl Builder<'_> {
 
     /// A `<texture>`; `None` if an error was reported.
     pub(crate) fn texture_object(&mut self, node: Node<'_>, depth: usize) -> Option<Texture> {
-        const KNOWN: [&str; 3] = ["bitmap", "checkerboard", "scale"];
         if depth > MAX_NESTING {
             node.error("textures are nested too deeply", "");
             return None;
@@ -100,6 +107,12 @@ impl Builder<'_> {
                 color1: Box::new(nested(self, "color1", 0.2)?),
                 to_uv: to_uv(node),
             }),
+            "gridtexture" => Some(Texture::Grid {
+                squares: Box::new(nested(self, "color0", 0.2)?),
+                lines: Box::new(nested(self, "color1", 0.4)?),
+                half_width: node.within("line_width", 0.01, 0.0..=0.5),
+                to_uv: to_uv(node),
+            }),
             "scale" => {
                 let factor = node.color("scale", Meaning::Factor).unwrap_or(Rgb::WHITE);
                 let inner = match node.children(Class::Texture).first() {
@@ -107,6 +120,14 @@ impl Builder<'_> {
                     None => Texture::Constant(node.color("value", Meaning::Factor)?),
                 };
                 Some(inner.scaled(factor))
+            }
+            "mesh_attribute" => self.attribute_texture(node),
+            "rawconstant" => {
+                let value = node.raw("value");
+                if value.is_none() {
+                    node.error("`rawconstant` without a `value`", "expected one or three numbers");
+                }
+                value.map(Texture::Constant)
             }
             _ => {
                 node.unknown_plugin(&KNOWN);

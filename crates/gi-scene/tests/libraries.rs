@@ -3,10 +3,12 @@
 mod common;
 
 use common::Folder;
+use gi_core::light::LightSource;
 use gi_core::material::Material;
 use gi_core::math::Rgb;
 use gi_core::texture::Texture;
 use gi_scene::{Loaded, Options, load};
+use glam::Vec3;
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
@@ -153,17 +155,17 @@ fn ignored_statements_of_many_materials_are_counted() {
 }
 
 #[test]
-fn an_error_in_a_library_is_shown_with_its_line() {
+fn a_mistake_in_a_library_is_shown_with_its_line_and_does_not_refuse_the_file() {
     let folder = Folder::new();
-    folder.write("a.mtl", "newmtl m\nKd 0.5\nNi glass\n");
-    let shown = one(&folder, "mtllib a.mtl\n", b"m").unwrap_err();
-    let expected = "\
-error: material `m`: `Ni`: `glass` is not a number
- --> a.mtl:3:1
-  |
-3 | Ni glass
-  | ^^^^^^^^";
-    assert_eq!(shown, expected);
+    folder.write("a.mtl", "newmtl m\nNi glass\nKd 0.25\n");
+    let loaded = one(&folder, "mtllib a.mtl\n", b"m").unwrap();
+    let shown = folder.strip(&loaded.warnings.join("\n"));
+    assert_eq!(shown, "a.mtl:2: material `m`: `Ni`: `glass` is not a number: ignored");
+    assert_eq!(diffuse(&loaded), Rgb::grey(0.25));
+    // Glass with an index that no glass has.
+    folder.write("a.mtl", "newmtl m\nillum 7\nNi 1e6\n");
+    let loaded = one(&folder, "mtllib a.mtl\n", b"m").unwrap();
+    assert!(loaded.warnings[0].contains("1.5 is used"), "{:?}", loaded.warnings);
 }
 
 /// A library and an OBJ file with `n` materials, each used `uses` times.
@@ -184,4 +186,23 @@ fn many_materials_are_all_found() {
     assert!(loaded.warnings.is_empty());
     let loaded = load(&many(&folder, 10, 10_000), &Options::default()).unwrap();
     assert_eq!(loaded.parts.shapes.len(), 10);
+}
+
+#[test]
+fn an_added_light_lights_a_file_that_has_none() {
+    let folder = Folder::new();
+    let path = folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let lights =
+        |light| load(&path, &Options { light, ..Options::default() }).unwrap().parts.lights;
+    assert!(lights(None).is_empty());
+    let count = |name| lights(gi_scene::AddedLight::named(name)).len();
+    assert_eq!(gi_scene::AddedLight::NAMES.map(count), [2, 1, 1]);
+    let LightSource::Point { position, intensity } =
+        lights(Some(gi_scene::AddedLight::Headlight))[0]
+    else {
+        panic!()
+    };
+    let center = Vec3::new(0.5, 0.5, 0.0);
+    let irradiance = intensity.r / position.distance_squared(center);
+    assert!((irradiance - std::f32::consts::PI).abs() < 1e-4, "white is 1 at the centre");
 }

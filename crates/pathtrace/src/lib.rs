@@ -41,6 +41,13 @@ impl<'a> Technique<'a> for PathTracer<'a> {
     type Params = Params;
 
     fn prepare(setting: Setting<'a>, params: &Params) -> Result<Self, String> {
+        let from_lights = matches!(params.mode, Mode::Light | Mode::Bdpt | Mode::Vcm);
+        if from_lights && setting.scene.hides_emitters() {
+            // Hidden lamps would cast shadows toward the camera.
+            return Err("the scene's `hide_emitters` is not supported by modes with paths from the lights: use \
+                        `--mode path`"
+                .into());
+        }
         Ok(PathTracer { setting, params: params.clone(), light_paths: 0, kept: (0, 0) })
     }
 

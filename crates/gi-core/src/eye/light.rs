@@ -32,7 +32,7 @@ impl<'a> EyeWalk<'a> {
     #[inline]
     pub(super) fn add_background(&mut self) {
         let left = self.remainder.emitted(self.after_delta);
-        if left.is_black() {
+        if left.is_black() || (self.hides_background && self.segments == 1) {
             return;
         }
         for (radiance, pdf_light) in self.scene.escaped(self.ray.d) {

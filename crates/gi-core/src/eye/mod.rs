@@ -86,6 +86,8 @@ pub struct EyeWalk<'a> {
     entered: Option<Entrance>,
     /// What the path has passed straight through.
     line: Line,
+    /// Whether light from infinity is invisible on the first segment.
+    hides_background: bool,
     /// Hit of the next segment if [`EyeWalk::beam_ahead`] has traced it; the inner `None` means that the ray leaves the
     /// scene.
     ahead: Option<Option<Hit>>,

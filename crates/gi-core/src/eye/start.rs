@@ -40,6 +40,10 @@ impl<'a> EyeWalk<'a> {
         walk.show = setting.show;
         walk.surface_layers = setting.surface_layers;
         walk.sample.offset = [u - 0.5, v - 0.5];
+        if setting.scene.hides_emitters() {
+            walk.hides_background = true;
+            walk.ray = setting.scene.behind_lamps(walk.ray);
+        }
         walk
     }
 
@@ -88,6 +92,7 @@ impl<'a> EyeWalk<'a> {
             knows_media: false,
             medium: None,
             entered: None,
+            hides_background: false,
             ahead: None,
             line: Line::default(),
             estimate: None,

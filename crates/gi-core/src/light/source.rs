@@ -1,4 +1,4 @@
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 
 use crate::math::Rgb;
 use crate::texture::{Bitmap, Texture};
@@ -26,7 +26,7 @@ pub enum LightSource {
         /// Half angle within which the intensity is full, radians.
         beam: f32,
     },
-    /// A spot with a picture in front of it, like a projector.
+    /// A spot with a picture in front of it, or a projector.
     Projector {
         /// World position.
         position: Vec3,
@@ -38,8 +38,13 @@ pub enum LightSource {
         cutoff: f32,
         /// Half angle within which the intensity is full, radians.
         beam: f32,
-        /// The picture, with values up to one. Its unit square covers the cone.
+        /// The picture, with values up to one. Its unit square covers the cone, or the window.
         picture: Texture,
+        /// For a projector: half the width and height of the window through which it shines, at distance one on the
+        /// axis. The picture covers the window, u along -x and v along -y, as for a camera. It gives the irradiance on
+        /// planes perpendicular to the axis; the intensity is that toward the corners of the window, which `cutoff` and
+        /// `beam` include. `None` for a spot.
+        window: Option<Vec2>,
     },
     /// Parallel light from far away.
     Directional {

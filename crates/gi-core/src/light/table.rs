@@ -268,14 +268,14 @@ impl Light {
                 beam,
                 slide: None,
             },
-            LightSource::Projector { position, axes, intensity, cutoff, beam, picture } => {
+            LightSource::Projector { position, axes, intensity, cutoff, beam, picture, window } => {
                 Light::Spot {
                     position,
                     frame: Frame::from_normal(axes[2].normalize_or(Vec3::Z)),
                     intensity,
                     cutoff,
                     beam,
-                    slide: Some(Box::new(Slide::new(picture, axes, cutoff))),
+                    slide: Some(Box::new(Slide::new(picture, axes, cutoff, window))),
                 }
             }
             LightSource::Directional { direction, irradiance } => {
@@ -336,8 +336,8 @@ impl Light {
             }
             Light::Point { intensity, .. } => 4.0 * PI * intensity.luminance(),
             Light::Spot { intensity, cutoff, beam, slide, .. } => {
-                let mean = slide.as_ref().map_or(Rgb::WHITE, |slide| slide.mean());
                 let solid_angle = 2.0 * PI * (1.0 - 0.5 * (cutoff.cos() + beam.cos()));
+                let mean = slide.as_ref().map_or(Rgb::WHITE, |slide| slide.mean(solid_angle));
                 solid_angle * (*intensity * mean).luminance()
             }
             Light::Directional { irradiance, .. } => disc * irradiance.luminance(),

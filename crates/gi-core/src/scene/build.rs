@@ -81,7 +81,16 @@ impl Scene {
     /// See [`SceneError`]. An empty scene is valid.
     pub fn new(parts: SceneParts) -> Result<Self, SceneError> {
         check(&parts)?;
-        let SceneParts { shapes, groups, instances, materials, media, lights, origin } = parts;
+        let SceneParts {
+            shapes,
+            groups,
+            instances,
+            materials,
+            media,
+            lights,
+            hides_emitters,
+            origin,
+        } = parts;
         let own_shapes = shapes.len();
         let group_shapes = ranges(own_shapes, groups.iter().map(Vec::len));
         let shapes: Vec<Shape> = shapes.into_iter().chain(groups.into_iter().flatten()).collect();
@@ -124,6 +133,7 @@ impl Scene {
             lights,
             tree,
             bounds,
+            hides_emitters,
             origin,
             has_null,
             has_media,

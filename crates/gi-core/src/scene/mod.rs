@@ -39,6 +39,7 @@ pub struct Scene {
     lights: Lights,
     tree: Bvh,
     bounds: Bounds,
+    hides_emitters: bool,
     origin: Vec3,
     /// Whether any surface lets light pass straight through, so that shadow rays must evaluate what they hit.
     has_null: bool,
@@ -80,6 +81,25 @@ impl Scene {
     /// All media.
     pub fn media(&self) -> &[Medium] {
         &self.media
+    }
+
+    /// Whether the camera sees no light source directly, see [`SceneParts::hides_emitters`].
+    #[inline]
+    pub fn hides_emitters(&self) -> bool {
+        self.hides_emitters
+    }
+
+    /// The part of a ray of the camera that is behind all lamps in front of the first other surface.
+    #[cold]
+    pub(crate) fn behind_lamps(&self, mut ray: Ray) -> Ray {
+        while let Some(hit) = self.tree.closest(&ray) {
+            let shape = self.primitives.all[hit.prim as usize].shape;
+            if self.shapes[shape as usize].emission.is_none() {
+                break;
+            }
+            ray = self.tree.beyond(&ray, hit.t);
+        }
+        ray
     }
 
     /// The tree that rays are traced in.

@@ -21,6 +21,9 @@ pub struct SceneParts {
     pub media: Vec<Medium>,
     /// Lights that are not surfaces.
     pub lights: Vec<LightSource>,
+    /// Whether the camera sees no light source directly: it sees what is behind lamps, and black instead of light from
+    /// infinity.
+    pub hides_emitters: bool,
     /// Position of this origin in the coordinates of the file, see [`SceneParts::recentre`].
     pub origin: Vec3,
 }

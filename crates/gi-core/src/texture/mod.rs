@@ -31,6 +31,17 @@ pub enum Texture {
         /// From surface to texture coordinates.
         to_uv: Affine2,
     },
+    /// Lines along the borders of the unit squares of texture coordinates.
+    Grid {
+        /// The squares.
+        squares: Box<Texture>,
+        /// The lines.
+        lines: Box<Texture>,
+        /// Half the width of a line, in texture coordinates.
+        half_width: f32,
+        /// From surface to texture coordinates.
+        to_uv: Affine2,
+    },
 }
 
 impl Texture {
@@ -51,6 +62,11 @@ impl Texture {
                 let p = to_uv.transform_point2(uv);
                 let half = |x: f32| (x - x.floor()) >= 0.5;
                 if half(p.x) == half(p.y) { color0.eval(uv) } else { color1.eval(uv) }
+            }
+            Texture::Grid { squares, lines, half_width, to_uv } => {
+                let p = to_uv.transform_point2(uv);
+                let to_line = (p - p.round()).abs().min_element();
+                if to_line < *half_width { lines.eval(uv) } else { squares.eval(uv) }
             }
         }
     }
@@ -75,7 +91,7 @@ impl Texture {
                     Vec2::new(to_uv.matrix2.x_axis.length(), to_uv.matrix2.y_axis.length());
                 0.5 * texel / stretch.max(Vec2::splat(1e-6))
             }
-            Texture::Checkerboard { .. } => Vec2::splat(1e-3),
+            Texture::Checkerboard { .. } | Texture::Grid { .. } => Vec2::splat(1e-3),
         };
         let slope = |axis: Vec2, h: f32| {
             (self.scalar(uv + axis * h) - self.scalar(uv - axis * h)) / (2.0 * h)
@@ -89,6 +105,10 @@ impl Texture {
             Texture::Constant(value) => *value,
             Texture::Bitmap { bitmap, scale, .. } => bitmap.mean() * *scale,
             Texture::Checkerboard { color0, color1, .. } => (color0.mean() + color1.mean()) * 0.5,
+            Texture::Grid { squares, lines, half_width, .. } => {
+                let side = 1.0 - 2.0 * half_width.clamp(0.0, 0.5);
+                lines.mean().lerp(squares.mean(), side * side)
+            }
         }
     }
 
@@ -104,6 +124,12 @@ impl Texture {
                 color1: Box::new(color1.scaled(factor)),
                 to_uv,
             },
+            Texture::Grid { squares, lines, half_width, to_uv } => Texture::Grid {
+                squares: Box::new(squares.scaled(factor)),
+                lines: Box::new(lines.scaled(factor)),
+                half_width,
+                to_uv,
+            },
         }
     }
 
@@ -115,5 +141,26 @@ impl Texture {
     /// Whether the value is zero everywhere.
     pub fn is_black(&self) -> bool {
         matches!(self, Texture::Constant(value) if value.is_black())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_grid_has_lines_around_whole_coordinates() {
+        let (squares, lines) = (Box::new(Texture::grey(0.2)), Box::new(Texture::grey(0.4)));
+        let to_uv = Affine2::from_scale(Vec2::splat(2.0));
+        let grid = Texture::Grid { squares, lines, half_width: 0.1, to_uv };
+        let at = |x: f32, y: f32| grid.eval(Vec2::new(x, y)).r;
+        assert_eq!([at(0.02, 0.2), at(0.2, 0.48), at(-0.04, 0.3)], [0.4; 3]);
+        assert_eq!([at(0.06, 0.2), at(0.25, 0.25), at(-0.3, -0.2)], [0.2; 3]);
+        // Mean over one square, by points in the middle of small cells.
+        let n = 200;
+        let point = |i: usize| 0.5 * (i as f32 + 0.5) / n as f32;
+        let sum: f64 = (0..n * n).map(|k| f64::from(at(point(k % n), point(k / n)))).sum();
+        assert!((f64::from(grid.mean().r) - sum / (n * n) as f64).abs() < 1e-4);
+        assert_eq!(grid.scaled(Rgb::grey(2.0)).eval(Vec2::ZERO).r, 0.8);
     }
 }

@@ -4,6 +4,7 @@ use gi_core::math::Rgb;
 
 use super::{Class, Node, Value};
 use crate::spectrum::{EQUAL_ENERGY, Spectrum};
+use crate::value;
 
 /// What a colour's spectrum describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +29,14 @@ impl Node<'_> {
         child.spectrum_child(meaning)
     }
 
+    /// One number or three that are no colour, as they are.
+    pub(crate) fn raw(self, name: &'static str) -> Option<Rgb> {
+        match &self.find(name)?.value {
+            Value::Vector(v) => Some(Rgb::from(v.as_vec3().to_array())),
+            _ => self.color(name, Meaning::Factor),
+        }
+    }
+
     fn value_color(self, value: &Value, meaning: Meaning) -> Option<Rgb> {
         Some(match value {
             Value::Color(c) => *c,
@@ -47,9 +56,19 @@ impl Node<'_> {
             "rgb" | "srgb" | "uniform" | "regular" | "irregular" if self.has("value") => {
                 self.color("value", meaning)
             }
-            "d65" => {
+            // Mitsuba 2 names the colour `color`, and the product of a colour and daylight `srgb_d65`.
+            "srgb" if self.has("color") => self.color("color", meaning),
+            "d65" | "srgb_d65" => {
                 let scale = self.float("scale", 1.0) * self.float("value", 1.0);
                 Some(self.color("color", Meaning::Factor).unwrap_or(Rgb::WHITE) * scale)
+            }
+            "regular" | "irregular" | "interpolated" => {
+                let spectrum = self.samples()?;
+                Some(if meaning == Meaning::Light {
+                    spectrum.emission()
+                } else {
+                    spectrum.reflectance()
+                })
             }
             "uniform" => {
                 let v = self.float("value", 1.0);
@@ -61,9 +80,50 @@ impl Node<'_> {
                 Some(body.emission())
             }
             _ => {
-                self.unknown_plugin(&["rgb", "uniform", "d65", "blackbody"]);
+                self.unknown_plugin(&[
+                    "rgb",
+                    "uniform",
+                    "d65",
+                    "blackbody",
+                    "regular",
+                    "irregular",
+                ]);
                 None
             }
         }
+    }
+
+    /// The spectrum of `regular` and `irregular`: lists of numbers. Mitsuba 2 calls `regular` `interpolated` and its ends
+    /// `lambda_min` and `lambda_max`. `None` if an error was reported.
+    fn samples(self) -> Option<Spectrum> {
+        let list = |name| match self.text(name).map(value::numbers) {
+            Some(Ok(numbers)) if !numbers.is_empty() => Some(numbers),
+            Some(Err(why)) => {
+                self.report.error(self.span_of(name), why, "expected numbers");
+                None
+            }
+            _ => {
+                self.error(format!("`{}` without `{name}`", self.plugin()), "");
+                None
+            }
+        };
+        let values = list("values")?;
+        let wavelengths = if self.plugin() == "irregular" {
+            list("wavelengths")?
+        } else {
+            let end = |new, old, default| self.float(new, self.float(old, default));
+            let (first, last) = (
+                end("wavelength_min", "lambda_min", 360.0),
+                end("wavelength_max", "lambda_max", 830.0),
+            );
+            let steps = (values.len() - 1).max(1) as f32;
+            (0..values.len()).map(|k| first + (last - first) * k as f32 / steps).collect()
+        };
+        if wavelengths.len() != values.len() || !wavelengths.is_sorted_by(|a, b| a < b) {
+            let message = format!("{} wavelengths for {} values", wavelengths.len(), values.len());
+            self.error(message, "expected one wavelength per value, in ascending order");
+            return None;
+        }
+        Some(Spectrum::Pairs(wavelengths.into_iter().zip(values).collect()))
     }
 }

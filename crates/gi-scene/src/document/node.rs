@@ -1,5 +1,6 @@
 use glam::{Affine3A, DAffine3, DVec3, Vec3};
 
+use super::refused;
 use super::{Child, Class, Document, Object, ObjectId, Property, Target, Value};
 use crate::diagnostics::{Report, Span};
 use crate::spectrum::Spectrum;
@@ -45,9 +46,13 @@ impl<'a> Node<'a> {
         self.report.warn(self.span(), message);
     }
 
-    /// Report an unknown plugin and suggest the nearest known one.
+    /// Report an unknown plugin and suggest the nearest known one, or what replaces it.
     pub(crate) fn unknown_plugin(self, known: &[&str]) {
         let object = self.object();
+        if let Some((why, instead)) = refused::reason(object.class.tag(), &object.plugin) {
+            let message = format!("{} `{}` is not supported", object.class.tag(), object.plugin);
+            return self.report.error_help(object.plugin_span, message, why, Some(instead.into()));
+        }
         let help = self
             .report
             .suggestion(&object.plugin, known.iter().copied())

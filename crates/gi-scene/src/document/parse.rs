@@ -28,7 +28,7 @@ const MAX_NESTING: usize = 64;
 const MAX_NODES: u32 = 1 << 24;
 
 /// Texture plugins that may be written as a `<spectrum>`.
-const TEXTURES: [&str; 3] = ["bitmap", "checkerboard", "scale"];
+const TEXTURES: [&str; 5] = ["bitmap", "checkerboard", "scale", "mesh_attribute", "rawconstant"];
 
 /// Read a scene file and all files that it includes.
 pub(crate) fn parse(

@@ -1,6 +1,8 @@
 use gi_core::light::LightSource;
 use gi_core::math::{Frame, Rgb};
-use glam::{Affine3A, Mat3, Vec3};
+use gi_core::texture::Texture;
+use glam::{Affine3A, Mat3, Vec2, Vec3};
+use std::f32::consts::PI;
 
 use super::{Exporter, degrees, numbers};
 use crate::origins::LightOrigin;
@@ -47,11 +49,14 @@ impl Exporter<'_> {
                 xml.value("float", "cutoff_angle", &degrees(*cutoff));
                 xml.value("float", "beam_width", &degrees(*beam));
             }
-            LightSource::Projector { position, axes, intensity, cutoff, beam, picture } => {
-                xml.open("emitter", &[("type", "spot")]);
+            LightSource::Projector { position, axes, intensity, cutoff, beam, picture, window } => {
                 let [x, y, z] = axes.map(Vec3::normalize_or_zero);
-                let linear = Mat3::from_cols(x, y, z);
-                xml.transform("to_world", &Affine3A::from_mat3_translation(linear, *position));
+                let to_world = Affine3A::from_mat3_translation(Mat3::from_cols(x, y, z), *position);
+                if let Some(half) = window {
+                    return self.projector(&to_world, *half, *intensity, picture);
+                }
+                xml.open("emitter", &[("type", "spot")]);
+                xml.transform("to_world", &to_world);
                 xml.color("intensity", *intensity);
                 xml.value("float", "cutoff_angle", &degrees(*cutoff));
                 xml.value("float", "beam_width", &degrees(*beam));
@@ -81,6 +86,23 @@ impl Exporter<'_> {
                 return Err("a sun that comes from no `sunsky`".into());
             }
         }
+        self.xml.close();
+        Ok(())
+    }
+
+    fn projector(
+        &mut self,
+        to_world: &Affine3A,
+        half: Vec2,
+        intensity: Rgb,
+        picture: &Texture,
+    ) -> Result<(), String> {
+        self.xml.open("emitter", &[("type", "projector")]);
+        self.xml.transform("to_world", to_world);
+        self.xml.value("float", "fov", &degrees(2.0 * half.x.atan()));
+        // Mitsuba multiplies the irradiance by pi; ours is the intensity toward the corners times cos^3.
+        let irradiance = intensity * ((1.0 + half.length_squared()).powf(-1.5) / PI);
+        self.texture("irradiance", &picture.clone().scaled(irradiance))?;
         self.xml.close();
         Ok(())
     }

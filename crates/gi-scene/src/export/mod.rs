@@ -148,6 +148,9 @@ impl<'a> Exporter<'a> {
         self.xml.open("integrator", &[("type", integrator)]);
         let depth = loaded.integrator_max_depth.unwrap_or(-1).to_string();
         self.xml.value("integer", "max_depth", &depth);
+        if loaded.parts.hides_emitters {
+            self.xml.value("boolean", "hide_emitters", "true");
+        }
         self.xml.close();
         self.sensor(&loaded.camera);
         for (i, medium) in loaded.parts.media.iter().enumerate() {

@@ -3,7 +3,7 @@
 use gi_core::image_io::{ImageFile, Layers, write_file};
 use gi_core::math::Rgb;
 use gi_core::texture::{Bitmap, Lookup, Texture, Wrap};
-use glam::{Affine2, Affine3A, Mat3, Vec3};
+use glam::{Affine2, Affine3A, Mat3, Vec2, Vec3};
 
 use super::{Exporter, channels};
 
@@ -50,6 +50,18 @@ impl Exporter<'_> {
                 self.xml.transform("to_uv", &spatial(to_uv));
                 self.xml.close();
             }
+            Texture::Grid { to_uv, .. } => {
+                self.warn(
+                    "Mitsuba 3 has no `gridtexture`: a picture of 1024 x 1024 texels replaces it",
+                );
+                let file = self.sampled(texture, to_uv)?;
+                self.xml.open("texture", &[("type", "bitmap"), ("name", name)]);
+                self.xml.value("string", "filename", &file);
+                self.xml.value("boolean", "raw", "true");
+                self.xml.value("string", "filter_type", "nearest");
+                self.xml.transform("to_uv", &spatial(to_uv));
+                self.xml.close();
+            }
             Texture::Bitmap { bitmap, to_uv, scale } => {
                 let origin = self.loaded.origins.bitmap_file(bitmap);
                 let (file, raw) = match origin.filter(|_| *scale == Rgb::WHITE) {
@@ -74,6 +86,19 @@ impl Exporter<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Write the unit square of a texture's own coordinates as a picture.
+    fn sampled(&mut self, texture: &Texture, to_uv: &Affine2) -> Result<String, String> {
+        const SIDE: usize = 1024;
+        let back = to_uv.inverse();
+        let center = |i: usize| (i as f32 + 0.5) / SIDE as f32;
+        let texel = |i: usize| {
+            let p = Vec2::new(center(i % SIDE), center(i / SIDE));
+            texture.eval(back.transform_point2(p)).to_array()
+        };
+        let layers = Layers::of_rgb([SIDE; 2], (0..SIDE * SIDE).map(texel));
+        self.side_file("exr", |path| write_file(path, ImageFile::Exr, &layers))
     }
 
     /// Write a picture times a factor to a file, because Mitsuba 3 cannot multiply pictures.

@@ -1,11 +1,25 @@
 //! BSDFs without an exact counterpart: each is approximated, with a warning.
 
+use gi_core::bsdf::dielectric_hemispherical;
 use gi_core::material::Material;
+use gi_core::math::Rgb;
 use gi_core::texture::Texture;
 
+use super::ior;
 use crate::builder::Builder;
-use crate::document::{Class, Node};
+use crate::document::{Class, Meaning, Node};
 use crate::value;
+
+/// Fraction of diffuse light that passes a coat of this optical depth once, after refraction into it.
+fn mean_passage(depth: f32, eta: f32) -> f32 {
+    const STEPS: usize = 64;
+    let passage = |k: usize| {
+        let sin_sq = (k as f32 + 0.5) / STEPS as f32;
+        let cos = (1.0 - sin_sq / (eta * eta)).max(0.0).sqrt();
+        (-depth / cos).exp()
+    };
+    (0..STEPS).map(passage).sum::<f32>() / STEPS as f32
+}
 
 impl Builder<'_> {
     /// Ward's lobe falls as exp(-tan^2 / alpha^2) about the half vector, Phong's as cos^n about the mirror direction.
@@ -21,6 +35,53 @@ impl Builder<'_> {
             specular: self.share(node, "specular_reflectance", 0.2),
             exponent: Texture::grey(exponent),
         }
+    }
+
+    /// A coat over a diffuse base, as `plastic`. Mitsuba 0.6 leaves out the light that the coat reflects back to the base;
+    /// a darker base makes up for that, so that a smooth clear coat is the same.
+    pub(super) fn coating(&mut self, node: Node<'_>) -> Option<Material> {
+        node.ignore(&["specular_sampling_weight"]);
+        let bases = node.children(Class::Bsdf);
+        let [base] = bases.as_slice() else {
+            let message = format!("`{}` has {} bsdfs", node.plugin(), bases.len());
+            node.error(message, "expected one");
+            return None;
+        };
+        if !["diffuse", "lambertian"].contains(&base.plugin()) {
+            let (kind, inner) = (node.plugin(), base.plugin());
+            let help =
+                "`principled` has a `clearcoat`; without the coat, the base is supported alone";
+            let message = format!("`{kind}` around `{inner}` is not supported");
+            node.report.error_help(
+                node.span(),
+                message,
+                "only around `diffuse`",
+                Some(help.into()),
+            );
+            return None;
+        }
+        let eta = ior::relative(node, "bk7")?;
+        let leaves = 1.0 - dielectric_hemispherical(1.0 / eta);
+        let diffuse = self.share(*base, "reflectance", 0.5).scaled(Rgb::grey(leaves));
+        let sigma = node.color("sigma_a", Meaning::Factor).unwrap_or(Rgb::BLACK);
+        let thickness = node.within("thickness", 1.0, 0.0..=value::MAX_NUMBER);
+        let passes = (sigma * thickness).map(|depth| mean_passage(depth.max(0.0), eta).powi(2));
+        if !sigma.is_black() {
+            node.warn(
+                "the absorption of the coating is approximated by its mean over all directions",
+            );
+        }
+        let roughness = self.roughness(node, "roughcoating");
+        if roughness.is_some() {
+            node.warn("`roughcoating` is approximated by `roughplastic`");
+        }
+        Some(Material::Plastic {
+            eta,
+            diffuse: diffuse.scaled(passes),
+            specular: self.share(node, "specular_reflectance", 1.0),
+            nonlinear: false,
+            roughness,
+        })
     }
 
     /// A weighted sum as nested blends. If the weights sum to less than one, the rest of the light is absorbed.

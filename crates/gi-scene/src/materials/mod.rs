@@ -15,7 +15,7 @@ use crate::builder::Builder;
 use crate::document::{Meaning, Node};
 
 /// The supported plugins.
-const KNOWN: [&str; 24] = [
+const KNOWN: [&str; 26] = [
     "diffuse",
     "roughdiffuse",
     "dielectric",
@@ -38,6 +38,8 @@ const KNOWN: [&str; 24] = [
     "principled",
     "principledthin",
     "pplastic",
+    "coating",
+    "roughcoating",
     "lambertian",
     "opacity",
 ];
@@ -48,7 +50,8 @@ const MAX_NESTING: usize = 32;
 impl Builder<'_> {
     /// The material of a BSDF, built when first used; black if an error was reported.
     pub(crate) fn material(&mut self, node: Node<'_>) -> usize {
-        if let Some(&known) = self.material_of.get(&node.id) {
+        let shared = self.attributes.is_none();
+        if let Some(&known) = self.material_of.get(&node.id).filter(|_| shared) {
             return known;
         }
         if self.open_materials.contains(&node.id) {
@@ -66,7 +69,9 @@ impl Builder<'_> {
             Some(material) => self.push_material(material, node.object().id.clone()),
             None => self.black(),
         };
-        self.material_of.insert(node.id, index);
+        if shared {
+            self.material_of.insert(node.id, index);
+        }
         index
     }
 
@@ -117,6 +122,7 @@ impl Builder<'_> {
             },
             "conductor" | "roughconductor" => self.conductor(node)?,
             "plastic" | "roughplastic" | "pplastic" => self.plastic(node)?,
+            "coating" | "roughcoating" => return self.coating(node),
             "phong" => Material::Phong {
                 diffuse: self.share(node, "diffuse_reflectance", 0.5),
                 specular: self.share(node, "specular_reflectance", 0.2),

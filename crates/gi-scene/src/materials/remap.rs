@@ -42,6 +42,12 @@ impl Builder<'_> {
                 color1: Box::new(self.map_texture(node, *color1, map)),
                 to_uv,
             },
+            Texture::Grid { squares, lines, half_width, to_uv } => Texture::Grid {
+                squares: Box::new(self.map_texture(node, *squares, map)),
+                lines: Box::new(self.map_texture(node, *lines, map)),
+                half_width,
+                to_uv,
+            },
             Texture::Bitmap { bitmap, to_uv, scale } => {
                 let (w, h) = (bitmap.width(), bitmap.height());
                 let claim = node.report.budget.claim("changed pictures");

@@ -41,6 +41,9 @@ pub(crate) fn load(path: &Path, options: &Options, report: &Report) -> Option<Lo
     for (name, _) in options.defines.iter().filter(|(name, _)| !name.starts_with("gi.")) {
         report.warn_nowhere(format!("-D {name} has no effect: OBJ files have no named values"));
     }
+    if let Some(index) = options.sensor {
+        report.warn_nowhere(format!("--sensor {index} has no effect: OBJ files have no sensors"));
+    }
     let (mut text, mut meshes) =
         (report.budget.claim(path.display()), report.budget.claim(path.display()));
     let bytes = files::read_bytes(path, &mut text);
@@ -94,6 +97,7 @@ pub(crate) fn load(path: &Path, options: &Options, report: &Report) -> Option<Lo
         hash: reader.hash.value(),
         world,
         files: Vec::new(),
+        memory: 0,
         origins: reader.origins,
     })
 }

@@ -81,8 +81,9 @@ impl Reader<'_> {
             return self.report.warn(span, message);
         };
         if let Err(why) = self.assign(&mut entry, &lower, keyword, rest, span) {
-            let message = format!("material `{}`: `{keyword}`: {why}", entry.name);
-            self.report.error(span, message, "");
+            // One absurd value must not refuse the whole file.
+            let message = format!("material `{}`: `{keyword}`: {why}: ignored", entry.name);
+            self.report.warn(span, message);
         }
         self.entries.push(entry);
     }
@@ -219,8 +220,9 @@ impl Place<'_> {
             return Ok(Some(color));
         }
         let [r, g, b] = color.to_array();
-        let message = format!("material `{material}`: light `Ke {r} {g} {b}`: expected 0 to 1e15");
-        self.reader.report.error(self.span, message, "");
+        let message =
+            format!("material `{material}`: light `Ke {r} {g} {b}` is not in 0 to 1e15: ignored");
+        self.reader.report.warn(self.span, message);
         Ok(None)
     }
 }

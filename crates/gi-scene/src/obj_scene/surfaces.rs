@@ -64,13 +64,10 @@ impl Reader<'_> {
 
     fn glass(&mut self, entry: &Entry, id: Option<String>) -> usize {
         // Exporters write 0 if no index was chosen.
-        let eta = entry.index.filter(|n| *n != 0.0).unwrap_or(DEFAULT_IOR);
+        let mut eta = entry.index.filter(|n| *n != 0.0).unwrap_or(DEFAULT_IOR);
         if !RELATIVE.contains(&eta) {
-            let message = format!("material `{}`: `Ni {eta}`: expected 0.1 to 10", entry.name);
-            match entry.span {
-                Some(span) => self.report.error(span, message, ""),
-                None => self.report.error_nowhere(message),
-            }
+            self.warn(entry, &format!("`Ni {eta}` is not in 0.1 to 10: {DEFAULT_IOR} is used"));
+            eta = DEFAULT_IOR;
         }
         let transmittance = Texture::Constant(entry.filter.unwrap_or(Rgb::WHITE));
         let reflectance = Texture::grey(1.0);

@@ -15,6 +15,7 @@ use gi_core::material::Material;
 use gi_core::texture::Texture;
 use glam::Vec3;
 
+use crate::attributes;
 use crate::builder::Builder;
 use crate::document::{Class, Node};
 use crate::origins::ShapeOrigin;
@@ -74,12 +75,18 @@ impl Builder<'_> {
             "max_smooth_angle",
         ]);
         node.ignore(&["to_world", "subdiv", "silhouette_sampling_weight"]);
+        self.enter_shape(node);
         let material = self.shape_material(node);
         let mut emission = self.emission(node);
         let [interior, exterior] = ["interior", "exterior"]
             .map(|side| node.child_if(side, |n| n.class() == Class::Medium))
             .map(|medium| medium.and_then(|m| self.medium(m)));
-        let (geometry, origin, mirrored) = self.geometry(node)?;
+        let has_attributes = self.attributes.take().is_some();
+        let (mut geometry, mut origin, mirrored) = self.geometry(node)?;
+        if has_attributes && let Geometry::Mesh(mesh) = &mut geometry {
+            attributes::unfold(mesh);
+            origin = ShapeOrigin::Itself;
+        }
         let name = node.object().id.clone().unwrap_or_else(|| node.plugin().to_owned());
         note_flatness(node, &name, &geometry);
         if let (Some(radiance), true) = (&mut emission, node.doc.is_pbrt) {

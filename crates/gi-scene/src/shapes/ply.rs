@@ -10,7 +10,10 @@ use crate::budget::Claim;
 
 use header::{Element, Format, Header, Kind, Property};
 
+mod attributes;
 mod header;
+
+pub(crate) use attributes::attribute;
 
 /// Most corners of a face; a larger number means a damaged file.
 const MAX_CORNERS: u64 = 1 << 16;
@@ -164,9 +167,6 @@ fn faces(
 ) -> Result<(), String> {
     let vertices = mesh_file::bytes(mesh);
     let triangles: &mut Vec<[u32; 3]> = &mut mesh.triangles;
-    let is_corners = |p: &Property| {
-        ["vertex_indices", "vertex_index"].contains(&p.name.as_str()) && p.list.is_some()
-    };
     if !e.properties.iter().any(is_corners) {
         return Err("its faces lack `vertex_indices`".into());
     }
@@ -199,6 +199,11 @@ fn faces(
         }
     }
     Ok(())
+}
+
+/// Whether a property of a face lists its corners.
+fn is_corners(p: &Property) -> bool {
+    ["vertex_indices", "vertex_index"].contains(&p.name.as_str()) && p.list.is_some()
 }
 
 fn skip(e: &Element, source: &mut Source<'_>) -> Result<(), String> {

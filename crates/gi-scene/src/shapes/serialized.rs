@@ -39,7 +39,7 @@ pub(crate) fn parse(
     let vertices = stream.count()?;
     let triangles = stream.count()?;
     match flags & (SINGLE | DOUBLE) {
-        SINGLE => {}
+        0 | SINGLE => {} // old files name no precision
         DOUBLE => stream.double = true,
         other => return Err(format!("its precision is coded as {other:#x}")),
     }
@@ -247,7 +247,7 @@ mod tests {
     #[test]
     fn each_mesh_of_each_version_and_precision_is_found() {
         for version in [3, 4] {
-            for precision in [SINGLE, DOUBLE] {
+            for precision in [0, SINGLE, DOUBLE] {
                 let all = precision | HAS_NORMALS | HAS_UVS | HAS_COLORS;
                 let bytes = file(version, &[(precision, "a", 3, 1), (all, "b\u{e9}", 5, 2)]);
                 let (a, b) = (read(&bytes, 0).unwrap(), read(&bytes, 1).unwrap());

@@ -102,7 +102,8 @@ impl SunSky {
         local.z.clamp(-1.0, 1.0).asin()
     }
 
-    fn sun(&self) -> LightSource {
+    /// The sun as a light.
+    pub(crate) fn sun(&self) -> LightSource {
         // A larger disc is dimmer, so that the irradiance stays the same.
         let solid_angle = |radius: f32| 1.0 - f64::from(radius).cos();
         let ratio = solid_angle(sun::ANGULAR_RADIUS) / solid_angle(self.angular_radius);
@@ -114,7 +115,8 @@ impl SunSky {
         }
     }
 
-    fn sky(&self) -> Result<LightSource, String> {
+    /// The sky as a light.
+    pub(crate) fn sky(&self) -> Result<LightSource, String> {
         let params = SkyParams {
             elevation: self.elevation(),
             turbidity: self.turbidity,

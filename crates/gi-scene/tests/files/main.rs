@@ -219,14 +219,20 @@ fn ignored_requests_of_an_integrator_give_a_warning() {
         let loaded = scene(&format!("{integrator}{sensor}<shape type='cube'/>"));
         loaded.warnings.join("\n")
     };
-    let hidden =
-        "<integrator type='path'><boolean name='hide_emitters' value='true'/></integrator>";
-    assert!(warnings(hidden).contains("`hide_emitters` is ignored"), "{}", warnings(hidden));
-    assert_eq!(warnings(&hidden.replace("true", "false")), "");
+    let strict =
+        "<integrator type='path'><boolean name='strict_normals' value='true'/></integrator>";
+    assert!(warnings(strict).contains("`strict_normals` is ignored"), "{}", warnings(strict));
+    assert_eq!(warnings(&strict.replace("true", "false")), "");
     assert!(warnings("<integrator type='direct'/>").contains("--max-depth 2"));
     let nested =
         "<integrator type='aov'><integrator type='path'><integer name='max_depth' value='5'/>
         <boolean name='hideEmitters' value='true'/></integrator></integrator>";
-    assert!(warnings(nested).contains("`hide_emitters` is ignored"));
-    assert_eq!(scene(&format!("{nested}<shape type='cube'/>")).integrator_max_depth, Some(5));
+    let loaded = scene(&format!("{nested}<shape type='cube'/>"));
+    assert_eq!(loaded.integrator_max_depth, Some(5));
+    assert!(loaded.parts.hides_emitters && !warnings(nested).contains("hide_emitters"));
+    let fog = "<medium type='homogeneous' id='m'/>";
+    let foggy = scene(&format!("{nested}{fog}<shape type='cube'/>"));
+    assert!(!foggy.parts.hides_emitters);
+    let shown = foggy.warnings.join("\n");
+    assert!(shown.contains("`hide_emitters` is ignored in a scene with media"), "{shown}");
 }

@@ -249,16 +249,17 @@ fn an_environment_with_a_huge_scale_is_refused() {
 }
 
 #[test]
-fn a_library_with_negative_light_or_an_invalid_index_is_refused() {
+fn negative_light_and_an_invalid_index_in_a_library_are_ignored_with_a_warning() {
     let folder = Folder::new();
     let obj = "mtllib a.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     let path = folder.write("a.obj", obj);
     for (line, shown) in [
-        ("Ke 1 -1 1", "material `m`: light `Ke 1 -1 1`: expected 0 to 1e15"),
-        ("illum 4\nNi 100", "material `m`: `Ni 100`: expected 0.1 to 10"),
+        ("Ke 1 -1 1", "material `m`: light `Ke 1 -1 1` is not in 0 to 1e15: ignored"),
+        ("illum 4\nNi 100", "material `m`: `Ni 100` is not in 0.1 to 10: 1.5 is used"),
     ] {
         folder.write("a.mtl", format!("newmtl m\n{line}\n"));
-        let problems = load(&path, &Options::default()).unwrap_err().to_string();
-        assert!(problems.contains(shown), "{problems}");
+        let loaded = load(&path, &Options::default()).unwrap();
+        assert!(loaded.warnings[0].contains(shown), "{:?}", loaded.warnings);
+        assert!(loaded.parts.shapes[0].emission.is_none());
     }
 }

@@ -78,6 +78,42 @@ fn a_spot_with_a_picture_is_a_projector() {
 }
 
 #[test]
+fn a_projector_is_a_camera_that_shines() {
+    let light = |inner: &str| {
+        let loaded = scene(&format!(
+            "<emitter type='projector'><float name='fov' value='90'/>{inner}</emitter>"
+        ));
+        loaded.parts.lights[0].clone()
+    };
+    let LightSource::Projector { intensity, cutoff, beam, window: Some(half), .. } =
+        light("<float name='scale' value='2'/><rgb name='irradiance' value='3'/>")
+    else {
+        panic!()
+    };
+    assert!(
+        (half - Vec2::ONE).length() < 1e-6
+            && (cutoff.tan() - 2f32.sqrt()).abs() < 1e-5
+            && beam == cutoff
+    );
+    // Irradiance pi * 6 at distance one: the intensity toward the corners is that over cos^3.
+    let expected = std::f32::consts::PI * 6.0 * 3f32.powf(1.5);
+    assert!((intensity.r / expected - 1.0).abs() < 1e-5, "{intensity:?}");
+}
+
+#[test]
+fn a_collimated_beam_becomes_a_narrow_spot_of_the_same_power() {
+    let loaded = scene("<emitter type='collimated'><rgb name='power' value='3'/></emitter>");
+    let LightSource::Spot { intensity, cutoff, beam, direction, .. } = loaded.parts.lights[0]
+    else {
+        panic!()
+    };
+    assert_eq!((cutoff, direction), (beam, Vec3::Z));
+    let solid_angle = f64::from(cutoff).powi(2) * std::f64::consts::PI;
+    assert!((f64::from(intensity.r) * solid_angle - 3.0).abs() < 1e-4);
+    assert!(loaded.warnings.iter().any(|w| w.contains("approximated by a spot")));
+}
+
+#[test]
 fn media_have_their_defaults_and_either_parametrisation() {
     let medium = |inner: &str| {
         let body = format!(
@@ -107,4 +143,25 @@ fn a_boundary_of_media_without_a_bsdf_is_invisible_in_the_old_format() {
     let body = "<shape type='sphere'><medium type='homogeneous' name='interior'/></shape>";
     assert!(matches!(of_only_shape(&old_scene(body)), Material::Null));
     assert!(matches!(of_only_shape(&scene(body)), Material::Diffuse { .. }));
+}
+
+#[test]
+fn media_have_the_names_of_mitsuba_0_6() {
+    let medium = |inner: &str| {
+        let body = format!(
+            "<medium type='homogeneous' id='m'>{inner}</medium>
+            <shape type='sphere'><bsdf type='null'/><ref name='interior' id='m'/></shape>"
+        );
+        old_scene(&body).parts.media[0].clone()
+    };
+    let named =
+        medium("<string name='material' value='wholemilk'/><float name='scale' value='0.5'/>");
+    let scattered = named.albedo * named.sigma_t;
+    for (got, want) in scattered.to_array().into_iter().zip([127.5, 160.5, 188.5]) {
+        assert!((got - want).abs() < 1e-3, "{scattered:?}");
+    }
+    assert_eq!(medium(""), medium("<string name='material' value='Skin1'/>"));
+    let wrong = "<medium type='homogeneous'><string name='material' value='wholemilc'/></medium>";
+    let shown = common::Folder::new().problems(wrong);
+    assert!(shown.contains("unknown medium `wholemilc`") && shown.contains("Wholemilk"), "{shown}");
 }

@@ -3,7 +3,9 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod lights;
+mod sensors;
 mod shapes;
+mod spectra;
 
 use common::{material, of_only_shape, old_scene, scene};
 use gi_core::camera::Projection;
@@ -37,35 +39,6 @@ fn a_shape_without_a_bsdf_is_grey_and_a_light_without_one_black() {
     };
     assert_eq!([albedo(0), albedo(1)], [Rgb::grey(0.5), Rgb::BLACK]);
     assert_eq!(constant(loaded.parts.shapes[1].emission.as_ref().unwrap()), Rgb::WHITE);
-}
-
-#[test]
-fn diffuse_takes_colours_numbers_and_spectra() {
-    let albedo = |inner: &str| match material(&format!("<bsdf type='diffuse'>{inner}</bsdf>")) {
-        Material::Diffuse { reflectance } => constant(&reflectance),
-        other => panic!("{other:?}"),
-    };
-    assert_eq!(albedo(""), Rgb::grey(0.5));
-    assert_eq!(albedo("<rgb name='reflectance' value='.1, .2 .3'/>"), Rgb::new(0.1, 0.2, 0.3));
-    assert_eq!(albedo("<rgb name='reflectance' value='0.25'/>"), Rgb::grey(0.25));
-    assert_eq!(albedo("<spectrum name='reflectance' value='0.25'/>"), Rgb::grey(0.25));
-    assert_eq!(albedo("<srgb name='reflectance' value='#ffffff'/>"), Rgb::WHITE);
-    assert_eq!(albedo("<rgb name='reflectance' value='2 0.5 0'/>"), Rgb::new(1.0, 0.5, 0.0));
-}
-
-#[test]
-fn a_measured_reflectance_has_mitsubas_colour() {
-    // Values from Mitsuba 3.9.1: the same pairs under D65.
-    let inner = "<spectrum name='reflectance' value='400:0.2, 500:0.5, 600:0.9, 700:0.1'/>";
-    let Material::Diffuse { reflectance } =
-        material(&format!("<bsdf type='diffuse'>{inner}</bsdf>"))
-    else {
-        panic!()
-    };
-    let got = constant(&reflectance).to_array();
-    for (g, want) in got.into_iter().zip([0.815_698, 0.686_849, 0.317_002]) {
-        assert!((g - want).abs() < 1e-3, "{got:?}");
-    }
 }
 
 #[test]
@@ -149,6 +122,59 @@ fn wrappers_hold_their_children() {
 }
 
 #[test]
+fn a_coat_over_a_diffuse_base_is_plastic_without_light_between_the_two() {
+    let coat = |inner: &str| {
+        format!(
+            "<bsdf type='coating'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/>{inner}</bsdf>"
+        )
+    };
+    let base = "<bsdf type='diffuse'><rgb name='reflectance' value='0.8'/></bsdf>";
+    let Material::Plastic { eta, diffuse, nonlinear: false, roughness: None, .. } =
+        material(&coat(base))
+    else {
+        panic!()
+    };
+    // `plastic` divides its base by 1 - 0.5963, the part that the coat lets out \[Egan73\].
+    let albedo = constant(&diffuse).r / (1.0 - 0.5963);
+    assert!(eta == 1.5 && (albedo - 0.8).abs() < 1e-3, "{albedo}");
+    let tinted =
+        format!("{base}<rgb name='sigma_a' value='0 1 1'/><float name='thickness' value='0.5'/>");
+    let Material::Plastic { diffuse: tinted, .. } = material(&coat(&tinted)) else { panic!() };
+    let ratio = constant(&tinted).g / constant(&diffuse).g;
+    // Along the normal, exp(-1) passes; slanted light is absorbed more.
+    assert!((0.8 * (-1.0f32).exp()..(-1.0f32).exp()).contains(&ratio), "{ratio}");
+    let metal = format!("<shape type='cube'>{}</shape>", coat("<bsdf type='roughconductor'/>"));
+    let shown = common::Folder::new().problems(&metal);
+    assert!(shown.contains("`coating` around `roughconductor` is not supported"), "{shown}");
+    assert!(shown.contains("clearcoat"), "{shown}");
+}
+
+#[test]
+fn plugins_that_are_not_supported_are_refused_with_a_reason_and_advice() {
+    let shown = common::Folder::new().problems(
+        "<shape type='sdfgrid'/><emitter type='directionalarea'/><shape type='cube'><bsdf type='irawan'/></shape>",
+    );
+    for text in [
+        "shape `sdfgrid` is not supported",
+        "marching cubes",
+        "emitter `directionalarea` is not supported",
+        "woven cloth",
+        "`principled` with sheen",
+    ] {
+        assert!(shown.contains(text), "{text}: {shown}");
+    }
+}
+
+#[test]
+fn a_grid_texture_has_the_defaults_of_mitsuba_0_6() {
+    let grid = "<bsdf type='diffuse'><texture type='gridtexture' name='reflectance'>
+        <float name='uscale' value='4'/><float name='line_width' value='0.05'/></texture></bsdf>";
+    let Material::Diffuse { reflectance } = material(grid) else { panic!() };
+    let at = |x: f32, y: f32| reflectance.eval(Vec2::new(x, y)).r;
+    assert_eq!([at(0.251, 0.5), at(0.1, 0.97), at(0.1, 0.5)], [0.4, 0.4, 0.2]);
+}
+
+#[test]
 fn twosided_around_a_mask_swaps_places_with_it() {
     let inside = "<bsdf type='twosided'><bsdf type='mask'><bsdf type='diffuse'/></bsdf></bsdf>";
     assert!(matches!(material(inside), Material::Mask { .. }));
@@ -181,32 +207,6 @@ fn a_mixture_becomes_nested_blends_with_the_same_weights() {
 }
 
 #[test]
-fn sensors_see_the_same_as_in_mitsuba() {
-    let fov = |inner: &str| {
-        let film = "<film type='hdrfilm'><integer name='width' value='300'/><integer name='height' value='200'/></film>";
-        let loaded = scene(&format!("<sensor type='perspective'>{inner}{film}</sensor>"));
-        let Projection::Perspective { fov_x, .. } = loaded.camera.projection else { panic!() };
-        fov_x.to_degrees()
-    };
-    // Values from Mitsuba 3.9.1.
-    let along = |axis: &str| {
-        fov(&format!("<float name='fov' value='40'/><string name='fov_axis' value='{axis}'/>"))
-    };
-    let got = ["x", "y", "diagonal", "smaller", "larger"].map(along);
-    for (g, want) in got.into_iter().zip([40.0, 57.265_14, 33.696_98, 57.265_14, 40.0]) {
-        assert!((g - want).abs() < 1e-3, "{got:?}");
-    }
-    let plain = scene("<sensor type='perspective'/>");
-    assert_eq!((plain.camera.size, plain.filter), ([768, 576], Filter::Gaussian { stddev: 0.5 }));
-    let Projection::Perspective { fov_x, .. } = plain.camera.projection else { panic!() };
-    assert!((fov_x.to_degrees() - 38.1848).abs() < 1e-3);
-    let lens =
-        scene("<sensor type='perspective'><string name='focal_length' value='35mm'/></sensor>");
-    let Projection::Perspective { fov_x, .. } = lens.camera.projection else { panic!() };
-    assert!((fov_x.to_degrees() - 52.622_54).abs() < 1e-3);
-}
-
-#[test]
 fn the_hash_of_the_world_ignores_the_camera() {
     let world = |camera: &str, radius: f32, preset: &str| {
         let text = format!(
@@ -228,18 +228,6 @@ fn the_hash_of_the_world_ignores_the_camera() {
         assert_ne!(other_hash, hash);
     }
     assert_ne!(world("", 1.5, "").0, first);
-}
-
-#[test]
-fn a_spectrum_may_be_a_bitmap() {
-    let folder = common::Folder::new();
-    let half = [0.5f32; 3].map(f32::to_le_bytes).concat();
-    folder.write("a.pfm", [b"PF\n1 1\n-1.0\n".as_slice(), &half].concat());
-    let body = "<shape type='cube'><bsdf type='diffuse'><spectrum type='bitmap' name='reflectance'>
-        <string name='filename' value='a.pfm'/></spectrum></bsdf></shape>";
-    let loaded = folder.scene("3.0.0", body).unwrap();
-    let Material::Diffuse { reflectance } = of_only_shape(&loaded) else { panic!() };
-    assert_eq!(reflectance.mean(), Rgb::grey(0.5));
 }
 
 #[test]
@@ -280,7 +268,6 @@ fn ignored_parameters_that_change_the_picture_give_a_warning() {
             "<sensor type='perspective'><film type='hdrfilm'>{inner}</film></sensor><shape type='cube'/>"
         )
     };
-    named(&film("<integer name='cropWidth' value='5'/>"), "`crop_width` is ignored");
     named(&film("<string name='pixelFormat' value='luminance'/>"), "`pixel_format`");
     let far = "<sensor type='perspective'><float name='farClip' value='1'/>
         <transform name='toWorld'><translate z='-5'/></transform></sensor><shape type='cube'/>";

@@ -89,3 +89,41 @@ fn groups_appear_through_instances() {
     assert_eq!(loaded.parts.instances.iter().map(|i| i.group).collect::<Vec<_>>(), [0, 0]);
     assert_eq!(loaded.parts.instances[0].to_world.translation.x, 5.0);
 }
+
+/// A triangle whose corners are red, green and blue.
+const COLORED: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+    property float r\nproperty float g\nproperty float b\nelement face 1\nproperty list uchar int vertex_indices\n\
+    end_header\n0 0 0 1 0 0\n1 0 0 0 1 0\n0 1 0 0 0 1\n3 0 1 2\n";
+
+#[test]
+fn a_mesh_attribute_colours_each_shape_with_its_own_mesh() {
+    let folder = common::Folder::new();
+    folder.write("a.ply", COLORED);
+    folder.write("b.ply", COLORED.replace("0 0 0 1 0 0", "0 0 0 1 1 1"));
+    let shape = |file: &str, inner: &str| {
+        format!("<shape type='ply'><string name='filename' value='{file}'/>{inner}</shape>")
+    };
+    let bsdf = "<bsdf type='twosided' id='dyed'><bsdf type='diffuse'><texture type='mesh_attribute' name='reflectance'>
+        <string name='name' value='vertex_color'/><float name='scale' value='0.5'/></texture></bsdf></bsdf>";
+    let shared = "<ref id='dyed'/>";
+    let body = format!("{bsdf}{}{}", shape("a.ply", shared), shape("b.ply", shared));
+    let loaded = folder.scene("3.0.0", &body).unwrap();
+    let at_corners = |k: usize| {
+        let shape = &loaded.parts.shapes[k];
+        let Geometry::Mesh(mesh) = &shape.geometry else { panic!() };
+        let Material::TwoSided { front, .. } = loaded.parts.materials[shape.material] else {
+            panic!()
+        };
+        let Material::Diffuse { reflectance } = &loaded.parts.materials[front] else { panic!() };
+        mesh.triangles[0].map(|i| reflectance.eval(mesh.uvs[i as usize]))
+    };
+    let half = |r: f32, g: f32, b: f32| Rgb::new(r, g, b) * 0.5;
+    assert_eq!(at_corners(0), [half(1., 0., 0.), half(0., 1., 0.), half(0., 0., 1.)]);
+    assert_eq!(at_corners(1)[0], Rgb::grey(0.5));
+    assert!(loaded.warnings.iter().all(|w| !w.contains("outside")), "{:?}", loaded.warnings);
+    let unknown = body.replace("vertex_color", "vertex_colour");
+    let shown = folder.problems(&unknown);
+    assert!(shown.contains("attribute `vertex_colour` of `a.ply`"), "{shown}");
+    let cube = format!("<shape type='cube'>{bsdf}</shape>");
+    assert!(folder.problems(&cube).contains("`mesh_attribute` on a shape `cube`"));
+}

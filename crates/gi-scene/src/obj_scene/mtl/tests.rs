@@ -82,9 +82,23 @@ fn ignored_statements_that_change_the_picture_give_a_warning() {
 }
 
 #[test]
-fn mistakes_are_shown_with_their_line() {
+fn an_absurd_value_is_ignored_with_its_line_and_does_not_refuse_the_file() {
     for statement in ["Kd red", "Kd 1 nan 0", "Ke 1 -1 1", "Ni x", "illum two", "Ns 1e40"] {
-        let shown = read(&format!("newmtl m\n{statement}\n")).1.unwrap_err();
-        assert!(shown.contains("a.mtl:2:1") && shown.contains("`m`"), "{shown}");
+        let (entries, warnings) = read(&format!("newmtl m\n{statement}\nKs 0.5\n"));
+        let warnings = warnings.unwrap();
+        assert_eq!(warnings.len(), 1, "{warnings:?}");
+        let shown = &warnings[0];
+        assert!(
+            shown.contains("a.mtl:2") && shown.contains("`m`") && shown.contains("ignored"),
+            "{shown}"
+        );
+        let m = &entries[0];
+        assert_eq!(m.specular, Some(Rgb::grey(0.5)), "the rest of the material is read");
+        assert!(
+            m.diffuse.is_none()
+                && m.emission.is_none()
+                && m.index.is_none()
+                && m.exponent.is_none()
+        );
     }
 }
