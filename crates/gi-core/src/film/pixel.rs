@@ -9,7 +9,7 @@ use crate::math::Rgb;
 /// Sums over passes of weights W and of weighted radiance A. The value of the pixel is A / W.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pixel {
-    passes: u32,
+    pub(super) passes: u32,
     /// W.
     weight: f64,
     /// A by component: direct, indirect, caustic.

@@ -28,6 +28,9 @@ impl Film {
         let pixels =
             (0..self.pixels.len()).map(|_| Pixel::read(&mut r)).collect::<Result<Vec<_>, _>>()?;
         r.end()?;
+        if passes > u32::MAX / 2 || pixels.iter().any(|pixel| pixel.passes > passes) {
+            return Err("its film has an impossible number of passes".into());
+        }
         (self.passes, self.pixels) = (passes, pixels);
         Ok(())
     }
