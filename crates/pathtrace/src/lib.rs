@@ -8,7 +8,7 @@
 //! | `--mode light` | paths from the lights; each vertex, on a surface or in a medium, is connected to the eye |
 //! | `--mode bdpt` | paths from both ends: every vertex of one is connected with every vertex of the other, and all ways to find a path are weighted [slide 38] |
 //! | `--mode vcm` | the same, and vertices near each other are merged as in photon mapping; the blur shrinks with the passes |
-//! | how it fails | noise: `path` for caustics of small lights, `light` in media near the eye. `light` sees nothing through mirrors and glass, and `bdpt` no light there that comes straight from small lamps behind glass; `vcm` blurs it |
+//! | how it fails | noise: `path` for caustics of small lights, `light` in media near the eye. `light` sees nothing through mirrors and glass, and `bdpt` no caustics of small lamps there; `vcm` finds them, blurred |
 //! | sources | \[Kajiya86\], \[Veach97\], \[Georgiev12\] |
 //!
 //! Read next: `gi_core::eye` (the eye walk), `light.rs` (paths from the lights), `bidir/` (paths from both ends), `params.rs` (the options).
@@ -106,11 +106,11 @@ impl<'a> Technique<'a> for PathTracer<'a> {
             Mode::Path | Mode::VolPath => "all paths but those from point, spot and directional lights that reach the eye over \
                            delta lobes only after the last rough surface (E S* D S+ L)"
                 .into(),
-            Mode::Bdpt => "all paths but those from point, spot and directional lights on which no two neighbours of eye, light and \
-                          rough surfaces are adjacent: E S+ (D S+)* L"
+            Mode::Bdpt => "all paths but those from point, spot and directional lights of which at least every second vertex is on a \
+                          mirror or glass: E S+ (D S+)* L"
                 .into(),
-            Mode::Vcm => "all paths; those that only merging finds are blurred within a radius that shrinks with the passes. In media, \
-                          as bdpt"
+            Mode::Vcm => "all paths but E S+ L from point, spot and directional lights; those that only merging finds are blurred within a \
+                         radius that shrinks with the passes. In media, as bdpt"
                 .into(),
             Mode::Light => "E L and E D (S|D)* L, D in media too: what is seen without mirrors or glass; nothing that the eye sees \
                             through a delta lobe"

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::table::spot_fade;
 use super::{EmitterPoint, Light, Lights};
-use crate::math::{Frame, Rgb};
+use crate::math::{Frame, Rgb, one_minus_cos};
 use crate::warp;
 
 /// The start of a light path.
@@ -50,7 +50,7 @@ impl Light {
     pub fn spot_fade(&self, d: Vec3) -> Rgb {
         match self {
             Light::Spot { frame, cutoff, beam, slide, .. } => {
-                let fade = spot_fade(d.dot(frame.n), *cutoff, *beam);
+                let fade = spot_fade(d, frame.n, *cutoff, *beam);
                 match slide {
                     Some(slide) if fade > 0.0 => slide.along(d) * fade,
                     _ => Rgb::grey(fade),
@@ -105,7 +105,7 @@ impl Lights {
                 start(*position, d, d, *intensity * (4.0 * PI), PointSource::Omni, *intensity)
             }
             Light::Spot { position, frame, intensity, cutoff, .. } => {
-                let one_minus_cos = 1.0 - cutoff.cos();
+                let one_minus_cos = one_minus_cos(*cutoff);
                 let d = frame.to_world(warp::cone(u_d, one_minus_cos));
                 let fade = self.all()[light].spot_fade(d);
                 let power = *intensity * fade * (1.0 / warp::cone_pdf(one_minus_cos));

@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use glam::Vec3;
 
 use super::{Emission, Light, LightSample, Lights};
-use crate::math::sqr;
+use crate::math::{one_minus_cos, sqr};
 use crate::warp;
 
 /// The densities with which the ways to find a path sample a point of a light. z is the next vertex of the path. The measure of the
@@ -17,7 +17,7 @@ pub struct LightEnd {
     pub emit: f32,
     /// [`crate::scene::Scene::sample_light`] at z samples this point: density of the point.
     pub direct: f32,
-    /// Density of the point for a path from the eye whose density per solid angle at z is 1; 0 if it cannot find the point.
+    /// Factor from a density per solid angle at z to the measure of the point; 0 if paths from the eye cannot hit the light.
     pub reach: f32,
 }
 
@@ -46,7 +46,7 @@ impl Lights {
                 }
             }
             Light::Point { .. } => point(warp::sphere_pdf()),
-            Light::Spot { cutoff, .. } => point(warp::cone_pdf(1.0 - cutoff.cos())),
+            Light::Spot { cutoff, .. } => point(warp::cone_pdf(one_minus_cos(*cutoff))),
             Light::Directional { .. } => {
                 LightEnd { emit: probability * self.disc_pdf(), direct: probability, reach: 0.0 }
             }
@@ -62,13 +62,13 @@ impl Lights {
             Some(y) => y,
         };
         let end = self.end(sample.light as usize, [y, sample.ng], -sample.wi, z);
-        // The density with which the sample was taken, even where rounding moves it off the light.
+        // The density of the sample itself: rounding may put the point off the light, where a lookup returns 0.
         LightEnd { direct: if sample.delta { end.direct } else { sample.pdf_w * end.reach }, ..end }
     }
 
     /// The start of a light path whose first vertex after the light is `z`.
     pub fn end_of_emission(&self, start: &Emission, z: Vec3) -> LightEnd {
-        // The density with which the direction was sampled, even where rounding moves it off the light.
+        // The density of the sample itself: rounding may put the direction off the light, where a lookup returns 0.
         match start.distant_pdf_w {
             Some(pdf_w) => self.end_at_infinity(pdf_w),
             None => self.end(start.light as usize, [start.p, start.ng], start.d, z),

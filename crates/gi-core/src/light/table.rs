@@ -6,7 +6,7 @@ use glam::{Mat3, Vec3};
 
 use super::{Discrete, Emitter, EmitterPoint, Environment, LightSource, Slide};
 use crate::geometry::{Geometry, Shape};
-use crate::math::{Frame, Rgb, sqr};
+use crate::math::{Frame, Rgb, one_minus_cos, sqr};
 use crate::warp;
 
 /// A light, prepared for sampling.
@@ -293,7 +293,7 @@ impl Light {
                 Light::Environment(Box::new(Environment::new(image, scale, rotation)))
             }
             LightSource::DistantDisc { direction, angular_radius, radiance } => {
-                let one_minus_cos = 2.0 * sqr((0.5 * angular_radius).sin());
+                let one_minus_cos = one_minus_cos(angular_radius);
                 Light::DistantDisc { frame: Frame::from_normal(direction), one_minus_cos, radiance }
             }
         }
@@ -336,7 +336,7 @@ impl Light {
             }
             Light::Point { intensity, .. } => 4.0 * PI * intensity.luminance(),
             Light::Spot { intensity, cutoff, beam, slide, .. } => {
-                let solid_angle = 2.0 * PI * (1.0 - 0.5 * (cutoff.cos() + beam.cos()));
+                let solid_angle = PI * (one_minus_cos(*cutoff) + one_minus_cos(*beam));
                 let mean = slide.as_ref().map_or(Rgb::WHITE, |slide| slide.mean(solid_angle));
                 solid_angle * (*intensity * mean).luminance()
             }
@@ -352,8 +352,9 @@ impl Light {
 
 /// Full inside the beam, then linear in the angle to zero at the cutoff.
 #[inline]
-pub(super) fn spot_fade(cos: f32, cutoff: f32, beam: f32) -> f32 {
-    let angle = cos.clamp(-1.0, 1.0).acos();
+pub(super) fn spot_fade(d: Vec3, axis: Vec3, cutoff: f32, beam: f32) -> f32 {
+    // The angle between unit vectors by their distance, which is exact for narrow spots too.
+    let angle = 2.0 * (0.5 * d.distance(axis)).min(1.0).asin();
     if angle <= beam {
         1.0
     } else if angle >= cutoff {

@@ -9,7 +9,7 @@ use super::aim::{Aim, Weighted};
 use super::ball::{Ball, joined};
 use super::{Emission, EmitterPoint, Light, Lights, PointSource};
 use crate::geometry::{Geometry, Shape};
-use crate::math::{Frame, Rgb, sqr};
+use crate::math::{Frame, Rgb, one_minus_cos, sqr};
 use crate::warp;
 
 /// Balls that contain everything that paths are aimed at.
@@ -158,7 +158,7 @@ impl Lights {
             PointSource::Spot(intensity) => {
                 let light = &self.all()[start.light as usize];
                 let Light::Spot { cutoff, .. } = light else { unreachable!("the light is a spot") };
-                cones(None, 2.0 * PI * (1.0 - cutoff.cos())).map(|(d, inverse_pdf)| {
+                cones(None, 2.0 * PI * one_minus_cos(*cutoff)).map(|(d, inverse_pdf)| {
                     let power = intensity * (light.spot_fade(d) * inverse_pdf);
                     Emission { ng: d, d, power, ..start }
                 })

@@ -18,6 +18,12 @@ pub fn sqr(x: f32) -> f32 {
     x * x
 }
 
+/// 1 - cos of an angle in radians, exact for small angles too.
+#[inline]
+pub fn one_minus_cos(angle: f32) -> f32 {
+    2.0 * sqr((0.5 * angle).sin())
+}
+
 /// Square root that treats negative rounding errors as zero.
 #[inline]
 pub fn safe_sqrt(x: f32) -> f32 {

@@ -179,6 +179,26 @@ fn samples_that_rounding_moves_off_a_light_keep_their_densities() {
 }
 
 #[test]
+fn a_narrow_spot_emits_all_of_its_power() {
+    // As the loader makes of a collimated beam: 1 - cos of the cutoff is 8.4 units in the last place of 1.
+    let cutoff = 1e-3;
+    let direction = Vec3::new(0.36, 0.48, 0.8);
+    let intensity = Rgb::WHITE;
+    let light =
+        LightSource::Spot { position: Vec3::ZERO, direction, intensity, cutoff, beam: cutoff };
+    let parts = SceneParts { lights: vec![light], ..shining(Geometry::Mesh(Mesh::default())) };
+    let scene = Scene::new(parts).expect("a scene");
+    let (mut rng, n, mut power) = (Pcg::new(13, 0), 20_000, 0.0f64);
+    for _ in 0..n {
+        let e = scene.emit(rng.next_f32(), rng.next_2d(), rng.next_2d()).expect("it shines");
+        power += f64::from(e.power.r);
+    }
+    let expected = std::f64::consts::PI * f64::from(cutoff).powi(2);
+    // Rounding moves few directions at the rim outside.
+    assert!((power / f64::from(n) / expected - 1.0).abs() < 2e-3, "{power} of {expected}");
+}
+
+#[test]
 fn emitted_power_equals_the_power_that_falls_on_a_closed_sphere() {
     // Compute it backwards: the irradiance at points of a large sphere, by light sampling, sums to the emitted power.
     let mut rng = Pcg::new(4, 4);

@@ -24,8 +24,8 @@ pub(crate) struct Found {
     pub(crate) merged: bool,
     /// Weight among all ways to find the same path.
     pub(crate) weight: f32,
-    /// Scatterings on the whole path that are not by delta lobes, and whether the light was focused after the only one: see
-    /// [`Components::of_path`].
+    /// Number of scatterings that are not by delta lobes, and whether delta lobes lie between the last of them and the light:
+    /// see [`Components::of_path`].
     pub(crate) kind: (u32, bool),
 }
 

@@ -131,7 +131,7 @@ impl LightVertex {
 impl LightPaths {
     /// Trace the paths of a pass.
     pub(crate) fn trace(of: &Bidirectional, pass: u32, filter: &FilterTable) -> Self {
-        let paths = of.ways.light_paths as u32;
+        let paths = of.setting.camera.size().iter().product::<usize>() as u32;
         let chunks =
             walk_in_order(paths, CHUNK, |path, left| of.light_path(pass, path, filter, left));
         let first = chunks.iter().enumerate().map(|(k, chunk)| {

@@ -10,10 +10,10 @@
 //! | t = 1 | a vertex of the light path is connected with the camera, and lights another pixel |
 //!
 //! With merging (VCM \[Georgiev12\]), the end of a path from the eye and the vertices of all light paths within a radius count as one
-//! point, as in photon mapping: such paths need no segment that both sides can be connected by, so light that mirrors and glass focus is
-//! seen in mirrors and through glass. The radius shrinks with the passes, and the blur with it.
+//! point, as in photon mapping. Merging needs no connecting segment, so it also finds caustics that are seen in mirrors and through
+//! glass. The radius shrinks with the passes, and the blur with it.
 //!
-//! Every way finds a path with its own density; `weight.rs` weights them so that the sum is unbiased.
+//! Every way finds a path with its own density; `weight.rs` weights them so that the sum is unbiased, apart from the blur.
 
 mod camera;
 mod eye;

@@ -44,16 +44,65 @@ pub(crate) fn draw(setting: Setting, params: &Params, film: &Film) -> Vec<Pictur
         });
     }
     let scale = 1.0 / film.passes().max(1) as f32;
-    let ways = (1..=LONGEST).flat_map(|n| (0..=n).map(move |s| (s, n + 1 - s)));
-    let drawn = ways.flat_map(|(s, t)| {
-        [("-unweighted", 0), ("", 1)]
-            .map(|(suffix, which)| (format!("s{s}t{t}{suffix}"), which, s, t))
-    });
-    drawn
-        .filter_map(|(name, which, s, t)| {
-            let k = index(s, t)?;
-            let view = pixels.iter().map(|pixel| pixel[k][which] * scale).collect();
-            Some(Picture { name, channels: Vec::new(), view })
-        })
-        .collect()
+    let view = |which: usize, s: u32, t: u32| {
+        let k = index(s, t).expect("a way of the pyramid");
+        pixels.iter().map(|pixel| pixel[k][which] * scale).collect::<Vec<Rgb>>()
+    };
+    let picture = |name, view| Picture { name, channels: Vec::new(), view };
+    let mut pictures = Vec::new();
+    for (which, suffix) in ["-unweighted", ""].into_iter().enumerate() {
+        let mut all = vec![Rgb::BLACK; w * h];
+        for segments in 1..=LONGEST {
+            for s in 0..=segments {
+                let t = segments + 1 - s;
+                let view = view(which, s, t);
+                place(&mut all, &view, [w, h], [s, segments]);
+                pictures.push(picture(format!("s{s}t{t}{suffix}"), view));
+            }
+        }
+        pictures.push(picture(format!("pyramid{suffix}"), all));
+    }
+    pictures
+}
+
+/// Draw the view of the way with s vertices on the light's side into the pyramid: a row per number of segments, s from left to
+/// right, each row centred.
+fn place(all: &mut [Rgb], view: &[Rgb], [w, h]: [usize; 2], [s, segments]: [u32; 2]) {
+    let (columns, rows) = (LONGEST as usize + 1, LONGEST as usize);
+    // Each pixel of the small picture is the mean of a square of pixels.
+    let side = columns.max(rows);
+    let (small_w, small_h) = (w / side, h / side);
+    let left = (w - (segments as usize + 1) * small_w) / 2 + s as usize * small_w;
+    let top = (segments as usize - 1) * h / rows + (h / rows - small_h) / 2;
+    for y in 0..small_h {
+        for x in 0..small_w {
+            let square = (0..side * side)
+                .map(|k| view[(y * side + k / side) * w + x * side + k % side])
+                .sum::<Rgb>();
+            all[(top + y) * w + left + x] = square / (side * side) as f32;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_pyramid_has_each_way_at_its_place() {
+        let size = [13, 12];
+        let mut all = vec![Rgb::BLACK; 13 * 12];
+        let mut level = 0.0;
+        for segments in 1..=LONGEST {
+            for s in 0..=segments {
+                level += 1.0;
+                place(&mut all, &[Rgb::grey(level); 13 * 12], size, [s, segments]);
+            }
+        }
+        // 20 ways of 2 x 2 pixels, none over another.
+        assert_eq!(all.iter().filter(|v| !v.is_black()).count(), 20 * 4);
+        let row = |y: usize| all[13 * y..13 * (y + 1)].iter().map(|v| v.r).collect::<Vec<f32>>();
+        assert_eq!(row(0)[3..9], [0.0, 1.0, 1.0, 2.0, 2.0, 0.0]);
+        assert_eq!(row(9)[..3], [15.0, 15.0, 16.0]);
+    }
 }

@@ -83,7 +83,7 @@ impl Vertex<'_, '_> {
         }
     }
 
-    /// Density per solid angle with which a path of the other direction that comes along `wi` continues along `wo`.
+    /// Density per solid angle with which the reverse path, which arrives from `wi`, samples `wo`.
     #[inline]
     pub(crate) fn reverse_pdf_w(&self, wi: Vec3) -> f32 {
         match self.site {

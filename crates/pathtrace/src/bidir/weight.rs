@@ -6,7 +6,7 @@
 //! to compute it, and they follow from those of the vertex before.
 //!
 //! The densities here are functions of the path alone. Where the sampled density is not, as with Russian roulette, the
-//! choice of a lobe, and the distance in a medium, they leave it out: weights that sum to one are right all the same.
+//! choice of a lobe, and the distance in a medium, they leave it out. This is allowed: any weights that sum to one are unbiased.
 //!
 //! A density says nothing of how evenly the samples are spread. The samples of a pixel are stratified over the lights that
 //! its first point sees, and light paths are not stratified over pixels. So for direct light, the ways that end a path from
@@ -16,7 +16,8 @@ use gi_core::light::LightEnd;
 
 use crate::params::Heuristic;
 
-/// Assumed ratio of second moment and variance of direct light that a path from the eye finds.
+/// Second moment divided by variance, for direct light that is found from the eye. An assumption; it is not measured per
+/// scene.
 const STRATIFIED: f64 = 4.0;
 
 /// How many samples each way gets.
@@ -41,8 +42,8 @@ impl Ways {
         }
     }
 
-    /// Paths from the eye that find a light, relative to light paths that find the eye. `direct` says whether the whole path
-    /// is scattered once apart from delta lobes on the eye's side.
+    /// Factor on the densities of the ways s = 0 and s = 1. `direct`: the scattering next to the light is the only one that
+    /// is not by a delta lobe.
     #[inline]
     fn stratified(&self, direct: bool) -> f64 {
         match self.heuristic {
@@ -65,16 +66,15 @@ impl Ways {
     }
 }
 
-/// The sums over the other ways to find a subpath, relative to the density of the way that found it, as far as its last
-/// vertex is not involved. Before [`Partials::reach`], the last vertex is the one that the path leaves.
+/// Sums of the densities of the other ways to find a subpath, divided by the density of the way that found it. Factors that
+/// depend on the next vertex are still missing. Before [`Partials::reach`], the last vertex is the one that the path leaves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Partials {
     /// For the way that ends the subpath one vertex earlier (31).
     vcm: f64,
-    /// For all shorter ones, by connecting (32).
+    /// For all shorter ones, by connecting and by merging (32). The sum of the report for merging (33) is this one times
+    /// [`Ways::connecting`].
     vc: f64,
-    /// The same by merging (33).
-    vm: f64,
 }
 
 /// Densities at the last vertex of a subpath, for a connection.
@@ -92,17 +92,16 @@ impl Partials {
     /// The first vertex of a light path (31)-(33). `facing` is the cosine at this vertex.
     pub(crate) fn of_light(ways: &Ways, end: &LightEnd, facing: f32) -> Self {
         let traced = ways.of(end.emit * facing);
-        let vc = ways.of(end.reach) / traced;
-        Partials { vcm: ways.of(end.direct) / traced, vc, vm: vc * ways.connecting() }
+        Partials { vcm: ways.of(end.direct) / traced, vc: ways.of(end.reach) / traced }
     }
 
     /// The first vertex of a path from the eye. `importance` is the density of rays per perpendicular area.
     pub(crate) fn of_eye(ways: &Ways, importance: f32, facing: f32) -> Self {
-        Partials { vcm: ways.of(ways.light_paths / (importance * facing)), vc: 0.0, vm: 0.0 }
+        Partials { vcm: ways.of(ways.light_paths / (importance * facing)), vc: 0.0 }
     }
 
-    /// After scattering in a direction with density `pdf_w` and cosine `facing`. `reverse` is the density of the path in
-    /// the other direction (34)-(36).
+    /// After scattering in a direction with density `pdf_w` and cosine `facing`. `reverse` is the density of
+    /// the direction back to the vertex before (34), (35).
     #[inline]
     pub(crate) fn scatter(
         &self,
@@ -112,11 +111,9 @@ impl Partials {
         merges: bool,
     ) -> Self {
         let (ratio, reverse) = (ways.of(facing / pdf_w), ways.of(reverse));
-        let merged = if merges { 1.0 } else { 0.0 };
         Partials {
             vcm: ways.of(1.0 / pdf_w),
             vc: ratio * (self.vc * reverse + self.vcm + ways.merging(merges)),
-            vm: ratio * (self.vm * reverse + self.vcm * ways.connecting() + merged),
         }
     }
 
@@ -125,18 +122,14 @@ impl Partials {
     #[inline]
     pub(crate) fn scatter_delta(&self, ways: &Ways, facing: f32) -> Self {
         let facing = ways.of(facing);
-        Partials { vcm: 0.0, vc: self.vc * facing, vm: self.vm * facing }
+        Partials { vcm: 0.0, vc: self.vc * facing }
     }
 
     /// At the next vertex: densities per area there instead of per solid angle.
     #[inline]
     pub(crate) fn reach(&self, ways: &Ways, facing: f32, distance_sq: f32) -> Self {
         let facing = ways.of(facing);
-        Partials {
-            vcm: self.vcm * ways.of(distance_sq) / facing,
-            vc: self.vc / facing,
-            vm: self.vm / facing,
-        }
+        Partials { vcm: self.vcm * ways.of(distance_sq) / facing, vc: self.vc / facing }
     }
 
     /// One side's part of the weight of a connection (40), (41), (46). Shorter subpaths on this side count `factor` times.
@@ -195,7 +188,7 @@ pub(crate) fn merging(
     [forward, backward]: [f32; 2],
     direct: bool,
 ) -> f32 {
-    let part = |p: &Partials, pdf_w| p.vcm * ways.connecting() + p.vm * ways.of(pdf_w);
+    let part = |p: &Partials, pdf_w| ways.connecting() * (p.vcm + p.vc * ways.of(pdf_w));
     let found_by_eye = part(light, forward) * ways.stratified(direct);
     (1.0 / (1.0 + found_by_eye + part(eye, backward))) as f32
 }
