@@ -263,9 +263,11 @@ figure-35:
 	$(BIN)/pathtrace scenes/bulb.xml $(RUN) --mode vcm --spp $(call q,32,256) -o $D/vcm.exr
 	$(BIN)/photonmap scenes/bulb.xml $(RUN) --photons $(PHOTONS) --caustic-photons $(call q,100000,1000000) --spp $(call q,16,64) -o $D/photonmap.exr
 	$(BIN)/ppm scenes/bulb.xml $(RUN) --passes $(call q,64,512) -o $D/ppm.exr
+	$(BIN)/pathtrace $(SPHERES) $(OVER) --mode bdpt --show strategies --spp $(call q,16,128) -o $D/ways.exr
 	$(DRAW) figure $D --slide 35,38 --columns 3 --title "All light is caustic" \
-	  --caption "A lamp inside a glass shell: paths from the eye find it only by chance. Times are shown below the pictures." \
-	  paths.png="path tracing" bdpt.png="bidirectional path tracing" vcm.png="vertex connection and merging" photonmap.png="photon mapping" ppm.png="progressive photon mapping"
+	  --caption "A lamp inside a glass shell: paths from the eye find it only by chance. Times are shown below the pictures. Last: what each way to connect a path finds in a Cornell box. A row per number of segments, 1 to 5; from left to right, 0, 1, 2, ... vertices on the light's side." \
+	  paths.png="path tracing" bdpt.png="bidirectional path tracing" vcm.png="vertex connection and merging" photonmap.png="photon mapping" ppm.png="progressive photon mapping" \
+	  ways.pyramid-unweighted.png="all ways of bidirectional path tracing, not weighted" ways.pyramid.png="weighted: they sum to the picture"
 
 # N^beta of N photons: with ppa, the radius shrinks so that a fraction alpha of each pass's photons stays; beta = alpha.
 BETAS := 0.5 0.67 0.8 1
