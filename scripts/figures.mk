@@ -265,7 +265,7 @@ figure-35:
 	$(BIN)/ppm scenes/bulb.xml $(RUN) --passes $(call q,64,512) -o $D/ppm.exr
 	$(BIN)/pathtrace $(SPHERES) $(OVER) --mode bdpt --show strategies --spp $(call q,16,128) -o $D/ways.exr
 	$(DRAW) figure $D --slide 35,38 --columns 3 --title "All light is caustic" \
-	  --caption "A lamp inside a glass shell: paths from the eye find it only by chance. Times are shown below the pictures. Last: what each way to connect a path finds in a Cornell box. A row per number of segments, 1 to 5; from left to right, 0, 1, 2, ... vertices on the light's side." \
+	  --caption "A lamp inside a glass shell: paths from the eye find it only by chance. Through the shell, bidirectional path tracing sees the walls only by chance too; merging finds that light. Times are shown below the pictures. Last: what each way to connect a path finds in a Cornell box. A row per number of segments, 1 to 5; from left to right, 0, 1, 2, ... vertices on the light's side." \
 	  paths.png="path tracing" bdpt.png="bidirectional path tracing" vcm.png="vertex connection and merging" photonmap.png="photon mapping" ppm.png="progressive photon mapping" \
 	  ways.pyramid-unweighted.png="all ways of bidirectional path tracing, not weighted" ways.pyramid.png="weighted: they sum to the picture"
 
