@@ -30,7 +30,7 @@ pub(crate) struct Builder<'a> {
     pub(crate) built_shapes: HashSet<ObjectId>,
     /// Emitters that belong to shapes.
     pub(crate) used_emitters: HashSet<ObjectId>,
-    /// Set while a shape is built whose textures read attributes of its mesh. Its materials are its own.
+    /// The mesh attributes of the shape that is being built, if its textures read them. Such a shape shares no materials.
     pub(crate) attributes: Option<AttributeSource>,
 }
 

@@ -1,7 +1,8 @@
 //! Scene input: Mitsuba XML (0.5, 0.6 and 3.x), pbrt-v4 and pbrt-v3, and bare OBJ files become a [`gi_core::scene::SceneParts`].
 //! There is no second scene representation: the tree of properties is dropped once the scene is built.
 //!
-//! `document` turns XML into typed properties with source positions; `pbrt` does the same for pbrt's format. `assets` reads meshes and pictures in parallel.
+//! `document` turns XML into typed properties with source positions; `pbrt` does the same for pbrt's format. `assets`
+//! reads meshes and pictures in parallel.
 //! `build` makes materials, shapes and lights; the result is [`Loaded`]. A `diagnostics::Report` collects all errors,
 //! so that the user sees them at once.
 #![forbid(unsafe_code)]
@@ -37,6 +38,7 @@ mod sky;
 mod spectrum;
 mod statements;
 mod texels;
+mod texts;
 mod textures;
 mod transform;
 mod value;

@@ -28,7 +28,7 @@ pub(crate) struct Origins {
     pub(crate) lights: Vec<LightOrigin>,
     /// Picture files, indexed by the picture's address. The picture is stored too, so that the address stays valid.
     bitmaps: HashMap<usize, (Arc<Bitmap>, BitmapFile)>,
-    /// Ranges of pictures in which some texels are not used, indexed like `bitmaps`.
+    /// Ranges of the used texels, for pictures with unused ones; indexed like `bitmaps`.
     ranges: HashMap<usize, (Arc<Bitmap>, [f32; 2])>,
     /// Pictures of light without their negative texels, indexed by the address of the original, which is stored too.
     lifted: HashMap<usize, (Arc<Bitmap>, Lifted)>,

@@ -148,9 +148,7 @@ impl Component<'_> {
             return self.sample_flippable(wo, u_choice, u, way, flippable);
         }
         let frame = &self.frame;
-        let mut s = self.lobe.sample(frame.to_local(wo), u_choice, u, way.transport)?;
-        // Without the local frame, whose rounding would turn a path at every surface that it passes straight through.
-        s.wi = if s.null { -wo } else { frame.to_world(s.wi) };
+        let mut s = self.sample_in(frame, wo, u_choice, u, way)?;
         if s.null {
             return Some(s);
         }
@@ -172,6 +170,22 @@ impl Component<'_> {
         Some(s)
     }
 
+    /// Sample a direction of the world with the lobe in this frame.
+    #[inline]
+    fn sample_in(
+        &self,
+        frame: &Frame,
+        wo: Vec3,
+        u_choice: f32,
+        u: [f32; 2],
+        way: Way,
+    ) -> Option<Scatter> {
+        let mut s = self.lobe.sample(frame.to_local(wo), u_choice, u, way.transport)?;
+        // Rounding in the frame would bend a path at every surface that it passes straight through.
+        s.wi = if s.null { -wo } else { frame.to_world(s.wi) };
+        Some(s)
+    }
+
     /// On light paths, the path continues toward the eye, so the sampled direction decides whether the normal is
     /// flipped. Therefore the frame is sampled first.
     fn sample_flippable(
@@ -188,9 +202,7 @@ impl Component<'_> {
             (self.frame, (u_choice - share) / (1.0 - share), 1.0 - share)
         };
         let u_choice = u_choice.min(1.0 - f32::EPSILON);
-        let mut s = self.lobe.sample(frame.to_local(wo), u_choice, u, way.transport)?;
-        // Without the local frame, whose rounding would turn a path at every surface that it passes straight through.
-        s.wi = if s.null { -wo } else { frame.to_world(s.wi) };
+        let mut s = self.sample_in(&frame, wo, u_choice, u, way)?;
         if s.null {
             return Some(s);
         }

@@ -1,8 +1,7 @@
 use std::cell::{Cell, RefCell};
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
 
 use gi_core::guard::guarded;
 
@@ -10,6 +9,7 @@ use super::{Child, Class, Document, Object, ObjectId, Target};
 use crate::diagnostics::{Report, Span};
 use crate::files;
 use crate::hash::Hash;
+use crate::texts::Texts;
 use crate::value;
 use defines::{Define, Defines};
 use substitute::Element;
@@ -53,10 +53,7 @@ struct Parser<'r> {
     /// Files that are open, outermost first.
     stack: Vec<PathBuf>,
     includes: usize,
-    /// Length of all included text.
-    included: u64,
-    /// The text of the files that were included.
-    texts: HashMap<PathBuf, Rc<str>>,
+    texts: Texts,
     aliases: Vec<(String, String, Span)>,
     doc: Document,
 }
@@ -88,8 +85,7 @@ impl<'r> Parser<'r> {
             defines: all,
             stack: Vec::new(),
             includes: 0,
-            included: 0,
-            texts: HashMap::new(),
+            texts: Texts::new(includes::COST),
             aliases: Vec::new(),
             doc,
         }
@@ -97,7 +93,7 @@ impl<'r> Parser<'r> {
 
     /// Read one file. Its elements become children of `parent`; without a parent, the file is the whole scene.
     fn file(&mut self, path: &Path, parent: Option<ObjectId>, from: Span) {
-        let text = match self.text(path, parent.is_some()) {
+        let text = match self.texts.read(path, parent.is_some(), self.report) {
             Ok(text) => text,
             Err(why) => {
                 let message = format!("cannot read `{}`: {why}", path.display());

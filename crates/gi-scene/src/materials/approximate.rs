@@ -10,7 +10,7 @@ use crate::builder::Builder;
 use crate::document::{Class, Meaning, Node};
 use crate::value;
 
-/// Fraction of diffuse light that passes a coat of this optical depth once, after refraction into it.
+/// Mean transmittance of an absorbing coat of this optical thickness, for diffuse light that is refracted into it.
 fn mean_passage(depth: f32, eta: f32) -> f32 {
     const STEPS: usize = 64;
     let passage = |k: usize| {

@@ -32,8 +32,8 @@ use glam::DAffine3;
 
 use crate::diagnostics::{Report, Span};
 use crate::document::{Class, Document, ObjectId};
-use crate::files;
 use crate::hash::Hash;
+use crate::texts::{Cost, Texts};
 use lexer::{Kind, Lexer};
 use params::Params;
 use reader::Reader;
@@ -47,8 +47,8 @@ const MAX_INCLUDE_DEPTH: usize = 15;
 const MAX_INCLUDES: usize = 10_000;
 /// Largest length of all included text, counting repeats.
 const MAX_INCLUDED: u64 = 1 << 30;
-/// Bytes that a parameter takes at most while the scene is read, apart from its numbers.
-const PARAMETER: u64 = 200;
+/// What parameters cost, apart from their numbers.
+const COST: Cost = Cost { most_included: MAX_INCLUDED, mark: (b'"', 2, "parameters"), part: 200 };
 
 /// Read a scene file and all files that it includes.
 pub(crate) fn parse(
@@ -86,8 +86,7 @@ struct Translator<'r> {
     /// Files that are open, outermost first.
     open: Vec<PathBuf>,
     includes: usize,
-    included: u64,
-    texts: HashMap<PathBuf, Rc<str>>,
+    texts: Texts,
     camera: Option<(Params, DAffine3)>,
     film: Option<Params>,
     filter: Option<Params>,
@@ -128,8 +127,7 @@ impl<'r> Translator<'r> {
             in_world: false,
             open: Vec::new(),
             includes: 0,
-            included: 0,
-            texts: HashMap::new(),
+            texts: Texts::new(COST),
             camera: None,
             film: None,
             filter: None,
@@ -156,7 +154,7 @@ impl<'r> Translator<'r> {
 
     /// Read one file. `from` is where it is included.
     fn file(&mut self, path: &Path, from: Option<Span>) {
-        let text = match self.text(path, from.is_some()) {
+        let text = match self.texts.read(path, from.is_some(), self.report) {
             Ok(text) => text,
             Err(why) => {
                 let message = format!("cannot read `{}`: {why}", path.display());
@@ -178,31 +176,6 @@ impl<'r> Translator<'r> {
             self.state.close(depth, self.report);
         }
         self.open.pop();
-    }
-
-    /// The text of a file. Its memory is counted with that of its parameters.
-    fn text(&mut self, path: &Path, included: bool) -> Result<Rc<str>, String> {
-        let text = match self.texts.get(path) {
-            Some(known) => known.clone(),
-            None => {
-                let mut claim = self.report.budget.claim(path.display());
-                let text: Rc<str> = files::read_text(path, &mut claim)?.into();
-                claim.keep(2 * text.len() as u64)?; // here and in the report
-                self.texts.entry(path.to_owned()).or_insert(text).clone()
-            }
-        };
-        if included {
-            self.included += text.len() as u64;
-            if self.included > MAX_INCLUDED {
-                return Err(format!(
-                    "all included text is longer than {MAX_INCLUDED} bytes, counting repeats"
-                ));
-            }
-        }
-        let parameters = text.bytes().filter(|byte| *byte == b'"').count() as u64 / 2;
-        let claim = self.report.budget.claim(format_args!("{} (parameters)", path.display()));
-        claim.keep(parameters * PARAMETER)?;
-        Ok(text)
     }
 
     /// `Include` and `Import`: read another file here.

@@ -229,7 +229,7 @@ impl Translator<'_> {
         unit * scale as f32
     }
 
-    /// A spectrum that is given by its name or by the name of its file.
+    /// The colour of a named spectrum, or of a spectrum file.
     fn spectrum_by_name(&self, name: &Text, meaning: Meaning) -> Result<Rgb, String> {
         self.note_spectra();
         if let Some(color) = named(&name.text, meaning) {

@@ -92,7 +92,7 @@ fn transforms_follow_each_other() {
     near(2, [[5., 7., 7.], [4., 6., 7.], [5., 6., 8.]]);
     near(3, [[1., 0., -1.], [0., 1., -1.], [0., 0., 0.]]);
     near(4, first);
-    // One unit along the view from the eye at (3, 4, 5), and along the other axes.
+    // The camera's axes; the eye is at (3, 4, 5) and looks at the origin.
     let eye = Vec3::new(3.0, 4.0, 5.0);
     let z = -eye.normalize();
     let x = Vec3::Y.cross(z).normalize();

@@ -1,11 +1,9 @@
 //! Files that a scene includes, and the folders where they are searched.
 
-use std::path::Path;
-use std::rc::Rc;
-
 use super::{Element, Parser};
 use crate::document::ObjectId;
 use crate::files;
+use crate::texts::Cost;
 
 /// Largest depth of nested includes (Mitsuba's limit).
 const MAX_INCLUDE_DEPTH: usize = 15;
@@ -16,35 +14,11 @@ const MAX_INCLUDES: usize = 1000;
 const MAX_INCLUDED: u64 = 1 << 28;
 /// Largest number of `<path>`s: each missing file is searched in all these folders.
 const MAX_FOLDERS: usize = 16;
-/// Bytes that an element takes at most while the scene is read, apart from long texts.
-const ELEMENT: u64 = 400;
+/// What elements cost, apart from long texts.
+pub(super) const COST: Cost =
+    Cost { most_included: MAX_INCLUDED, mark: (b'<', 1, "elements"), part: 400 };
 
 impl Parser<'_> {
-    /// The text of a file. Its memory is counted with that of its elements.
-    pub(super) fn text(&mut self, path: &Path, included: bool) -> Result<Rc<str>, String> {
-        let text = match self.texts.get(path) {
-            Some(known) => known.clone(),
-            None => {
-                let mut claim = self.report.budget.claim(path.display());
-                let text: Rc<str> = files::read_text(path, &mut claim)?.into();
-                claim.keep(2 * text.len() as u64)?; // here and in the report
-                self.texts.entry(path.to_owned()).or_insert(text).clone()
-            }
-        };
-        if included {
-            self.included += text.len() as u64;
-            if self.included > MAX_INCLUDED {
-                return Err(format!(
-                    "all included text is longer than {MAX_INCLUDED} bytes, counting repeats"
-                ));
-            }
-        }
-        let elements = text.bytes().filter(|byte| *byte == b'<').count() as u64;
-        let claim = self.report.budget.claim(format_args!("{} (elements)", path.display()));
-        claim.keep(elements * ELEMENT)?;
-        Ok(text)
-    }
-
     pub(super) fn include(&mut self, element: &Element, parent: ObjectId) {
         let Some(name) = element.get("filename") else {
             return self.report.error(element.span, "`include` needs `filename`", "");
