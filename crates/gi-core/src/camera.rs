@@ -186,6 +186,13 @@ impl Camera {
         self.pixel_area.sqrt()
     }
 
+    /// Width (world) of what the central pixel covers at a distance (world) along the axis, if it faces the camera.
+    pub fn pixel_width_at(&self, distance: f32) -> f32 {
+        let [x, y] = self.size.map(|n| 0.5 * n as f32);
+        let (a, b) = (self.ray([x - 0.5, y], [0.5; 2]), self.ray([x + 0.5, y], [0.5; 2]));
+        (a.o - b.o + (a.d - b.d) * distance).length()
+    }
+
     /// From the film to the plane z = 1: x to the left, y up.
     #[inline]
     fn film_to_plane(&self, film: Vec2) -> Vec2 {

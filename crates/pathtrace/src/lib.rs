@@ -24,7 +24,8 @@ use gi_core::film::{Film, Sample};
 use gi_core::medium::MediumId;
 use gi_core::technique::{Picture, Setting, Technique};
 
-use bidir::Bidirectional;
+use bidir::strategies::Pyramid;
+use bidir::{Bidirectional, Plan};
 pub use params::{Heuristic, Mode, Params};
 
 /// The path tracer.
@@ -33,8 +34,12 @@ pub struct PathTracer<'a> {
     params: Params,
     /// Number of light paths so far.
     light_paths: u64,
+    /// For paths from both ends.
+    plan: Option<Plan>,
     /// Number of vertices of light paths that the last pass kept, and their memory in bytes.
     kept: (u64, u64),
+    /// What each way finds, if it is to be shown.
+    pyramid: Option<Pyramid>,
 }
 
 impl<'a> Technique<'a> for PathTracer<'a> {
@@ -48,7 +53,12 @@ impl<'a> Technique<'a> for PathTracer<'a> {
                         `--mode path`"
                 .into());
         }
-        Ok(PathTracer { setting, params: params.clone(), light_paths: 0, kept: (0, 0) })
+        let connects = matches!(params.mode, Mode::Bdpt | Mode::Vcm);
+        let plan = connects.then(|| Plan::make(&setting, params));
+        let pyramid = !params.figures.is_empty();
+        let pyramid = pyramid.then(|| Pyramid::new(setting.camera.size()));
+        let (params, light_paths, kept) = (params.clone(), 0, (0, 0));
+        Ok(PathTracer { setting, params, light_paths, plan, kept, pyramid })
     }
 
     /// One path per pixel.
@@ -61,7 +71,9 @@ impl<'a> Technique<'a> for PathTracer<'a> {
             }
             Mode::Light => self.light_pass(index, film),
             Mode::Bdpt | Mode::Vcm => {
-                self.kept = Bidirectional::new(self.setting, &self.params, index).pass(index, film);
+                let plan = self.plan.expect("made for this mode");
+                let paths = Bidirectional::new(self.setting, &self.params, plan, index);
+                self.kept = paths.pass(index, film, self.pyramid.as_mut());
             }
         }
     }
@@ -74,6 +86,9 @@ impl<'a> Technique<'a> for PathTracer<'a> {
     }
 
     fn restore(&mut self, state: &[u8]) -> Result<(), String> {
+        if self.pyramid.is_some() {
+            return Err("`--show strategies` needs all passes in one run".into());
+        }
         let mut r = Reader::new(state);
         let params = r.text()?;
         if params != self.identity() {
@@ -87,6 +102,8 @@ impl<'a> Technique<'a> for PathTracer<'a> {
         match self.params.mode {
             Mode::Path | Mode::VolPath => Vec::new(),
             Mode::Bdpt | Mode::Vcm => vec![
+                ("light_paths_per_pass".into(), f64::from(self.plan.map_or(0, |p| p.light_paths))),
+                ("radius_of_first_pass".into(), f64::from(self.plan.map_or(0.0, |p| p.radius))),
                 ("light_vertices".into(), self.kept.0 as f64),
                 ("light_vertices_bytes".into(), self.kept.1 as f64),
             ],
@@ -95,10 +112,7 @@ impl<'a> Technique<'a> for PathTracer<'a> {
     }
 
     fn pictures(&self, film: &Film) -> Vec<Picture> {
-        if self.params.figures.is_empty() {
-            return Vec::new();
-        }
-        bidir::strategies::draw(self.setting, &self.params, film)
+        self.pyramid.iter().flat_map(|pyramid| pyramid.draw(film.size())).collect()
     }
 
     fn reach(&self) -> String {

@@ -46,12 +46,17 @@ pub struct Params {
     /// bdpt, vcm: weights of the ways to find a path [Veach97, 9.2]
     #[arg(long, value_enum, default_value_t = Heuristic::Power)]
     pub heuristic: Heuristic,
-    /// vcm: radius of the first pass within which vertices are merged, in scene radii
-    #[arg(long, value_name = "R", default_value_t = 0.003, value_parser = number("a radius above 0 and below 1", |r: &f32| *r > 0.0 && *r < 1.0))]
+    /// vcm: radius of the first pass within which vertices are merged, in scene radii; 0 is automatic: 0.003, but not more than two
+    /// pixels
+    #[arg(long, value_name = "R", default_value_t = 0.0, value_parser = number("a radius below 1; 0 is automatic", |r: &f32| (0.0..1.0).contains(r)))]
     pub radius: f32,
     /// vcm: how fast the radius shrinks: r^2 of a pass is (i + alpha) / (i + 1) times that of the pass before [Knaus11, 20]
     #[arg(long, value_name = "ALPHA", default_value_t = 0.75, value_parser = number("a number above 0, up to 1", |a: &f32| *a > 0.0 && *a <= 1.0))]
     pub alpha: f32,
+    /// bdpt, vcm: number of vertices of light paths that a pass may keep, about; 176 bytes each. Where one light path per pixel
+    /// would need more, there are fewer paths
+    #[arg(long, value_name = "N", default_value_t = 16_000_000, value_parser = number("a number from 1000 to 4000000000", |n: &u32| (1000..=4_000_000_000).contains(n)))]
+    pub light_vertices: u32,
     /// bdpt, vcm: pictures to draw; each becomes OUT.WHAT.png and layers of the EXR
     #[arg(long = "show", value_enum, value_delimiter = ',', value_name = "WHAT")]
     pub figures: Vec<Figure>,

@@ -1,6 +1,5 @@
 //! Initial radii.
 
-use gi_core::camera::Camera;
 use gi_core::disc::Disc;
 use gi_core::film::PerPixel;
 use gi_core::geometry::Surface;
@@ -83,13 +82,13 @@ struct Nearest {
 /// Search around the first gather point of a pixel.
 fn nearest(look: &Look, at: [usize; 2], grid: &Photons, guess: f32) -> Option<Nearest> {
     let setting = look.setting;
-    let pixel = pixel_width(setting.camera);
     let count = look.params.initial_photons as usize;
     let mut walk = look.walk(at, PILOT);
     while let Some(v) = &walk.next_vertex() {
         if let Some(covers) = look.covers(v) {
             let most = MOST * v.length.min(setting.scene.radius());
-            let least = (LEAST_PIXELS * pixel(v.length)).clamp(f32::MIN_POSITIVE, most);
+            let least = (LEAST_PIXELS * setting.camera.pixel_width_at(v.length))
+                .clamp(f32::MIN_POSITIVE, most);
             let point = Point {
                 surface: &v.surface,
                 wo: v.wo,
@@ -126,14 +125,6 @@ fn on_surface(
         radius = (STEP * radius).max(least);
     }
     radius
-}
-
-/// Width of the central pixel at a distance from the eye.
-fn pixel_width(camera: &Camera) -> impl Fn(f32) -> f32 {
-    let [x, y] = camera.size().map(|n| 0.5 * n as f32);
-    let (a, b) = (camera.ray([x - 0.5, y], [0.5; 2]), camera.ray([x + 0.5, y], [0.5; 2]));
-    let apart: [Vec3; 2] = [a.o - b.o, a.d - b.d];
-    move |distance| (apart[0] + apart[1] * distance).length()
 }
 
 fn median(values: impl Iterator<Item = f32>) -> Option<f32> {

@@ -101,6 +101,17 @@ impl Film {
     }
 
     /// The same, with data that a technique keeps per pixel.
+    pub fn add_pass_and_splats_with<T: Send>(
+        &mut self,
+        kept: &mut PerPixel<T>,
+        splats: &[Components],
+        sample: impl Fn([usize; 2], &mut T) -> Sample + Sync,
+    ) {
+        assert_eq!(kept.tiles.size, self.size(), "what is kept is of another picture");
+        self.sample_all(&mut kept.values, Some(splats), sample);
+    }
+
+    /// [`Film::add_pass`], with data that a technique keeps per pixel.
     pub fn add_pass_with<T: Send>(
         &mut self,
         kept: &mut PerPixel<T>,

@@ -86,6 +86,12 @@ impl<T: Default + Send + Sync> PerPixel<T> {
         &self.values[self.tiles.place(at)]
     }
 
+    /// The value of a pixel, to be changed.
+    pub fn get_mut(&mut self, at: [usize; 2]) -> &mut T {
+        let place = self.tiles.place(at);
+        &mut self.values[place]
+    }
+
     /// The values in row order.
     pub fn rows(&self) -> impl Iterator<Item = &T> {
         let [w, h] = self.tiles.size;

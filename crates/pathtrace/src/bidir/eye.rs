@@ -33,10 +33,17 @@ pub(crate) struct Found {
 const SAME_SURFACE: f32 = 0.5;
 
 impl<'a> Bidirectional<'a> {
-    /// The sample of a pixel. `paths` are the light paths of the pass; path and pixel have the same number.
-    pub(crate) fn sample(&self, pixel: [usize; 2], index: u32, paths: &PassPaths) -> Sample {
+    /// The sample of a pixel. `paths` are the light paths of the pass. `visit` is called with everything that the path finds.
+    pub(crate) fn sample(
+        &self,
+        pixel: [usize; 2],
+        index: u32,
+        paths: &PassPaths,
+        visit: &mut impl FnMut(&Found),
+    ) -> Sample {
         let mut radiance = Components::default();
         let sample = self.eye_path(pixel, index, paths, &mut |found: Found| {
+            visit(&found);
             let (non_delta, then_delta) = found.kind;
             *radiance.of_path(non_delta, then_delta) += found.radiance * found.weight;
         });
@@ -44,7 +51,7 @@ impl<'a> Bidirectional<'a> {
     }
 
     /// Walk a path from the eye, and call `add` with everything that it finds. The sample's radiance is of no use.
-    pub(crate) fn eye_path(
+    fn eye_path(
         &self,
         pixel: [usize; 2],
         index: u32,
@@ -52,7 +59,8 @@ impl<'a> Bidirectional<'a> {
         add: &mut impl FnMut(Found),
     ) -> Sample {
         let number = (pixel[1] * self.setting.camera.size()[0] + pixel[0]) as u32;
-        let light_path = paths.light.path(number);
+        // Path and pixel have the same number, if there are enough paths.
+        let light_path = paths.light.path(number % self.light_paths);
         let walk = EyeWalk::through_pixel(&self.setting, self.limits, pixel, index);
         let mut walk = walk.through_media(self.camera_medium);
         let mut trail = Trail::new(walk.segment().o);

@@ -7,23 +7,19 @@ use gi_core::geometry::Surface;
 use gi_core::grid::{Grid, Item};
 use gi_core::math::Rgb;
 use gi_core::medium::MediumId;
-use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
 use gi_core::walk::{LightEvent, LightWalk, Roulette, shading_correction, walk_in_order};
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::Bidirectional;
 use super::camera::Splat;
 use super::eye::Found;
 use super::trail::Trail;
 use super::vertex::{Site, Vertex, facing};
 use super::weight::Partials;
+use super::{Bidirectional, CHUNK, light_sampler};
 
-/// Number of paths per task.
-const CHUNK: u32 = 4096;
-
-/// The light paths of a pass, one per pixel.
+/// The light paths of a pass.
 pub(crate) struct LightPaths {
     /// By task, in the order of the paths.
     chunks: Vec<Vec<LightVertex>>,
@@ -131,7 +127,7 @@ impl LightVertex {
 impl LightPaths {
     /// Trace the paths of a pass.
     pub(crate) fn trace(of: &Bidirectional, pass: u32, filter: &FilterTable) -> Self {
-        let paths = of.setting.camera.size().iter().product::<usize>() as u32;
+        let paths = of.light_paths;
         let chunks =
             walk_in_order(paths, CHUNK, |path, left| of.light_path(pass, path, filter, left));
         let first = chunks.iter().enumerate().map(|(k, chunk)| {
@@ -205,9 +201,9 @@ impl<'a> Bidirectional<'a> {
     /// Walk one light path. Connect its vertices with the camera, and keep them.
     fn light_path(&self, pass: u32, path: u32, filter: &FilterTable, left: &mut Vec<LightVertex>) {
         let scene = self.setting.scene;
-        // Each pass is a stream; within a stream, paths are the points of a sequence.
-        let sampler = Sampler::new(self.setting.seed ^ 0x6264_7074, pass, path);
-        let Some(walk) = LightWalk::begin(scene, sampler) else { return };
+        let Some(walk) = LightWalk::begin(scene, light_sampler(&self.setting, pass, path)) else {
+            return;
+        };
         let mut walk = walk.through_media();
         let roulette = Roulette::ByAlbedo { from: self.limits.rr_depth };
         let emission = *walk.emission();

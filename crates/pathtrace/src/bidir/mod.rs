@@ -18,6 +18,7 @@
 mod camera;
 mod eye;
 mod light_paths;
+mod plan;
 pub(crate) mod strategies;
 mod trail;
 mod vertex;
@@ -28,11 +29,17 @@ use gi_core::film::Film;
 use gi_core::filter::FilterTable;
 use gi_core::grid::{Grid, probabilistic_radius};
 use gi_core::medium::MediumId;
+use gi_core::sampler::Sampler;
 use gi_core::technique::Setting;
 
-use crate::params::{Mode, Params};
+use crate::params::Params;
 use light_paths::{LightPaths, VertexId};
+pub(crate) use plan::Plan;
+use strategies::Pyramid;
 use weight::Ways;
+
+/// Number of light paths per task.
+const CHUNK: u32 = 4096;
 
 /// What all paths of a pass share.
 pub(crate) struct Bidirectional<'a> {
@@ -41,6 +48,8 @@ pub(crate) struct Bidirectional<'a> {
     /// The medium around the camera.
     pub(crate) camera_medium: Option<MediumId>,
     pub(crate) ways: Ways,
+    /// Number of light paths.
+    pub(crate) light_paths: u32,
     /// Radius of merging, world units.
     pub(crate) radius: f32,
 }
@@ -52,27 +61,34 @@ pub(crate) struct PassPaths {
 }
 
 impl<'a> Bidirectional<'a> {
-    /// Paths of pass `index`, with one light path per pixel.
-    pub(crate) fn new(setting: Setting<'a>, params: &Params, index: u32) -> Self {
-        let [w, h] = setting.camera.size();
-        let light_paths = (w * h) as f32;
-        let (mut radius, mut merges) = (0.0, 0.0);
-        if params.mode == Mode::Vcm {
-            let shrunk = probabilistic_radius(index, f64::from(params.alpha)) as f32;
-            radius = params.radius * setting.scene.radius() * shrunk;
-            merges = std::f32::consts::PI * radius * radius * light_paths;
-        }
-        let ways = Ways { heuristic: params.heuristic, light_paths, merges };
+    /// Paths of pass `index`.
+    pub(crate) fn new(setting: Setting<'a>, params: &Params, plan: Plan, index: u32) -> Self {
+        let shrunk = probabilistic_radius(index, f64::from(params.alpha)) as f32;
+        let radius = plan.radius * shrunk;
+        let light_paths = plan.light_paths;
+        let merges = std::f32::consts::PI * radius * radius * light_paths as f32;
+        let ways = Ways { heuristic: params.heuristic, light_paths: light_paths as f32, merges };
         let camera_medium = setting.camera_medium();
-        Bidirectional { setting, limits: params.limits, camera_medium, ways, radius }
+        let limits = params.limits;
+        Bidirectional { setting, limits, camera_medium, ways, light_paths, radius }
     }
 
-    /// Trace the light paths, then a path from the eye per pixel. Returns the number of vertices of light paths that were kept, and
-    /// the memory that they need in bytes.
-    pub(crate) fn pass(&self, index: u32, film: &mut Film) -> (u64, u64) {
+    /// Trace the light paths, then a path from the eye per pixel. `pyramid` shows what each way finds. Returns the number of vertices
+    /// of light paths that were kept, and the memory that they need in bytes.
+    pub(crate) fn pass(
+        &self,
+        index: u32,
+        film: &mut Film,
+        pyramid: Option<&mut Pyramid>,
+    ) -> (u64, u64) {
         let paths = self.trace(index, film.filter());
         let splats = paths.light.splats(self, film.size().iter().product());
-        film.add_pass_and_splats(&splats, |pixel| self.sample(pixel, index, &paths));
+        match pyramid {
+            None => film.add_pass_and_splats(&splats, |pixel| {
+                self.sample(pixel, index, &paths, &mut |_| ())
+            }),
+            Some(pyramid) => pyramid.pass((self, index), film, &paths, &splats),
+        }
         paths.light.memory()
     }
 
@@ -82,6 +98,11 @@ impl<'a> Bidirectional<'a> {
         let grid = (self.radius > 0.0).then(|| light.grid(self.radius));
         PassPaths { light, grid }
     }
+}
+
+/// Random numbers of a light path. Each pass is a stream; within a stream, paths are the points of a sequence.
+fn light_sampler(setting: &Setting, pass: u32, path: u32) -> Sampler {
+    Sampler::new(setting.seed ^ 0x6264_7074, pass, path)
 }
 
 #[cfg(test)]

@@ -1,21 +1,34 @@
 //! The pyramid of all ways to find light, each as a picture of its own [Veach97, fig. 10.2].
 
-use gi_core::film::Film;
+use gi_core::film::{Components, Film, PerPixel};
 use gi_core::math::Rgb;
-use gi_core::technique::{Picture, Setting};
-use rayon::prelude::*;
+use gi_core::technique::Picture;
 
-use super::Bidirectional;
 use super::eye::Found;
-use crate::params::Params;
+use super::{Bidirectional, PassPaths};
 
 /// Number of segments of the longest paths that are shown.
 const LONGEST: u32 = 5;
 /// Number of ways to connect paths of 1 to [`LONGEST`] segments; a path of n segments has n + 1.
 const WAYS: usize = (LONGEST * (LONGEST + 3) / 2) as usize;
 
-/// What each way finds in a pixel: not weighted, and weighted.
-type Ways = [[Rgb; 2]; WAYS];
+/// What each way finds in a pixel.
+#[derive(Clone, Debug, Default)]
+struct Ways {
+    /// Sums, not weighted and weighted.
+    found: [[Rgb; 2]; WAYS],
+    /// Number of paths from the eye.
+    paths: u32,
+}
+
+impl Ways {
+    fn add(&mut self, found: &Found) {
+        if let (false, Some(k)) = (found.merged, index(found.s, found.t)) {
+            self.found[k][0] += found.radiance;
+            self.found[k][1] += found.radiance * found.weight;
+        }
+    }
+}
 
 /// The index of the way with s vertices on the light's side and t on the eye's, by the number of segments first.
 fn index(s: u32, t: u32) -> Option<usize> {
@@ -23,46 +36,66 @@ fn index(s: u32, t: u32) -> Option<usize> {
     (segments <= LONGEST).then(|| ((segments - 1) * (segments + 2) / 2 + s) as usize)
 }
 
-/// Render as many passes as `film` has, and draw what each way contributes. Merged paths are left out.
-pub(crate) fn draw(setting: Setting, params: &Params, film: &Film) -> Vec<Picture> {
-    let [w, h] = film.size();
-    let mut pixels: Vec<Ways> = vec![[[Rgb::BLACK; 2]; WAYS]; w * h];
-    let add = |pixel: &mut Ways, found: &Found| {
-        if let (false, Some(k)) = (found.merged, index(found.s, found.t)) {
-            pixel[k][0] += found.radiance;
-            pixel[k][1] += found.radiance * found.weight;
-        }
-    };
-    for pass in 0..film.passes() {
-        let of = Bidirectional::new(setting, params, pass);
-        let paths = of.trace(pass, film.filter());
-        pixels.par_iter_mut().enumerate().for_each(|(i, pixel)| {
-            of.eye_path([i % w, i / w], pass, &paths, &mut |found| add(pixel, &found));
-        });
-        paths.light.for_each_splat(of.ways.light_paths, |pixel, found| {
-            add(&mut pixels[pixel], &found);
-        });
+/// What each way finds in the passes so far. Merged paths are left out.
+pub(crate) struct Pyramid {
+    pixels: PerPixel<Ways>,
+    /// Number of passes whose light paths are in it.
+    passes: u32,
+}
+
+impl Pyramid {
+    /// Nothing yet, for a picture of `size` pixels.
+    pub(crate) fn new(size: [usize; 2]) -> Self {
+        Pyramid { pixels: PerPixel::new(size, |_| Ways::default()), passes: 0 }
     }
-    let scale = 1.0 / film.passes().max(1) as f32;
-    let view = |which: usize, s: u32, t: u32| {
-        let k = index(s, t).expect("a way of the pyramid");
-        pixels.iter().map(|pixel| pixel[k][which] * scale).collect::<Vec<Rgb>>()
-    };
-    let picture = |name, view| Picture { name, channels: Vec::new(), view };
-    let mut pictures = Vec::new();
-    for (which, suffix) in ["-unweighted", ""].into_iter().enumerate() {
-        let mut all = vec![Rgb::BLACK; w * h];
-        for segments in 1..=LONGEST {
-            for s in 0..=segments {
-                let t = segments + 1 - s;
-                let view = view(which, s, t);
-                place(&mut all, &view, [w, h], [s, segments]);
-                pictures.push(picture(format!("s{s}t{t}{suffix}"), view));
+
+    /// Add the paths of a pass to the film, as [`Bidirectional::pass`] does, and to the pyramid.
+    pub(crate) fn pass(
+        &mut self,
+        (of, index): (&Bidirectional, u32),
+        film: &mut Film,
+        paths: &PassPaths,
+        splats: &[Components],
+    ) {
+        let (before, [w, _]) = (film.passes(), film.size());
+        film.add_pass_and_splats_with(&mut self.pixels, splats, |pixel, ways| {
+            ways.paths += 1;
+            of.sample(pixel, index, paths, &mut |found| ways.add(found))
+        });
+        // If the pass was abandoned, light paths are missing, and the film is without it.
+        if film.passes() > before {
+            paths.light.for_each_splat(of.ways.light_paths, |pixel, found| {
+                self.pixels.get_mut([pixel % w, pixel / w]).add(&found);
+            });
+            self.passes += 1;
+        }
+    }
+
+    /// A picture per way, and the pyramid of all, not weighted and weighted.
+    pub(crate) fn draw(&self, [w, h]: [usize; 2]) -> Vec<Picture> {
+        let view = |which: usize, s: u32, t: u32| {
+            let k = index(s, t).expect("a way of the pyramid");
+            // Light that is connected with the camera comes from the light paths of whole passes.
+            let samples = |ways: &Ways| if t == 1 { self.passes } else { ways.paths };
+            let mean = |ways: &Ways| ways.found[k][which] / samples(ways).max(1) as f32;
+            self.pixels.rows().map(mean).collect::<Vec<Rgb>>()
+        };
+        let picture = |name, view| Picture { name, channels: Vec::new(), view };
+        let mut pictures = Vec::new();
+        for (which, suffix) in ["-unweighted", ""].into_iter().enumerate() {
+            let mut all = vec![Rgb::BLACK; w * h];
+            for segments in 1..=LONGEST {
+                for s in 0..=segments {
+                    let t = segments + 1 - s;
+                    let view = view(which, s, t);
+                    place(&mut all, &view, [w, h], [s, segments]);
+                    pictures.push(picture(format!("s{s}t{t}{suffix}"), view));
+                }
             }
+            pictures.push(picture(format!("pyramid{suffix}"), all));
         }
-        pictures.push(picture(format!("pyramid{suffix}"), all));
+        pictures
     }
-    pictures
 }
 
 /// Draw the view of the way with s vertices on the light's side into the pyramid: a row per number of segments, s from left to
@@ -86,7 +119,41 @@ fn place(all: &mut [Rgb], view: &[Rgb], [w, h]: [usize; 2], [s, segments]: [u32;
 
 #[cfg(test)]
 mod tests {
+    use gi_core::film::Show;
+    use gi_core::options::PathLimits;
+    use gi_core::technique::Technique;
+    use gi_tests::World;
+
     use super::*;
+    use crate::PathTracer;
+    use crate::params::{Figure, Mode, Params};
+
+    #[test]
+    fn the_ways_of_the_pyramid_add_up_to_the_picture_and_do_not_change_it() {
+        let world = World::load("cornell-box.xml", [24, 20], &[]);
+        let limits = PathLimits { max_depth: Some(LONGEST), ..PathLimits::default() };
+        let plain = Params { mode: Mode::Bdpt, limits, ..Params::default() };
+        let shown = Params { figures: vec![Figure::Strategies], ..plain.clone() };
+        let film = world.render::<PathTracer>(&plain, 4, 1, Show::All);
+        let (tracer, same) = world.run::<PathTracer>(&shown, 4, 1, Show::All);
+        let channels = |film: &Film| {
+            ["R", "G", "B"].map(|c| film.layers().channel(c).expect("a channel").to_vec())
+        };
+        assert_eq!(channels(&film), channels(&same));
+        let weighted = tracer
+            .pictures(&film)
+            .into_iter()
+            .filter(|p| !p.name.ends_with("-unweighted") && !p.name.starts_with("pyramid"));
+        let mut sum = vec![Rgb::BLACK; 24 * 20];
+        for picture in weighted {
+            sum.iter_mut().zip(&picture.view).for_each(|(s, v)| *s += *v);
+        }
+        for (i, sum) in sum.iter().enumerate() {
+            let pixel = channels(&film).map(|c| c[i]);
+            let error = (sum.g - pixel[1]).abs();
+            assert!(error <= 1e-4 * (0.1 + pixel[1]), "pixel {i}: {sum:?}, not {pixel:?}");
+        }
+    }
 
     #[test]
     fn the_pyramid_has_each_way_at_its_place() {

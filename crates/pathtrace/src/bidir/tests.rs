@@ -13,9 +13,9 @@ use gi_core::technique::Setting;
 use gi_tests::World;
 use glam::Vec3;
 
-use super::Bidirectional;
 use super::vertex::{Site, Vertex};
 use super::weight::{self, Partials};
+use super::{Bidirectional, Plan};
 use crate::params::{Heuristic, Mode, Params};
 
 /// A vertex of a path, without direction.
@@ -266,7 +266,7 @@ fn the_weights_of_all_ways_to_find_a_path_sum_to_one() {
             for heuristic in [Heuristic::Balance, Heuristic::Power] {
                 let limits = PathLimits { max_depth: Some(8), ..PathLimits::default() };
                 let params = Params { mode, heuristic, limits, ..Params::default() };
-                let of = Bidirectional::new(setting, &params, 0);
+                let of = Bidirectional::new(setting, &params, Plan::make(&setting, &params), 0);
                 let (mut count, mut wrong, mut worst) = (0, 0, 0f32);
                 for index in 0..1500 {
                     paths(&of, index, |path| {
