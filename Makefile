@@ -1,7 +1,7 @@
 # Targets for building, testing and documenting the project.
 CARGO ?= cargo
 
-.PHONY: all build test test-slow fuzz asan lint ci scenes bench figures compare install man
+.PHONY: all build test test-slow fuzz asan lint ci scenes references bench figures compare install man
 
 all: build
 
@@ -59,6 +59,10 @@ ci: test lint
 # Write scenes/ again with the generator.
 scenes:
 	$(CARGO) run --release -p make-scenes -- scenes
+
+# Render the references of tests/references again: hours. An interrupted run continues.
+references: build
+	$(CARGO) run --release -p make-references -- target/release/pathtrace target/references
 
 # Benchmarks: path segments per second, and the time of each phase; rays per second against obvhs, and against Embree if EMBREE_LIB is the path of its library; photon
 # searches per second against the lecture's layout and kiddo; photons and pixels per second of progressive passes;
