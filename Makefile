@@ -1,7 +1,7 @@
 # Targets for building, testing and documenting the project.
 CARGO ?= cargo
 
-.PHONY: all build test test-slow fuzz asan lint ci scenes references bench figures compare install man
+.PHONY: all build test test-slow fuzz asan lint ci scenes test-cluster references bench figures compare install man
 
 all: build
 
@@ -59,6 +59,10 @@ ci: test lint
 # Write scenes/ again with the generator.
 scenes:
 	$(CARGO) run --release -p make-scenes -- scenes
+
+# Try the recipes of scripts/cluster with the schedulers that are installed: a few minutes.
+test-cluster: build
+	scripts/cluster/test.sh
 
 # Render the references of tests/references again: hours. An interrupted run continues.
 references: build

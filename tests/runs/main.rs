@@ -20,5 +20,7 @@ mod running;
 mod serve;
 /// Runs whose live page is served, and a client of it.
 mod served;
+/// Runs that are divided into ranges of passes.
+mod shards;
 /// Signals.
 mod signals;

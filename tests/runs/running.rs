@@ -18,43 +18,36 @@ pub(crate) struct Program {
     pub(crate) flags: &'static [&'static str],
     /// Flags that make the preparation last for minutes; empty if nothing makes it long.
     pub(crate) long_preparation: &'static [&'static str],
-    /// Whether it writes checkpoints.
-    pub(crate) keeps: bool,
 }
 
 /// The programs of all techniques.
 pub(crate) const PROGRAMS: [Program; 7] = [
-    Program { name: "pathtrace", flags: &[], long_preparation: &[], keeps: true },
+    Program { name: "pathtrace", flags: &[], long_preparation: &[] },
     Program {
         name: "irrcache",
         flags: &["--rays", "16"],
         long_preparation: &["--rays", "1000000"],
-        keeps: false,
     },
     Program {
         name: "radcache",
         flags: &["--rays", "16", "--glossy-rays", "16"],
         long_preparation: &["--rays", "1000000"],
-        keeps: false,
     },
     Program {
         name: "photonmap",
         flags: &["--photons", "500", "--caustic-photons", "500"],
         long_preparation: &["--photons", "50000000"],
-        keeps: false,
     },
     Program {
         name: "ppm",
         flags: &["--photons", "500"],
         long_preparation: &["--photons", "50000000"],
-        keeps: true,
     },
-    Program { name: "instant-radiosity", flags: &[], long_preparation: &[], keeps: false },
+    Program { name: "instant-radiosity", flags: &[], long_preparation: &[] },
     Program {
         name: "lightcuts",
         flags: &["--lights", "16", "--vpls", "64", "--rule", "cluster"],
         long_preparation: &["--vpls", "50000000"],
-        keeps: true,
     },
 ];
 

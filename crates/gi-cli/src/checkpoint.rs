@@ -13,10 +13,10 @@ use crate::Failure;
 use crate::save::save_bytes;
 
 /// First line of a checkpoint; the number is the format's.
-const MAGIC: &str = "gilab checkpoint 2";
+const MAGIC: &str = "gilab checkpoint 3";
 
 /// What must be the same for a checkpoint to be of use, by name: program, scene, camera and so on.
-pub(crate) type Identity = Vec<(&'static str, String)>;
+pub(crate) type Identity = Vec<(String, String)>;
 
 /// Writes a run's checkpoints.
 pub(crate) struct Keeper<'a> {
@@ -64,7 +64,7 @@ impl<'a> Keeper<'a> {
         film: &Film,
         passes: &Range<u32>,
     ) -> Result<(), Failure> {
-        let state = technique.save_state().ok_or_else(no_state)?;
+        let state = technique.save_state();
         let mut w = Writer::default();
         w.text(MAGIC);
         w.u32(self.identity.len() as u32);
@@ -78,14 +78,6 @@ impl<'a> Keeper<'a> {
         w.bytes(&film.save_state());
         save_bytes(self.path, &w.seal())
     }
-}
-
-/// What is said where a technique has no state to save.
-pub(crate) fn no_state() -> Failure {
-    Failure::Input(
-        "error: --checkpoint: this program cannot continue a run, so it saves no checkpoints"
-            .into(),
-    )
 }
 
 /// A checkpoint of this scene, camera, and so on.
@@ -108,20 +100,22 @@ impl Checkpoint {
         Ok(Checkpoint { path: path.to_path_buf(), bytes })
     }
 
-    /// Check that it is whole and has this identity.
-    pub(crate) fn check(&self, identity: &Identity) -> Result<(), Failure> {
-        self.parts(identity).map(|_| ()).map_err(|e| self.refuse(e))
+    /// Check that it is whole and has this identity, apart from the values that may differ. `identity` may be without what is
+    /// only known after preparation.
+    pub(crate) fn check(&self, identity: &Identity, may_differ: &[&str]) -> Result<(), Failure> {
+        self.parts(identity, may_differ).map(|_| ()).map_err(|e| self.refuse(e))
     }
 
     /// Take a run's state from it; returns the passes that were made.
     pub(crate) fn resume<'t>(
         &self,
         identity: &Identity,
+        may_differ: &[&str],
         technique: &mut impl Technique<'t>,
         film: &mut Film,
     ) -> Result<Range<u32>, Failure> {
         let mut resume = || {
-            let parts = self.parts(identity)?;
+            let parts = self.parts(identity, may_differ)?;
             technique.restore(parts.state)?;
             film.restore(parts.film)?;
             Ok(parts.passes)
@@ -129,39 +123,39 @@ impl Checkpoint {
         resume().map_err(|e| self.refuse(e))
     }
 
-    /// Add its passes to `film`; `technique` checks the state. Returns the passes.
-    pub(crate) fn merge<'t>(
-        &self,
-        identity: &Identity,
-        technique: &mut impl Technique<'t>,
-        [film, spare]: [&mut Film; 2],
-    ) -> Result<Range<u32>, Failure> {
-        let passes = self.resume(identity, technique, spare)?;
-        if !technique.passes_are_independent() {
-            return Err(self.refuse("its passes build on each other, and cannot be merged".into()));
-        }
-        film.merge(spare);
-        Ok(passes)
+    /// A value of its identity; empty if it has none of this name.
+    pub(crate) fn value(&self, name: &str) -> Result<String, Failure> {
+        let (identity, _) = self.identity().map_err(|e| self.refuse(e))?;
+        let value = identity.iter().find(|(its_name, _)| *its_name == name);
+        Ok(value.map_or_else(String::new, |(_, value)| value.to_string()))
     }
 
-    fn parts(&self, identity: &Identity) -> Result<Parts<'_>, String> {
+    /// Its identity, and what follows.
+    fn identity(&self) -> Result<(Vec<(&str, &str)>, Reader<'_>), String> {
         if Reader::new(&self.bytes).text().ok() != Some(MAGIC) {
             return Err("it is no checkpoint, or one of another version".into());
         }
         let mut r = Reader::new(unseal(&self.bytes)?);
         r.text()?;
-        if r.u32()? as usize != identity.len() {
-            return Err("it is of another version".into());
-        }
-        for (name, value) in identity {
-            let (its_name, its_value) = (r.text()?, r.text()?);
-            if (its_name, its_value) != (*name, value) {
-                // Long values are not for people.
-                let is_short = its_value.len().max(value.len()) <= 40;
-                let values =
-                    if is_short { format!(": {its_value}, not {value}") } else { String::new() };
-                return Err(format!("it is of another {name}{values}"));
+        let pairs = (0..r.u32()?).map(|_| Ok((r.text()?, r.text()?)));
+        let pairs = pairs.collect::<Result<Vec<_>, String>>()?;
+        Ok((pairs, r))
+    }
+
+    fn parts(&self, identity: &Identity, may_differ: &[&str]) -> Result<Parts<'_>, String> {
+        let (its, mut r) = self.identity()?;
+        for (k, (name, value)) in identity.iter().enumerate() {
+            let Some((_, its_value)) = its.get(k).filter(|(its_name, _)| its_name == name) else {
+                return Err("it is of another version".into());
+            };
+            if its_value == value || may_differ.contains(&name.as_str()) {
+                continue;
             }
+            // Long values are not for people.
+            let is_short = its_value.len().max(value.len()) <= 40;
+            let values =
+                if is_short { format!(": {its_value}, not {value}") } else { String::new() };
+            return Err(format!("it is of another {name}{values}"));
         }
         let passes = r.u32()?..r.u32()?;
         let (state, film) = (r.bytes()?, r.bytes()?);

@@ -10,17 +10,10 @@ use crate::say::{print, say};
 /// The flag that prints a man page or completions. It is for `make install`, and the help does not list it.
 pub(crate) const GENERATE: &str = "--generate";
 
-/// Flags of programs that can continue a run.
-const FOR_RESUMING: [&str; 5] =
-    ["checkpoint", "checkpoint_interval", "resume", "first_pass", "merge"];
-
-/// A program's command with the technique's flags under headings and an example at the end. Flags that a program without
-/// checkpoints refuses are hidden.
-pub(crate) fn arranged(command: Command, resumes: bool) -> Command {
+/// A program's command with the technique's flags under headings and an example at the end.
+pub(crate) fn arranged(command: Command) -> Command {
     let name = command.get_name().to_string();
     let command = command.mut_args(|flag| {
-        let refused = !resumes && FOR_RESUMING.contains(&flag.get_id().as_str());
-        let flag = if refused { flag.hide(true) } else { flag };
         let heading = if is_for_figures(&flag) { "Figures" } else { "Technique" };
         if flag.get_help_heading().is_some() { flag } else { flag.help_heading(heading) }
     });
@@ -30,7 +23,7 @@ pub(crate) fn arranged(command: Command, resumes: bool) -> Command {
 }
 
 /// Whether a flag shows what a technique does, instead of changing it.
-fn is_for_figures(flag: &Arg) -> bool {
+pub(crate) fn is_for_figures(flag: &Arg) -> bool {
     let name = flag.get_long().unwrap_or_default();
     let begins = ["show", "probe", "trace-pixel"].iter().any(|word| name.starts_with(word));
     let is_points = name.ends_with("-out") && !["cache-out", "map-out"].contains(&name);

@@ -1,6 +1,14 @@
-//! Which program on which machine: what a picture says about where it comes from.
+//! Which program on which machine: what a picture says about where it comes from, and what runs must have in common to be
+//! continued and added up.
 
 use std::time::SystemTime;
+
+use clap::{ArgMatches, Args, Command, ValueEnum};
+use gi_core::camera::Camera;
+use gi_core::filter::Filter;
+
+use crate::checkpoint::Identity;
+use crate::{Common, Program, help};
 
 /// The version of all programs.
 pub(crate) const NUMBER: &str = env!("CARGO_PKG_VERSION");
@@ -21,4 +29,51 @@ pub(crate) fn processor() -> String {
     let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let name = text.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
     name.map_or_else(|| std::env::consts::ARCH.to_string(), |(_, name)| name.trim().to_string())
+}
+
+/// What a checkpoint must have in common with a run: the program, the scene, the picture, and every option of the technique that the
+/// passes depend on.
+pub(crate) fn of_run<P: Program>(
+    common: &Common,
+    matches: &ArgMatches,
+    (world, camera, filter): (u64, &Camera, Filter),
+) -> Identity {
+    let name = |value: Option<clap::builder::PossibleValue>| {
+        value.map_or_else(String::new, |v| v.get_name().to_string())
+    };
+    let [w, h] = camera.size();
+    let mut all = vec![
+        ("program".to_string(), P::command().get_name().to_string()),
+        ("version of the program".into(), NUMBER.into()),
+        ("scene".into(), format!("{world:016x}")),
+        ("picture size".into(), format!("{w} x {h}")),
+        ("camera".into(), words(&camera.numbers())),
+        ("filter".into(), words(&filter.numbers())),
+        ("seed".into(), common.seed.to_string()),
+        ("component".into(), name(common.component.to_possible_value())),
+        ("choice of surface layers".into(), name(common.surface_layers.to_possible_value())),
+    ];
+    let options = P::Params::augment_args(Command::new("options"));
+    for option in options.get_arguments() {
+        let id = option.get_id().as_str();
+        // What is read from a file counts, not the file's name.
+        let counts = !help::is_for_figures(option) && !id.ends_with("_in") && !id.ends_with("_out");
+        if let (true, Some(long)) = (counts, option.get_long()) {
+            let values = matches.try_get_raw(id).ok().flatten().into_iter().flatten();
+            let values: Vec<String> = values.map(|v| plain(&v.to_string_lossy())).collect();
+            all.push((format!("--{long}"), values.join(",")));
+        }
+    }
+    all
+}
+
+/// A value, without what does not change it: `0.50` is 0.5.
+fn plain(value: &str) -> String {
+    value.parse::<f64>().map_or_else(|_| value.to_string(), |number| number.to_string())
+}
+
+/// Numbers in words; the same words are the same bits.
+fn words(numbers: &[f32]) -> String {
+    let words: Vec<String> = numbers.iter().map(f32::to_string).collect();
+    words.join(" ")
 }

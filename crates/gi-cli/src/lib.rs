@@ -14,6 +14,7 @@ mod finish;
 mod help;
 mod identity;
 mod inspect;
+mod merge;
 mod passes;
 mod paths;
 mod presets;
@@ -60,9 +61,6 @@ pub trait Program: Parser {
     type Params: Parameters;
     /// The technique.
     type Technique<'a>: Technique<'a, Params = Self::Params>;
-
-    /// Whether it can continue a run from a checkpoint; its help does not list those flags otherwise.
-    const RESUMES: bool = true;
 
     /// Default number of passes. Two processors should make them in less than two minutes for a picture of 512 x 512.
     const PASSES: &str = "64";
@@ -119,7 +117,7 @@ pub fn main<P: Program>() -> ExitCode {
 
 /// The command line of a program.
 fn command<P: Program>() -> clap::Command {
-    let arranged = help::arranged(P::command(), P::RESUMES).args_override_self(true);
+    let arranged = help::arranged(P::command()).args_override_self(true);
     let spp = |spp: clap::Arg| spp.required(false).default_value(P::PASSES);
     arranged.mut_arg("spp", spp).version(VERSION)
 }

@@ -1,5 +1,4 @@
-//! The passes of a run: made until the budget is spent or a signal comes, continued from a checkpoint, or added up from
-//! several.
+//! The passes of a run: made until the budget is spent or a signal comes, or continued from a checkpoint.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -7,39 +6,18 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use std::sync::mpsc::{RecvTimeoutError::Timeout, channel};
 use std::time::{Duration, Instant};
 
-use gi_core::camera::Camera;
 use gi_core::film::Film;
-use gi_core::filter::Filter;
 use gi_core::technique::Technique;
 
 use crate::budget::Budget;
-use crate::checkpoint::{Checkpoint, Identity, Keeper, no_state};
+use crate::checkpoint::{Checkpoint, Identity, Keeper};
 use crate::preview::Preview;
 use crate::progress::{Part, Passes, Progress};
 use crate::record::{About, SoFar};
 use crate::say::say;
 use crate::serve::{Page, Stage};
 use crate::stop;
-use crate::{Common, Failure, Program};
-
-/// What a checkpoint must have in common with a run.
-pub(crate) fn identity<P: Program>(
-    common: &Common,
-    world: u64,
-    camera: &Camera,
-    filter: Filter,
-) -> Identity {
-    vec![
-        ("program", P::command().get_name().to_string()),
-        ("scene", format!("{world:016x}")),
-        ("picture size", format!("{} x {}", camera.size()[0], camera.size()[1])),
-        ("camera", format!("{camera:?}")),
-        ("filter", format!("{filter:?}")),
-        ("seed", common.seed.to_string()),
-        ("component", format!("{:?}", common.component)),
-        ("surface layers", format!("{:?}", common.surface_layers)),
-    ]
-}
+use crate::{Common, Failure};
 
 /// Largest index of a pass, plus one: sample numbers are 32-bit integers.
 const MOST_PASSES: u32 = u32::MAX - 1;
@@ -84,13 +62,9 @@ impl<'a> Making<'a> {
             );
             return Err(Failure::Input(text));
         }
-        // Check this before rendering.
-        if common.checkpoint.is_some() {
-            technique.save_state().ok_or_else(no_state)?;
-        }
         let mut made = first..first;
         if let (true, Some(path)) = (common.resume, &common.checkpoint) {
-            made = Checkpoint::read(path)?.resume(identity, technique, film)?;
+            made = Checkpoint::read(path)?.resume(identity, &[], technique, film)?;
             if made.start != first {
                 let text = format!("error: {} begins with pass {}", path.display(), made.start);
                 return Err(Failure::Input(text));
@@ -218,40 +192,12 @@ impl<'a> Making<'a> {
 /// Check that the checkpoints that the run needs are of this scene, camera and so on, before the technique prepares.
 pub(crate) fn check_checkpoints(common: &Common, identity: &Identity) -> Result<(), Failure> {
     let resumed = common.checkpoint.iter().filter(|_| common.resume);
-    common.merge.iter().chain(resumed).try_for_each(|path| Checkpoint::read(path)?.check(identity))
-}
-
-/// Add up the passes of checkpoints.
-pub(crate) fn merge<'a>(
-    technique: &mut impl Technique<'a>,
-    common: &Common,
-    [film, spare]: [&mut Film; 2],
-    identity: &Identity,
-) -> Result<(), Failure> {
-    let mut all: Vec<Range<u32>> = Vec::new();
-    for path in &common.merge {
-        let passes =
-            Checkpoint::read(path)?.merge(identity, technique, [&mut *film, &mut *spare])?;
-        if let Some(twice) = all.iter().find(|r| r.start < passes.end && passes.start < r.end) {
-            let text = format!(
-                "error: {}: its passes {} overlap with the passes {} of another file",
-                path.display(),
-                range(&passes),
-                range(twice)
-            );
-            return Err(Failure::Input(text));
-        }
-        all.push(passes);
-    }
-    Ok(())
+    resumed.into_iter().try_for_each(|path| Checkpoint::read(path)?.check(identity, &[]))?;
+    // Runs whose passes build on each other differ in the seed.
+    common.merge.iter().try_for_each(|path| Checkpoint::read(path)?.check(identity, &["seed"]))
 }
 
 /// A number of passes, in words.
 pub(crate) fn passes(number: u32) -> String {
     format!("{number} {}", if number == 1 { "pass" } else { "passes" })
-}
-
-/// The first and the last number of a range.
-fn range(passes: &Range<u32>) -> String {
-    format!("{} to {}", passes.start, passes.end.saturating_sub(1))
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use clap::ArgMatches;
 use gi_core::camera::Camera;
 use gi_core::film::Film;
 use gi_core::image_io::Layers;
@@ -12,10 +13,12 @@ use gi_core::technique::{Setting, Technique};
 use gi_scene::{AddedLight, ExportError, Loaded};
 use glam::Vec3A;
 
-use crate::checkpoint::{Identity, no_state};
+use crate::checkpoint::Identity;
 use crate::finish::Finished;
+use crate::identity::of_run;
 use crate::inspect::inspect;
-use crate::passes::{Making, check_checkpoints, identity, merge};
+use crate::merge::merge;
+use crate::passes::{Making, check_checkpoints};
 use crate::paths::{Files, check_export};
 use crate::presets::with_presets;
 use crate::preview::Preview;
@@ -40,9 +43,6 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<Option<Signal>, Fa
     if let Some(threads) = common.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
         pool.map_err(|e| Failure::Other(format!("cannot start {threads} threads: {e}")))?;
-    }
-    if !P::RESUMES && (common.checkpoint.is_some() || !common.merge.is_empty()) {
-        return Err(no_state());
     }
     if common.inspect {
         return inspect(common).map(|()| None);
@@ -92,13 +92,13 @@ fn read_and_render<P: Program>(
         build: Duration::ZERO,
         prepare: Duration::ZERO,
     };
-    render::<P>(about, params, loaded, output, views)
+    render::<P>(about, (params, &matches), loaded, output, views)
 }
 
 /// Render a scene that was read.
 fn render<P: Program>(
     mut about: About,
-    params: &P::Params,
+    (params, matches): (&P::Params, &ArgMatches),
     loaded: Loaded,
     output: &Output,
     views: &mut Views,
@@ -124,9 +124,13 @@ fn render<P: Program>(
     };
     let mut film = Film::new(camera.size(), filter, common.component);
     let start = Instant::now();
-    let identity = identity::<P>(common, world, &camera, filter);
+    let mut identity = of_run::<P>(common, matches, (world, &camera, filter));
     check_checkpoints(common, &identity)?;
     let mut technique = prepare::<P>(&mut about, setting, params, views)?;
+    if common.checkpoint.is_some() || !common.merge.is_empty() {
+        identity
+            .push(("set of records or photons".into(), format!("{:016x}", technique.prepared())));
+    }
     let passes = make_passes(&about, &identity, start, &mut technique, &mut film, (output, views))?;
     let elapsed = start.elapsed();
     stop::enter(Phase::Saving);

@@ -112,7 +112,7 @@ pub fn unseal(bytes: &[u8]) -> Result<&[u8], String> {
 }
 
 /// FNV-1a with 64 bits. It detects damage, not manipulation.
-fn checksum(bytes: &[u8]) -> u64 {
+pub fn checksum(bytes: &[u8]) -> u64 {
     bytes
         .iter()
         .fold(0xcbf2_9ce4_8422_2325, |h, &b| (h ^ u64::from(b)).wrapping_mul(0x100_0000_01b3))

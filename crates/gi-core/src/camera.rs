@@ -114,6 +114,14 @@ impl Camera {
         self.size
     }
 
+    /// The numbers that define the camera, apart from the picture's size.
+    pub fn numbers(&self) -> Vec<f32> {
+        let Camera { half, offset, near, aperture, focus, orthographic, to_world, .. } = self;
+        let lens = [half.x, half.y, offset.x, offset.y, *near, *aperture, *focus];
+        let kind = f32::from(u8::from(*orthographic));
+        lens.into_iter().chain([kind]).chain(to_world.to_cols_array()).collect()
+    }
+
     /// Whether the camera has a lens, so that [`Camera::ray`] uses its second argument.
     pub fn has_lens(&self) -> bool {
         self.aperture > 0.0

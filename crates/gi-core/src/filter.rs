@@ -45,6 +45,18 @@ impl Filter {
         }
     }
 
+    /// The kind of filter and its parameters, as numbers that define it.
+    pub fn numbers(self) -> Vec<f32> {
+        match self {
+            Filter::Box => vec![0.0],
+            Filter::Tent => vec![1.0],
+            Filter::Gaussian { stddev } => vec![2.0, stddev],
+            Filter::Mitchell { b, c } => vec![3.0, b, c],
+            Filter::CatmullRom => vec![4.0],
+            Filter::Lanczos { lobes } => vec![5.0, lobes as f32],
+        }
+    }
+
     /// The unnormalised filter at distance `x` from the pixel's centre along one axis.
     pub fn eval(self, x: f32) -> f32 {
         let x = x.abs();

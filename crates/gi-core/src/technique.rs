@@ -3,6 +3,7 @@
 use crate::medium::MediumId;
 use std::path::Path;
 
+use crate::bytes::Reader;
 use crate::camera::Camera;
 use crate::film::{Film, Show};
 use crate::math::Rgb;
@@ -61,18 +62,25 @@ pub trait Technique<'a>: Send + Sized {
         true
     }
 
-    /// The state of `self` after the passes so far, for a checkpoint. The film is saved separately. `None` if the
-    /// technique does not support checkpoints.
-    fn save_state(&self) -> Option<Vec<u8>> {
-        None
+    /// A hash of what [`Technique::prepare`] has made and the passes read: records, photons. Runs whose passes are added up must
+    /// have the same. 0 if it follows from the scene, the seed and the parameters, and costs little to make again.
+    fn prepared(&self) -> u64 {
+        0
     }
 
-    /// Continue from the state of [`Technique::save_state`].
+    /// The state of `self` after the passes so far, for a checkpoint, in addition to what `prepare` makes. The film is saved
+    /// separately.
+    fn save_state(&self) -> Vec<u8> {
+        Vec::new()
+    }
+
+    /// Continue from the state of [`Technique::save_state`]. Counts are added to those that `self` has, so that merged runs count
+    /// the passes of all.
     ///
     /// # Errors
-    /// A message of one line: the state belongs to other parameters, or is damaged.
-    fn restore(&mut self, _state: &[u8]) -> Result<(), String> {
-        Err("this program cannot continue from a checkpoint".into())
+    /// A message of one line: the state cannot be used here, or is damaged.
+    fn restore(&mut self, state: &[u8]) -> Result<(), String> {
+        Reader::new(state).end()
     }
 
     /// Statistics of the run so far, as names and numbers.

@@ -101,6 +101,14 @@ impl<'a> Technique<'a> for InstantRadiosity<'a> {
         });
     }
 
+    fn save_state(&self) -> Vec<u8> {
+        self.totals.save()
+    }
+
+    fn restore(&mut self, state: &[u8]) -> Result<(), String> {
+        self.totals.restore(state)
+    }
+
     fn statistics(&self) -> Vec<(String, f64)> {
         self.totals.statistics(&self.pilot, &self.focused, &self.vpls)
     }

@@ -1,5 +1,6 @@
 //! The numbers that are printed and stored with the picture.
 
+use gi_core::bytes::{Reader, Writer};
 use gi_core::caustics::FocusedLight;
 use vpl::{Energy, Pilot, Vpls};
 
@@ -17,6 +18,24 @@ impl Totals {
     pub(crate) fn add(&mut self, vpls: &Vpls) {
         self.lights += vpls.lights.len() as u64;
         self.paths += vpls.paths;
+    }
+
+    /// The sums for a resumed run.
+    pub(crate) fn save(&self) -> Vec<u8> {
+        let mut w = Writer::default();
+        self.energy.parts().into_iter().for_each(|n| w.u64(n));
+        w.u64(self.lights);
+        w.u64(self.paths);
+        w.into_bytes()
+    }
+
+    /// Add stored sums.
+    pub(crate) fn restore(&mut self, state: &[u8]) -> Result<(), String> {
+        let mut r = Reader::new(state);
+        self.energy.add([r.u64()?, r.u64()?, r.u64()?]);
+        self.lights += r.u64()?;
+        self.paths += r.u64()?;
+        r.end()
     }
 
     pub(crate) fn statistics(

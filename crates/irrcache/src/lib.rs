@@ -28,6 +28,7 @@ mod statistics;
 
 use std::path::Path;
 
+use gi_core::bytes::checksum;
 use gi_core::caustics::FocusedLight;
 use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
 use gi_core::film::{Film, Show};
@@ -108,6 +109,18 @@ impl<'a> Technique<'a> for IrradianceCaching<'a> {
             }
             walk.sample()
         });
+    }
+
+    fn prepared(&self) -> u64 {
+        checksum(&self.saved().to_bytes())
+    }
+
+    fn save_state(&self) -> Vec<u8> {
+        self.interpolation.counts.save()
+    }
+
+    fn restore(&mut self, state: &[u8]) -> Result<(), String> {
+        self.interpolation.counts.restore(state)
     }
 
     fn statistics(&self) -> Vec<(String, f64)> {

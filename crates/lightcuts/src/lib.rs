@@ -183,12 +183,12 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
         film.add_pass(|pixel| self.sample_pixel(&lights, pixel, index, |_| None));
     }
 
-    fn save_state(&self) -> Option<Vec<u8>> {
-        Some(self.tally.save(&self.params.identity()))
+    fn save_state(&self) -> Vec<u8> {
+        self.tally.save()
     }
 
     fn restore(&mut self, state: &[u8]) -> Result<(), String> {
-        self.tally.restore(&self.params.identity(), state)
+        self.tally.restore(state)
     }
 
     fn statistics(&self) -> Vec<(String, f64)> {

@@ -145,15 +145,6 @@ pub struct Params {
     pub pixel: Option<[usize; 2]>,
 }
 
-impl Params {
-    /// The parameters as text, without the names of files. A run continues from a checkpoint only if the text is the
-    /// same.
-    pub(crate) fn identity(&self) -> String {
-        let (lights_out, bounds_out, cuts_out) = (None, None, None);
-        format!("{:?}", Params { lights_out, bounds_out, cuts_out, ..self.clone() })
-    }
-}
-
 impl Default for Params {
     fn default() -> Self {
         defaults()

@@ -76,27 +76,21 @@ impl Tally {
         self.building += time;
     }
 
-    /// The counts for a resumed run, with the `identity` of the parameters. Passes are independent and need nothing
-    /// else.
-    pub(crate) fn save(&self, identity: &str) -> Vec<u8> {
+    /// The counts for a resumed run. Passes are independent and need nothing else.
+    pub(crate) fn save(&self) -> Vec<u8> {
         let mut w = Writer::default();
-        w.text(identity);
         self.counts.iter().for_each(|n| w.u64(n.load(Relaxed)));
         self.energy.parts().into_iter().for_each(|n| w.u64(n));
         w.into_bytes()
     }
 
-    /// Continue from stored counts.
-    pub(crate) fn restore(&mut self, identity: &str, state: &[u8]) -> Result<(), String> {
+    /// Add stored counts.
+    pub(crate) fn restore(&mut self, state: &[u8]) -> Result<(), String> {
         let mut r = Reader::new(state);
-        let params = r.text()?;
-        if params != identity {
-            return Err(format!("it was made with other parameters: {params}"));
-        }
         for n in &self.counts {
-            n.store(r.u64()?, Relaxed);
+            n.fetch_add(r.u64()?, Relaxed);
         }
-        self.energy = Energy::from_parts([r.u64()?, r.u64()?, r.u64()?]);
+        self.energy.add([r.u64()?, r.u64()?, r.u64()?]);
         r.end()
     }
 

@@ -94,5 +94,5 @@ fn a_resumed_run_makes_the_picture_of_one_run() {
     let resumed = render("rest.exr", &[&keep[..], &["--passes=3", "--resume"]].concat());
     assert!(resumed == whole, "resumed: another picture");
     let other = [&keep[..], &["--passes=3", "--resume", "--error=0.1"]].concat();
-    assert_refused(&run("cornell-box", &other), 2, &["other parameters"]);
+    assert_refused(&run("cornell-box", &other), 2, &["another --error: 0.02, not 0.1"]);
 }

@@ -43,6 +43,7 @@ pub mod volume;
 
 use std::path::Path;
 
+use gi_core::bytes::checksum;
 use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
 use gi_core::film::Film;
 use gi_core::math::INV_PI;
@@ -97,6 +98,10 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
             }
             walk.sample()
         });
+    }
+
+    fn prepared(&self) -> u64 {
+        checksum(&self.gatherer().save())
     }
 
     fn pictures(&self, film: &Film) -> Vec<Picture> {

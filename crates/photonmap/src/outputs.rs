@@ -23,7 +23,7 @@ impl Gatherer<'_, '_> {
     }
 
     /// The maps as a file for `--map-in`. The photons of the dipole are not in it: they are traced anew.
-    fn save(&self) -> Vec<u8> {
+    pub(crate) fn save(&self) -> Vec<u8> {
         let max_depth = self.params.limits.max_depth.unwrap_or(0);
         let Setting { world, .. } = *self.setting;
         let in_media = (self.maps.volume(), self.params.subsurface);

@@ -67,6 +67,19 @@ pub(crate) struct Counts {
     pub(crate) error: f64,
 }
 
+impl Counts {
+    /// These counts of a stored run, added to those of the runs before. The error is that of the last run.
+    pub(crate) fn after(self, before: &Counts) -> Counts {
+        Counts {
+            passes: before.passes + self.passes,
+            paths: before.paths + self.paths,
+            stored: before.stored + self.stored,
+            contributed: before.contributed + self.contributed,
+            error: self.error,
+        }
+    }
+}
+
 impl<'a> Technique<'a> for Ppm<'a> {
     type Params = Params;
 
@@ -148,8 +161,8 @@ impl<'a> Technique<'a> for Ppm<'a> {
         self.params.method == Method::Ppa
     }
 
-    fn save_state(&self) -> Option<Vec<u8>> {
-        Some(self.write_state())
+    fn save_state(&self) -> Vec<u8> {
+        self.write_state()
     }
 
     fn restore(&mut self, state: &[u8]) -> Result<(), String> {

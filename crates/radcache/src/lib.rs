@@ -41,6 +41,7 @@ mod test_scenes;
 
 use std::path::Path;
 
+use gi_core::bytes::checksum;
 use gi_core::caustics::FocusedLight;
 use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
 use gi_core::film::{Film, Show};
@@ -132,6 +133,18 @@ impl<'a> Technique<'a> for RadianceCaching<'a> {
             }
             walk.sample()
         });
+    }
+
+    fn prepared(&self) -> u64 {
+        checksum(&self.saved().to_bytes())
+    }
+
+    fn save_state(&self) -> Vec<u8> {
+        self.counts.save()
+    }
+
+    fn restore(&mut self, state: &[u8]) -> Result<(), String> {
+        self.counts.restore(state)
     }
 
     fn statistics(&self) -> Vec<(String, f64)> {

@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
+use gi_core::bytes::{Reader, Writer};
 use lightcache::Cache;
 use lightcache::site::Sited;
 
@@ -35,6 +36,26 @@ impl LookupCounts {
     /// Count a negative radiance.
     pub(crate) fn add_negative(&self) {
         self.negative.fetch_add(1, Relaxed);
+    }
+
+    fn all(&self) -> [&AtomicU64; 4] {
+        [&self.relaxed, &self.failed, &self.negative, &self.glossy]
+    }
+
+    /// The counts for a resumed run.
+    pub(crate) fn save(&self) -> Vec<u8> {
+        let mut w = Writer::default();
+        self.all().into_iter().for_each(|n| w.u64(n.load(Relaxed)));
+        w.into_bytes()
+    }
+
+    /// Add stored counts.
+    pub(crate) fn restore(&self, state: &[u8]) -> Result<(), String> {
+        let mut r = Reader::new(state);
+        for n in self.all() {
+            n.fetch_add(r.u64()?, Relaxed);
+        }
+        r.end()
     }
 }
 

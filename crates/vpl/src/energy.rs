@@ -26,15 +26,15 @@ impl Energy {
         [&self.kept, &self.cut].map(|n| n.load(Relaxed) as f64 / f64::from(PARTS))
     }
 
-    /// All sums, for a checkpoint; [`Energy::from_parts`] continues from them.
+    /// All sums, for a checkpoint.
     pub fn parts(&self) -> [u64; 3] {
         [&self.kept, &self.cut, &self.connections].map(|n| n.load(Relaxed))
     }
 
-    /// Continue from stored sums.
-    pub fn from_parts(parts: [u64; 3]) -> Self {
-        let [kept, cut, connections] = parts.map(AtomicU64::new);
-        Energy { kept, cut, connections }
+    /// Add sums from [`Energy::parts`].
+    pub fn add(&self, parts: [u64; 3]) {
+        let sums = [&self.kept, &self.cut, &self.connections];
+        sums.into_iter().zip(parts).for_each(|(sum, part)| _ = sum.fetch_add(part, Relaxed));
     }
 
     /// Number of connections between points and lights that face each other.

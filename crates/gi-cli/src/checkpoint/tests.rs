@@ -22,8 +22,8 @@ impl<'a> Technique<'a> for Words {
 
     fn pass(&mut self, _: u32, _: &mut Film) {}
 
-    fn save_state(&self) -> Option<Vec<u8>> {
-        Some(self.0.clone().into_bytes())
+    fn save_state(&self) -> Vec<u8> {
+        self.0.clone().into_bytes()
     }
 
     fn restore(&mut self, state: &[u8]) -> Result<(), String> {
@@ -40,7 +40,9 @@ impl<'a> Technique<'a> for Words {
 fn damaged_checkpoints_are_refused_or_used() {
     let folder = gi_tests::program::Folder::make();
     let path = folder.path().join("checkpoint");
-    let identity = vec![("program", "test".to_owned()), ("scene", "7".to_owned())];
+    let identity = [("program", "test"), ("scene", "7")]
+        .map(|(name, value)| (name.to_owned(), value.to_owned()))
+        .to_vec();
     let mut film = Film::new([3, 2], Filter::Box, Show::All);
     let mut keeper = Keeper::new(&path, &identity, Duration::ZERO);
     keeper.keep(&Words("some words".into()), &film, &(0..3)).expect("written");
@@ -48,7 +50,7 @@ fn damaged_checkpoints_are_refused_or_used() {
     let content = unseal(&whole).expect("it is whole").to_vec();
     let mut resume = |bytes: Vec<u8>| {
         let checkpoint = Checkpoint { path: path.clone(), bytes };
-        checkpoint.resume(&identity, &mut Words(String::new()), &mut film).is_ok()
+        checkpoint.resume(&identity, &[], &mut Words(String::new()), &mut film).is_ok()
     };
     for bit in (0..8 * whole.len()).step_by(13) {
         let mut damaged = whole.clone();

@@ -61,11 +61,11 @@ fn channels(show: Show) -> Vec<Channel> {
                 push(format!("{part}.{c}"), Box::new(move |p| p.component(j, k)));
             }
         }
-        push(format!("Albedo.{c}"), Box::new(move |p| f64::from(p.albedo.to_array()[k])));
+        push(format!("Albedo.{c}"), Box::new(move |p| p.albedo(k)));
     }
     for (k, axis) in ["X", "Y", "Z"].into_iter().enumerate() {
-        push(format!("N.{axis}"), Box::new(move |p| f64::from(p.normal[k])));
+        push(format!("N.{axis}"), Box::new(move |p| p.normal(k)));
     }
-    push("Z".to_string(), Box::new(|p| f64::from(p.depth)));
+    push("Z".to_string(), Box::new(|p| p.depth()));
     channels
 }

@@ -9,6 +9,7 @@ mod layers;
 mod pixel;
 mod sample;
 mod state;
+mod sums;
 mod tiles;
 mod watch;
 
@@ -52,8 +53,8 @@ impl Film {
 
     /// Bytes that a film of this size needs during a pass. [`Film::layers`] needs up to 88 bytes more per pixel.
     ///
-    /// The sums of a pixel are 17 doubles: the weight, nine sums of radiance, and seven second moments for the variance. In
-    /// single precision, the variance would be lost after some thousand passes, and merged runs would differ from a single one.
+    /// The sums of a pixel are the weight, nine sums of radiance, seven second moments for the variance, and seven of the first
+    /// surface. Each has 12 bytes, so that merged shards have the bits of a single run.
     /// Samples stay in single precision, and are kept only while the pixels around them are filtered.
     pub fn memory(size: [usize; 2], filter: Filter) -> u64 {
         let reach = FilterTable::new(filter).reach();

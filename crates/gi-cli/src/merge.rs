@@ -1,0 +1,127 @@
+//! Adds up the passes of several runs, from their checkpoints.
+
+use std::ops::Range;
+use std::path::Path;
+
+use gi_core::film::Film;
+use gi_core::technique::Technique;
+
+use crate::checkpoint::{Checkpoint, Identity};
+use crate::say::say;
+use crate::{Common, Failure};
+
+/// Which passes a checkpoint holds.
+struct Shard<'a> {
+    path: &'a Path,
+    seed: String,
+    passes: Range<u32>,
+}
+
+/// Add up the passes of checkpoints, in any order. One is in memory at a time.
+pub(crate) fn merge<'a>(
+    technique: &mut impl Technique<'a>,
+    common: &Common,
+    [film, spare]: [&mut Film; 2],
+    identity: &Identity,
+) -> Result<(), Failure> {
+    let independent = technique.passes_are_independent();
+    let differs: &[&str] = if independent { &[] } else { &["seed"] };
+    let mut shards = Vec::new();
+    for path in &common.merge {
+        let checkpoint = Checkpoint::read(path)?;
+        let passes = checkpoint.resume(identity, differs, technique, spare)?;
+        film.merge(spare);
+        shards.push(Shard { path, seed: checkpoint.value("seed")?, passes });
+    }
+    if independent {
+        return check_ranges(shards);
+    }
+    check_seeds(&shards)?;
+    if !common.quiet {
+        say(format!(
+            "the passes of this method build on each other: the picture is the mean of {} runs with their own seeds",
+            shards.len()
+        ));
+    }
+    Ok(())
+}
+
+/// Check that every pass from the first to the last is there once.
+fn check_ranges(mut shards: Vec<Shard>) -> Result<(), Failure> {
+    shards.sort_by_key(|shard| (shard.passes.start, shard.passes.end));
+    let mut next = 0;
+    for shard in shards {
+        let Range { start, end } = shard.passes;
+        if start < next {
+            return Err(refuse(
+                shard.path,
+                &format!("its passes {} are in another file too", range(start..next.min(end))),
+            ));
+        }
+        if start > next {
+            return Err(refuse(
+                shard.path,
+                &format!(
+                    "it begins with pass {start}, and no file holds {}; give the files of all passes",
+                    range(next..start)
+                ),
+            ));
+        }
+        next = end;
+    }
+    Ok(())
+}
+
+/// Check that no seed is there twice.
+fn check_seeds(shards: &[Shard]) -> Result<(), Failure> {
+    for (k, shard) in shards.iter().enumerate() {
+        if let Some(other) = shards[..k].iter().find(|other| other.seed == shard.seed) {
+            let cause = format!(
+                "it has the same seed as {}, {}; the passes of this method build on each other, so separate runs must have separate seeds",
+                other.path.display(),
+                shard.seed
+            );
+            return Err(refuse(shard.path, &cause));
+        }
+    }
+    Ok(())
+}
+
+fn refuse(path: &Path, cause: &str) -> Failure {
+    Failure::Input(format!("error: cannot use {}: {cause}", path.display()))
+}
+
+/// The first and the last number of a range, in words.
+fn range(passes: Range<u32>) -> String {
+    match passes.len() {
+        1 => passes.start.to_string(),
+        _ => format!("{} to {}", passes.start, passes.end.saturating_sub(1)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shards(ranges: &[Range<u32>]) -> Vec<Shard<'static>> {
+        let shard = |passes: &Range<u32>| Shard {
+            path: Path::new("a.checkpoint"),
+            seed: "1".into(),
+            passes: passes.clone(),
+        };
+        ranges.iter().map(shard).collect()
+    }
+
+    #[test]
+    fn ranges_of_passes_may_come_in_any_order_but_every_pass_must_be_there_once() {
+        assert!(check_ranges(shards(&[4..9, 0..3, 3..4])).is_ok());
+        let cause = |ranges: &[Range<u32>]| match check_ranges(shards(ranges)) {
+            Err(failure) => failure.text().to_string(),
+            Ok(()) => panic!("{ranges:?} were accepted"),
+        };
+        assert!(cause(&[0..3, 2..5]).contains("its passes 2 are in another file"));
+        assert!(cause(&[0..3, 0..3]).contains("0 to 2 are in another file"));
+        assert!(cause(&[5..9, 0..3]).contains("no file holds 3 to 4"));
+        assert!(cause(&[1..9]).contains("no file holds 0;"));
+    }
+}
