@@ -77,12 +77,17 @@ if ! sinfo >/dev/null 2>&1; then
     export SLURM_CONF=$folder/one-node/slurm.conf
     started_slurm=1
 fi
-last=$("$here/slurm.sh")
-kill_shard 1
+read -r array last <<<"$("$here/slurm.sh")"
+kill_shard 0
+# What Slurm does when a node fails.
+for _ in $(seq 600); do
+    if [ -e "$OUT/shard-1.checkpoint" ] && scontrol requeue "${array}_1"; then break; fi
+    sleep 0.1
+done
 # Slurm waits two minutes before it starts a shard again.
 for _ in $(seq 600); do
     state=$(squeue --noheader --jobs "$last" --format %T 2>/dev/null || true)
     [ -n "$state" ] || break
     sleep 1
 done
-check Slurm "$killed; Slurm started it again"
+check Slurm "$killed, and Slurm started shard 1 again"

@@ -14,6 +14,8 @@ mod instruction_sets;
 mod page;
 /// Previews.
 mod previews;
+/// The Python package.
+mod python;
 /// The programs, and helpers for running programs.
 mod running;
 /// The live page's server.

@@ -86,6 +86,9 @@ pub(crate) struct Checkpoint {
     bytes: Vec<u8>,
 }
 
+/// A name and a value of an identity.
+type Pair<'b> = (&'b str, &'b str);
+
 /// What a checkpoint holds.
 struct Parts<'b> {
     passes: Range<u32>,
@@ -131,7 +134,7 @@ impl Checkpoint {
     }
 
     /// Its identity, and what follows.
-    fn identity(&self) -> Result<(Vec<(&str, &str)>, Reader<'_>), String> {
+    fn identity(&self) -> Result<(Vec<Pair<'_>>, Reader<'_>), String> {
         if Reader::new(&self.bytes).text().ok() != Some(MAGIC) {
             return Err("it is no checkpoint, or one of another version".into());
         }

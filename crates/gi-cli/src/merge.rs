@@ -122,6 +122,6 @@ mod tests {
         assert!(cause(&[0..3, 2..5]).contains("its passes 2 are in another file"));
         assert!(cause(&[0..3, 0..3]).contains("0 to 2 are in another file"));
         assert!(cause(&[5..9, 0..3]).contains("no file holds 3 to 4"));
-        assert!(cause(&[1..9]).contains("no file holds 0;"));
+        assert!(cause(&[1..9, 9..10]).contains("no file holds 0;"));
     }
 }
