@@ -34,6 +34,8 @@ mod ppm_facts;
 mod radcache_facts;
 /// Compares paths from both ends on random scenes.
 mod random_scenes;
+/// Photon maps against references of scenes whose light is mostly caustic.
+mod references;
 /// Small lamps near surfaces and behind glass.
 mod small_lamps;
 /// Walls without thickness.

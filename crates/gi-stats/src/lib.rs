@@ -12,7 +12,7 @@ mod special;
 mod split;
 
 pub use chi2::{Chi2, chi2_test};
-pub use means::{sidak, welch_t_test, z_test};
+pub use means::{sidak, student_two_sided, welch_t_test, z_test};
 pub use running::Running;
 pub use slope::log_log_line;
 pub use split::{Split, split};

@@ -20,6 +20,11 @@ pub fn welch_t_test(a: &Running, b: &Running) -> f64 {
     let t = (a.mean() - b.mean()) / (va + vb).sqrt();
     let part = |v: f64, n: u64| v * v / (n as f64 - 1.0).max(1.0);
     let degrees = (va + vb) * (va + vb) / (part(va, a.count()) + part(vb, b.count()));
+    student_two_sided(t, degrees)
+}
+
+/// Probability that a variable of Student's distribution with this many degrees of freedom is at least as far from zero as `t`.
+pub fn student_two_sided(t: f64, degrees: f64) -> f64 {
     beta_i(0.5 * degrees, 0.5, degrees / (degrees + t * t))
 }
 

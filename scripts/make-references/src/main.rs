@@ -33,7 +33,7 @@ fn main() -> anyhow::Result<()> {
         some => some.iter().map(String::as_str).collect(),
     };
     for scene in scenes {
-        let mut blocks = vec![[Running::default(); 3]; BLOCKS * BLOCKS];
+        let mut blocks = vec![[Running::default(); 3]; BLOCKS * BLOCKS + 1];
         for seed in 1..=SEEDS {
             let picture = folder.join(format!("{scene}-{seed}.exr"));
             if !picture.exists() {
@@ -70,7 +70,7 @@ fn options(seed: u32) -> String {
     format!("--mode vcm --size {SIDE}x{SIDE} --spp {PASSES} --seed {seed}")
 }
 
-/// Add the block means of a picture.
+/// Add the block means of a picture, and last its mean.
 fn add(picture: &Path, blocks: &mut [[Running; 3]]) -> anyhow::Result<()> {
     let layers = read_exr(picture).map_err(anyhow::Error::msg)?;
     if [layers.width, layers.height] != [SIDE; 2] {
@@ -78,13 +78,16 @@ fn add(picture: &Path, blocks: &mut [[Running; 3]]) -> anyhow::Result<()> {
     }
     let rgb = layers.interleaved(["R", "G", "B"]).context("a picture without colours")?;
     let side = SIDE / BLOCKS;
-    for (k, block) in blocks.iter_mut().enumerate() {
-        let [x, y] = [k % BLOCKS * side, k / BLOCKS * side];
-        for (c, mean) in block.iter_mut().enumerate() {
+    for c in 0..3 {
+        let mut all = 0.0;
+        for (k, block) in blocks[..BLOCKS * BLOCKS].iter_mut().enumerate() {
+            let [x, y] = [k % BLOCKS * side, k / BLOCKS * side];
             let pixels = (0..side * side).map(|i| (y + i / side) * SIDE + x + i % side);
             let sum: f64 = pixels.map(|i| f64::from(rgb[3 * i + c])).sum();
-            mean.push(sum / (side * side) as f64);
+            block[c].push(sum / (side * side) as f64);
+            all += sum;
         }
+        blocks[BLOCKS * BLOCKS][c].push(all / (SIDE * SIDE) as f64);
     }
     Ok(())
 }
@@ -92,7 +95,7 @@ fn add(picture: &Path, blocks: &mut [[Running; 3]]) -> anyhow::Result<()> {
 /// The file of a scene.
 fn table(scene: &str, blocks: &[[Running; 3]]) -> String {
     let mut text = format!(
-        "# Mean radiance of blocks of {0} x {0} pixels, and its standard error.\n# pathtrace scenes/{scene}.xml {1}, for seeds 1 to {SEEDS}; \
+        "# Mean radiance of blocks of {0} x {0} pixels and of the picture, and its standard error.\n# pathtrace scenes/{scene}.xml {1}, for seeds 1 to {SEEDS}; \
          made by `make references`.\nrow,column,r,g,b,error_r,error_g,error_b\n",
         SIDE / BLOCKS,
         options(1)
@@ -100,13 +103,11 @@ fn table(scene: &str, blocks: &[[Running; 3]]) -> String {
     for (k, block) in blocks.iter().enumerate() {
         let [r, g, b] = block.map(|c| c.mean());
         let [er, eg, eb] = block.map(|c| c.variance_of_mean().sqrt());
-        writeln!(
-            text,
-            "{},{},{r:.6},{g:.6},{b:.6},{er:.6},{eg:.6},{eb:.6}",
-            k / BLOCKS,
-            k % BLOCKS
-        )
-        .expect("text grows");
+        let place = match k / BLOCKS {
+            BLOCKS => "all,all".to_string(),
+            row => format!("{row},{}", k % BLOCKS),
+        };
+        writeln!(text, "{place},{r:.6},{g:.6},{b:.6},{er:.6},{eg:.6},{eb:.6}").expect("text grows");
     }
     text
 }
