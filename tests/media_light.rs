@@ -70,7 +70,7 @@ fn assert_reads(name: &str, world: &World, passes: u32, expected: f64) {
 
 fn mist(sigma_t: f32, g: f32) -> Medium {
     let phase = if g == 0.0 { Phase::Isotropic } else { Phase::HenyeyGreenstein { g } };
-    Medium { sigma_t: Rgb::grey(sigma_t), albedo: Rgb::WHITE, phase }
+    Medium::homogeneous(Rgb::grey(sigma_t), Rgb::WHITE, phase)
 }
 
 fn ball(center: Vec3, radius: f32, material: usize) -> Shape {
@@ -133,13 +133,13 @@ fn murky() -> World {
             },
         ],
         media: vec![
-            Medium { sigma_t: Rgb::new(0.05, 0.1, 0.2), albedo: Rgb::BLACK, phase },
-            Medium { sigma_t: Rgb::new(2.0, 1.2, 0.7), albedo: Rgb::new(0.9, 0.7, 0.5), phase },
-            Medium {
-                sigma_t: Rgb::new(3.0, 4.0, 6.0),
-                albedo: Rgb::new(0.5, 0.9, 0.95),
-                phase: Phase::Isotropic,
-            },
+            Medium::homogeneous(Rgb::new(0.05, 0.1, 0.2), Rgb::BLACK, phase),
+            Medium::homogeneous(Rgb::new(2.0, 1.2, 0.7), Rgb::new(0.9, 0.7, 0.5), phase),
+            Medium::homogeneous(
+                Rgb::new(3.0, 4.0, 6.0),
+                Rgb::new(0.5, 0.9, 0.95),
+                Phase::Isotropic,
+            ),
         ],
         lights: vec![LightSource::Constant { radiance: Rgb::new(0.05, 0.1, 0.2) }],
         ..SceneParts::default()

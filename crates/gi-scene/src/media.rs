@@ -55,7 +55,7 @@ fn homogeneous(node: Node<'_>) -> Option<Medium> {
         node.error("a medium that amplifies light", "expected sigma >= 0 and albedo in [0, 1]");
         return None;
     }
-    Some(Medium { sigma_t, albedo, phase: phase(node) })
+    Some(Medium::homogeneous(sigma_t, albedo, phase(node)))
 }
 
 /// Extinction and albedo of a medium that Mitsuba 0.6 knows by name.

@@ -1,13 +1,20 @@
 //! Participating media: they absorb and scatter light between surfaces.
 //!
-//! Media are homogeneous. Transmittance along a ray is T(t) = exp(-sigma_t t) (Beer's law). Per unit of length, the
+//! Transmittance along a ray is T(t) = exp(-sigma_t t) in a homogeneous medium (Beer's law). Per unit of length, the
 //! medium scatters the fraction sigma_s = albedo sigma_t of the light, distributed by the phase function [slide 34]
-//! \[Jensen01, 10.1\].
+//! \[Jensen01, 10.1\]. If the density varies, sigma_t t becomes an integral along the ray, which `varying.rs` estimates.
 
+mod majorant;
 mod phase;
+mod varying;
+mod volume;
+
+use glam::Vec3;
 
 use crate::math::Rgb;
 pub use phase::Phase;
+pub use varying::{Domain, Tracking, Varying};
+pub use volume::{Between, Cells, Grid, Outside, Volume};
 
 /// Index of a medium in [`crate::scene::Scene::media`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -26,15 +33,17 @@ impl MediumId {
     }
 }
 
-/// A medium of constant density.
+/// A medium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Medium {
-    /// Extinction coefficient, per world unit.
+    /// Extinction coefficient, per world unit; the largest if it varies.
     pub sigma_t: Rgb,
-    /// Scattering over extinction, in [0, 1].
+    /// Scattering over extinction, in [0, 1]; the largest if it varies.
     pub albedo: Rgb,
     /// Distribution of the scattered light.
     pub phase: Phase,
+    /// The coefficients at every point, if they vary.
+    pub varying: Option<Box<Varying>>,
 }
 
 /// How a path crosses a part of a medium. The weight is a factor on the path's throughput or power: the fraction of
@@ -61,17 +70,44 @@ pub fn first_equal(media: &[Medium], id: MediumId) -> MediumId {
 }
 
 impl Medium {
+    /// A medium whose coefficients are the same everywhere.
+    pub fn homogeneous(sigma_t: Rgb, albedo: Rgb, phase: Phase) -> Self {
+        Medium { sigma_t, albedo, phase, varying: None }
+    }
+
+    /// A medium whose coefficients vary.
+    pub fn heterogeneous(varying: Varying, phase: Phase) -> Self {
+        let (sigma_t, albedo) = (varying.sigma_t().most(), varying.albedo().most());
+        Medium { sigma_t, albedo, phase, varying: Some(Box::new(varying)) }
+    }
+
     /// Scattering coefficient, per world unit.
     #[inline]
     pub fn sigma_s(&self) -> Rgb {
         self.albedo * self.sigma_t
     }
 
-    /// Transmittance over `distance` world units, which may be infinite: exp(-sigma_t d).
+    /// Transmittance of a homogeneous medium over `distance` world units, which may be infinite: exp(-sigma_t d).
     #[inline]
     pub fn transmittance(&self, distance: f32) -> Rgb {
+        debug_assert!(self.varying.is_none(), "the density varies");
         // Without absorption, an infinite distance removes nothing.
         self.sigma_t.map(|s| if s > 0.0 { (-s * distance).exp() } else { 1.0 })
+    }
+
+    /// Transmittance from `o` along the unit vector `d` over `distance` world units, or an unbiased estimate of it.
+    #[inline]
+    pub fn transmittance_along(
+        &self,
+        o: Vec3,
+        d: Vec3,
+        distance: f32,
+        random: &mut Tracking,
+    ) -> Rgb {
+        match &self.varying {
+            None => self.transmittance(distance),
+            Some(varying) => varying.transmittance((o, d), distance, random),
+        }
     }
 
     /// Whether it only absorbs.
@@ -80,11 +116,12 @@ impl Medium {
         (self.albedo * self.sigma_t).is_black()
     }
 
-    /// Sample a distance in proportion to the transmittance of one channel, which is chosen in proportion to
-    /// `throughput` (not black). Infinite if the medium only absorbs: paths then pass, attenuated.
+    /// Sample a distance in a homogeneous medium in proportion to the transmittance of one channel, which is chosen in proportion to
+    /// `throughput` (not black). Infinite if the medium only absorbs: paths then pass, attenuated. Infinite too if the
+    /// density varies: [`Medium::flight_along`] samples it up to the far end.
     #[inline]
     pub fn distance(&self, throughput: Rgb, [u_channel, u]: [f32; 2]) -> f32 {
-        if self.only_absorbs() {
+        if self.only_absorbs() || self.varying.is_some() {
             return f32::INFINITY;
         }
         let [r, g, b] = channel_shares(throughput).to_array();
@@ -114,6 +151,26 @@ impl Medium {
         } else {
             let left = self.transmittance(reach);
             Flight::Passed { weight: left / sum(shares * left) }
+        }
+    }
+
+    /// The event on a ray from `o` along the unit vector `d`, whose far end is `reach` away: [`Medium::flight`] in a
+    /// homogeneous medium, delta tracking in others. `t` is from [`Medium::distance`] with the same `throughput` and `u`.
+    #[inline]
+    pub fn flight_along(
+        &self,
+        (o, d): (Vec3, Vec3),
+        (t, reach): (f32, f32),
+        throughput: Rgb,
+        u: [f32; 2],
+    ) -> Flight {
+        match &self.varying {
+            None => self.flight(t, reach, throughput),
+            Some(varying) if self.only_absorbs() => {
+                let weight = varying.transmittance((o, d), reach, &mut Tracking::new(u));
+                Flight::Passed { weight }
+            }
+            Some(varying) => varying.track((o, d), reach, throughput, &mut Tracking::new(u)),
         }
     }
 
@@ -156,7 +213,7 @@ mod tests {
 
     fn coloured() -> Medium {
         let (sigma_t, albedo) = (Rgb::new(0.3, 1.0, 4.0), Rgb::new(0.9, 0.5, 0.2));
-        Medium { sigma_t, albedo, phase: Phase::Isotropic }
+        Medium::homogeneous(sigma_t, albedo, Phase::Isotropic)
     }
 
     #[test]
