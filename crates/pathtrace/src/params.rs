@@ -83,6 +83,10 @@ impl Parameters for Params {
         !matches!(self.mode, Mode::Path)
     }
 
+    fn simulates_varying_media(&self) -> bool {
+        matches!(self.mode, Mode::VolPath | Mode::Light)
+    }
+
     fn finds_focused_light(&self) -> bool {
         matches!(self.mode, Mode::Light | Mode::Bdpt | Mode::Vcm)
     }

@@ -37,6 +37,17 @@ pub enum Domain {
     BoxAround(Affine3A),
 }
 
+impl Domain {
+    /// The box around the medium in world space.
+    pub fn bounds(self) -> Bounds {
+        let (Domain::Cube(to_cube) | Domain::BoxAround(to_cube)) = self;
+        UNIT.transformed(&to_cube.inverse())
+    }
+}
+
+/// The unit cube.
+const UNIT: Bounds = Bounds { min: Vec3::ZERO, max: Vec3::ONE };
+
 /// Random numbers for tracking. Only media whose density varies draw any.
 #[derive(Clone, Debug)]
 pub struct Tracking {
@@ -83,11 +94,10 @@ impl Varying {
                 Domain::Cube(m) | Domain::BoxAround(m) => m,
             },
         };
-        let unit = Bounds { min: Vec3::ZERO, max: Vec3::ONE };
         let (local, clip) = match domain {
-            Domain::Cube(m) => (unit.transformed(&(to_local * m.inverse())), None),
-            Domain::BoxAround(m) => {
-                let clip = unit.transformed(&m.inverse());
+            Domain::Cube(m) => (UNIT.transformed(&(to_local * m.inverse())), None),
+            Domain::BoxAround(_) => {
+                let clip = domain.bounds();
                 (clip.transformed(&to_local), Some(clip))
             }
         };
