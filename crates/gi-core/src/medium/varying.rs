@@ -25,6 +25,7 @@ pub struct Varying {
     sigma_t: Volume,
     /// Scattering over extinction.
     albedo: Volume,
+    domain: Domain,
     majorants: Majorants,
 }
 
@@ -38,10 +39,15 @@ pub enum Domain {
 }
 
 impl Domain {
+    /// World space to the space whose unit cube it is, or is around.
+    pub fn to_cube(self) -> Affine3A {
+        let (Domain::Cube(to_cube) | Domain::BoxAround(to_cube)) = self;
+        to_cube
+    }
+
     /// The box around the medium in world space.
     pub fn bounds(self) -> Bounds {
-        let (Domain::Cube(to_cube) | Domain::BoxAround(to_cube)) = self;
-        UNIT.transformed(&to_cube.inverse())
+        UNIT.transformed(&self.to_cube().inverse())
     }
 }
 
@@ -90,9 +96,7 @@ impl Varying {
     pub fn new(sigma_t: Volume, albedo: Volume, domain: Domain) -> Self {
         let to_local = match &sigma_t {
             Volume::Grid { to_local, .. } => *to_local,
-            Volume::Constant(_) => match domain {
-                Domain::Cube(m) | Domain::BoxAround(m) => m,
-            },
+            Volume::Constant(_) => domain.to_cube(),
         };
         let (local, clip) = match domain {
             Domain::Cube(m) => (UNIT.transformed(&(to_local * m.inverse())), None),
@@ -102,7 +106,7 @@ impl Varying {
             }
         };
         let majorants = Majorants::new(&sigma_t, &to_local, local, clip);
-        Varying { sigma_t, albedo, majorants }
+        Varying { sigma_t, albedo, domain, majorants }
     }
 
     /// Memory that a medium takes at most besides its volumes, in bytes.
@@ -118,8 +122,17 @@ impl Varying {
         &self.albedo
     }
 
+    /// The box that contains the medium.
+    pub fn domain(&self) -> Domain {
+        self.domain
+    }
+
     /// Translate everything by `by`.
     pub(crate) fn shift(&mut self, by: Vec3) {
+        self.domain = match self.domain {
+            Domain::Cube(m) => Domain::Cube(m * Affine3A::from_translation(-by)),
+            Domain::BoxAround(m) => Domain::BoxAround(m * Affine3A::from_translation(-by)),
+        };
         self.sigma_t.shift(by);
         self.albedo.shift(by);
         self.majorants.shift(by);
@@ -189,3 +202,6 @@ impl Varying {
 /// Russian roulette ends ratio tracking below this transmittance, with this probability of survival.
 const SMALL: f32 = 0.05;
 const SURVIVAL: f32 = 0.25;
+
+#[cfg(test)]
+mod tests;
