@@ -104,7 +104,9 @@ impl Translator<'_> {
             return None;
         };
         let count = size.iter().try_fold(1i64, |n, s| n.checked_mul((*s).max(0)));
-        if count != i64::try_from(density.len()).ok() || size.iter().any(|n| *n >= 1 << 24) {
+        if count != i64::try_from(density.len()).ok()
+            || !size.iter().all(|n| (1..1 << 24).contains(n))
+        {
             let shown = size.map(|n| n.to_string()).join(" x ");
             let message = format!("{} values for {shown} cells", density.len());
             report.error(params.span_of("density"), message, "expected one value per cell");
