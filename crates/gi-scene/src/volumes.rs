@@ -73,7 +73,7 @@ impl Header {
         }
         match integer(1) {
             1 => {}
-            n @ (2 | 3 | 4) => {
+            n @ 2..=4 => {
                 let what = ["half precision", "bytes", "directions"][n as usize - 2];
                 return Err(format!("values stored as {what} are not supported: store floats"));
             }

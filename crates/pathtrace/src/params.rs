@@ -8,7 +8,7 @@ use gi_core::options::{Parameters, PathLimits, defaults, number, rr_depth};
 pub enum Mode {
     /// At the eye; light sampling at each vertex is combined with BSDF sampling by the power heuristic
     Path,
-    /// The same, with absorption and scattering in participating media
+    /// The same, with absorption and scattering in participating media, whose density may vary
     #[value(name = "volpath")]
     VolPath,
     /// At the lights; each vertex, on a surface or in a medium, is connected to the eye

@@ -1,5 +1,7 @@
-//! A coarse grid of bounds on the extinction of a medium. A ray crosses it block by block, so that empty space costs
-//! little.
+//! A coarse grid of bounds on the extinction of a medium. A ray crosses it block by block \[Amanatides87\], so that
+//! empty space costs little.
+
+use std::cmp::Ordering;
 
 use glam::{Affine3A, Vec3};
 
@@ -102,7 +104,7 @@ impl Majorants {
 
     /// Translate everything by `by`.
     pub(super) fn shift(&mut self, by: Vec3) {
-        self.to_blocks = self.to_blocks * Affine3A::from_translation(-by);
+        self.to_blocks *= Affine3A::from_translation(-by);
         self.clip = self.clip.map(|b| Bounds { min: b.min + by, max: b.max + by });
     }
 }
@@ -144,8 +146,8 @@ impl Iterator for Pieces<'_> {
 
     #[inline]
     fn next(&mut self) -> Option<Piece> {
-        // Negated, so that a ray with NaN ends.
-        if !(self.from < self.to) {
+        // A ray whose numbers are NaN ends too.
+        if self.from.partial_cmp(&self.to) != Some(Ordering::Less) {
             return None;
         }
         let Majorants { size, blocks, .. } = self.majorants;

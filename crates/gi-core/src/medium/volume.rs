@@ -260,7 +260,7 @@ impl Volume {
     /// Translate everything by `by`.
     pub(super) fn shift(&mut self, by: Vec3) {
         if let Volume::Grid { to_local, .. } = self {
-            *to_local = *to_local * Affine3A::from_translation(-by);
+            *to_local *= Affine3A::from_translation(-by);
         }
     }
 }

@@ -50,8 +50,7 @@ impl Builder<'_> {
             return None;
         }
         let thickness = span * domain.bounds().extent().length();
-        // Negated, so that NaN is refused.
-        if !(thickness <= THICKEST) {
+        if thickness.is_nan() || thickness > THICKEST {
             let message =
                 format!("a medium that is too dense: its optical thickness is {thickness:.1e}");
             node.error(message, "expected at most 1e6: give a smaller `scale`");
