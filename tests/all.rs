@@ -22,6 +22,7 @@ mod matrix;
 mod media;
 /// Paths from the lights in participating media.
 mod media_light;
+mod media_varying;
 /// Checks the help of the programs' options.
 mod options;
 /// Renders scenes in pbrt's format.

@@ -31,7 +31,7 @@ fn polish() -> Material {
 }
 
 fn medium(sigma_t: f32, albedo: f32) -> Medium {
-    Medium { sigma_t: Rgb::grey(sigma_t), albedo: Rgb::grey(albedo), phase: Phase::Isotropic }
+    Medium::homogeneous(Rgb::grey(sigma_t), Rgb::grey(albedo), Phase::Isotropic)
 }
 
 fn solid(geometry: Geometry) -> Shape {

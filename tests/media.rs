@@ -10,7 +10,7 @@ use gi_core::light::LightSource;
 use gi_core::material::Material;
 use gi_core::math::Rgb;
 use gi_core::medium::MediumId;
-use gi_core::medium::{Medium, Phase};
+use gi_core::medium::{Medium, Phase, Tracking};
 use gi_core::ray::Ray;
 use gi_core::scene::{Scene, SceneParts};
 use gi_core::technique::Technique;
@@ -22,7 +22,7 @@ use photonmap::PhotonMapping;
 
 fn medium(sigma_t: f32, albedo: f32, g: f32) -> Medium {
     let phase = if g == 0.0 { Phase::Isotropic } else { Phase::HenyeyGreenstein { g } };
-    Medium { sigma_t: Rgb::grey(sigma_t), albedo: Rgb::grey(albedo), phase }
+    Medium::homogeneous(Rgb::grey(sigma_t), Rgb::grey(albedo), phase)
 }
 
 /// A ball with a surface of material `material`, filled with medium `inside`.
@@ -93,7 +93,7 @@ fn light_through_an_absorbing_ball_obeys_beers_law_in_each_channel() {
     let parts = SceneParts {
         shapes: vec![ball(Vec3::ZERO, 0.5, 0, 0)],
         materials: vec![Material::Null],
-        media: vec![Medium { sigma_t, albedo: Rgb::BLACK, phase: Phase::Isotropic }],
+        media: vec![Medium::homogeneous(sigma_t, Rgb::BLACK, Phase::Isotropic)],
         lights: vec![LightSource::Constant { radiance: Rgb::WHITE }],
         ..SceneParts::default()
     };
@@ -193,14 +193,14 @@ fn shadow_rays_are_attenuated_by_each_medium_over_its_own_length() {
     // The direction is not of unit length, so t is in units of its length.
     let ray = Ray { tmax: 1.0, ..Ray::new(Vec3::new(0.0, 0.0, -3.0), Vec3::new(0.0, 0.0, 6.0)) };
     let expected = 0.5 * (-0.4f32 * 3.0 - 2.0 * 1.0).exp();
-    let found = scene.transmittance_through_media(ray, None).r;
+    let found = scene.transmittance_through_media(ray, None, &mut Tracking::none()).r;
     assert!((found / expected - 1.0).abs() < 1e-4, "{found} is not {expected}");
     // A ray that starts and ends inside the media.
     let ray = Ray { tmax: 0.9, ..Ray::new(Vec3::new(0.0, 0.0, -0.2), -Vec3::Z) };
     let expected = (-2.0f32 * 0.3 - 0.4 * 0.6).exp();
     let inside = scene.medium_at(ray.o, Vec3::X);
     assert_eq!(inside, Some(MediumId::new(1)));
-    let found = scene.transmittance_through_media(ray, inside).r;
+    let found = scene.transmittance_through_media(ray, inside, &mut Tracking::none()).r;
     assert!((found / expected - 1.0).abs() < 1e-4, "{found} is not {expected}");
 }
 

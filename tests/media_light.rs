@@ -24,7 +24,7 @@ use crate::agreement::blocks;
 const SEEDS: u32 = 16;
 
 /// Means over seeds, for blocks of `side` pixels and for each channel.
-fn block_means(
+pub(crate) fn block_means(
     world: &World,
     params: &Params,
     passes: u32,
@@ -40,7 +40,7 @@ fn block_means(
     means
 }
 
-fn assert_agree(name: &str, found: &[Running], expected: &[Running]) {
+pub(crate) fn assert_agree(name: &str, found: &[Running], expected: &[Running]) {
     let level = sidak(1e-3, found.len());
     for (k, (a, b)) in found.iter().zip(expected).enumerate() {
         let p = welch_t_test(a, b);
@@ -54,13 +54,13 @@ fn assert_agree(name: &str, found: &[Running], expected: &[Running]) {
     }
 }
 
-fn mode(mode: Mode, max_depth: Option<u32>) -> Params {
+pub(crate) fn mode(mode: Mode, max_depth: Option<u32>) -> Params {
     Params { mode, limits: PathLimits { max_depth, ..PathLimits::default() }, ..Params::default() }
 }
 
 /// Check that a medium is invisible: the picture reads `expected` everywhere.
-fn assert_reads(name: &str, world: &World, passes: u32, expected: f64) {
-    let found = block_means(world, &mode(Mode::Light, None), passes, Show::All, 8);
+pub(crate) fn assert_reads(name: &str, world: &World, (m, passes): (Mode, u32), expected: f64) {
+    let found = block_means(world, &mode(m, None), passes, Show::All, 8);
     // With a sample of zero variance, Welch's test becomes Student's test.
     let exact: Running = [expected; 2].into_iter().collect();
     assert_agree(name, &found, &vec![exact; found.len()]);
@@ -70,10 +70,10 @@ fn assert_reads(name: &str, world: &World, passes: u32, expected: f64) {
 
 fn mist(sigma_t: f32, g: f32) -> Medium {
     let phase = if g == 0.0 { Phase::Isotropic } else { Phase::HenyeyGreenstein { g } };
-    Medium { sigma_t: Rgb::grey(sigma_t), albedo: Rgb::WHITE, phase }
+    Medium::homogeneous(Rgb::grey(sigma_t), Rgb::WHITE, phase)
 }
 
-fn ball(center: Vec3, radius: f32, material: usize) -> Shape {
+pub(crate) fn ball(center: Vec3, radius: f32, material: usize) -> Shape {
     Shape::new("ball", sphere(center, radius), material)
 }
 
@@ -89,7 +89,12 @@ fn a_medium_of_albedo_one_is_invisible_in_a_white_furnace() {
         };
         let camera =
             CameraSpec::look_at(Vec3::new(0.0, 0.0, -2.0), Vec3::ZERO, Vec3::Y, 0.6, [16, 16]);
-        assert_reads(&format!("sigma_t {sigma_t}, g {g}"), &World::new(parts, &camera), 64, 1.0);
+        assert_reads(
+            &format!("sigma_t {sigma_t}, g {g}"),
+            &World::new(parts, &camera),
+            (Mode::Light, 64),
+            1.0,
+        );
     }
 }
 
@@ -101,19 +106,19 @@ fn a_furnace_filled_with_a_medium_of_albedo_one_reads_one_over_one_minus_a() {
     parts.media = vec![mist(0.8, 0.3)];
     parts.shapes[0].exterior = Some(MediumId::new(0));
     let world = World::new(parts, &CameraSpec { near: 0.3, ..camera });
-    assert_reads("full furnace", &world, 64, 2.0);
+    assert_reads("full furnace", &world, (Mode::Light, 64), 2.0);
 }
 
 /// Mist with a denser ball in it, over a floor under a lamp and a sky. A glass ball outside the picture focuses the
 /// lamp onto both. Everything, including the camera, is in a ball of absorbing air. Media differ by channel.
-fn murky() -> World {
+pub(crate) fn murky_parts() -> SceneParts {
     let floor = [[-2.0, -1.0, -2.0], [-2.0, -1.0, 2.0], [2.0, -1.0, 2.0], [2.0, -1.0, -2.0]];
     let lamp = [[-0.6, 1.6, -0.4], [0.2, 1.6, -0.4], [0.2, 1.6, 0.4], [-0.6, 1.6, 0.4]];
     let phase = Phase::HenyeyGreenstein { g: 0.5 };
     let [air, thin, dense] = [0, 1, 2].map(|k| Some(MediumId::new(k)));
     let within = |interior, exterior, shape| Shape { interior, exterior, ..shape };
     let emission = Some(Texture::Constant(Rgb::new(5.0, 4.0, 3.0)));
-    let parts = SceneParts {
+    SceneParts {
         shapes: vec![
             Shape::new("floor", polygon(&floor.map(Vec3::from_array)), 0),
             within(air, None, ball(Vec3::ZERO, 3.0, 1)),
@@ -133,25 +138,32 @@ fn murky() -> World {
             },
         ],
         media: vec![
-            Medium { sigma_t: Rgb::new(0.05, 0.1, 0.2), albedo: Rgb::BLACK, phase },
-            Medium { sigma_t: Rgb::new(2.0, 1.2, 0.7), albedo: Rgb::new(0.9, 0.7, 0.5), phase },
-            Medium {
-                sigma_t: Rgb::new(3.0, 4.0, 6.0),
-                albedo: Rgb::new(0.5, 0.9, 0.95),
-                phase: Phase::Isotropic,
-            },
+            Medium::homogeneous(Rgb::new(0.05, 0.1, 0.2), Rgb::BLACK, phase),
+            Medium::homogeneous(Rgb::new(2.0, 1.2, 0.7), Rgb::new(0.9, 0.7, 0.5), phase),
+            Medium::homogeneous(
+                Rgb::new(3.0, 4.0, 6.0),
+                Rgb::new(0.5, 0.9, 0.95),
+                Phase::Isotropic,
+            ),
         ],
         lights: vec![LightSource::Constant { radiance: Rgb::new(0.05, 0.1, 0.2) }],
         ..SceneParts::default()
-    };
+    }
+}
+
+pub(crate) fn murky_camera() -> CameraSpec {
     let target = Vec3::new(0.0, -0.1, 0.0);
     let camera = CameraSpec::look_at(Vec3::new(0.3, 0.2, 2.6), target, Vec3::Y, 0.7, [24, 24]);
-    World::new(parts, &CameraSpec { near: 0.4, ..camera })
+    CameraSpec { near: 0.4, ..camera }
 }
 
 #[test]
 fn paths_from_the_eye_and_from_the_lights_agree_in_media() {
-    let world = murky();
+    assert_paths_agree(&World::new(murky_parts(), &murky_camera()));
+}
+
+/// Check that both find the same light, of each kind.
+pub(crate) fn assert_paths_agree(world: &World) {
     assert!(world.scene.media_warnings().is_empty(), "{:?}", world.scene.media_warnings());
     for (show, max_depth, passes) in [
         (Show::All, None, [8, 64]),
@@ -161,7 +173,7 @@ fn paths_from_the_eye_and_from_the_lights_agree_in_media() {
         (Show::Caustic, None, [64, 64]),
     ] {
         let [eye, light] = [(Mode::VolPath, passes[0]), (Mode::Light, passes[1])]
-            .map(|(m, n)| block_means(&world, &mode(m, max_depth), n, show, 8));
+            .map(|(m, n)| block_means(world, &mode(m, max_depth), n, show, 8));
         assert_agree(&format!("{show:?}, {max_depth:?}"), &light, &eye);
         // The mean over the picture must be accurate to 2 % in both.
         for all in [&eye, &light] {

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use gi_tests::program::{Folder, said, scene};
+use gi_tests::program::{Folder, assert_refused, assert_success, run, said, scene};
 
 use crate::running::{PROGRAMS, Running, path_of, picture, says, shell, wait_until};
 
@@ -181,4 +181,38 @@ fn closed() -> Stdio {
     let pipe = child.stdin.take().expect("a pipe");
     child.wait().expect("it ends");
     pipe.into()
+}
+
+/// A medium whose density varies, in a program or mode that cannot simulate it.
+#[test]
+fn a_medium_whose_density_varies_is_refused_by_programs_that_do_not_simulate_it() {
+    let folder = Folder::make();
+    let scene = folder.at("scene.xml");
+    let text = "<scene version='3.0.0'><sensor type='perspective'/><emitter type='constant'/>\
+        <medium type='heterogeneous' id='m'/><shape type='sphere'><bsdf type='null'/><ref name='interior' id='m'/></shape></scene>";
+    std::fs::write(&scene, text).expect("written");
+    let flags = [scene.as_str(), "--size", "8x8", "--spp", "1", "-o", &folder.at("a.exr")]
+        .map(String::from);
+    let start = |program: &str, mode: &str| {
+        let mut line: Vec<&str> = flags.iter().map(String::as_str).collect();
+        line.extend(mode.split_whitespace());
+        run(path_of(program).to_str().expect("UTF-8"), &line)
+    };
+    for (program, mode) in [
+        ("pathtrace", ""),
+        ("pathtrace", "--mode bdpt"),
+        ("pathtrace", "--mode vcm"),
+        ("irrcache", ""),
+        ("radcache", ""),
+        ("photonmap", ""),
+        ("ppm", ""),
+        ("instant-radiosity", ""),
+        ("lightcuts", ""),
+    ] {
+        let says = ["scene.xml", "the density of a medium varies", "pathtrace --mode volpath"];
+        assert_refused(&start(program, mode), 2, &says);
+    }
+    for mode in ["--mode volpath", "--mode light"] {
+        assert_success(&start("pathtrace", mode));
+    }
 }

@@ -158,6 +158,13 @@ fn build(about: &mut About, params: &impl Parameters, parts: SceneParts) -> Resu
     let scene =
         Scene::new(parts).map_err(|e| input_error(format!("{}: {e}", common.scene.display())))?;
     about.build = clock.elapsed();
+    if scene.has_varying_media() && !params.simulates_varying_media() {
+        return Err(input_error(format!(
+            "{}: the density of a medium varies, which only `pathtrace --mode volpath` and `pathtrace --mode light` \
+             simulate: use one of them, or make the medium `homogeneous`",
+            common.scene.display()
+        )));
+    }
     about.warn(warnings::of_media(&scene, params.simulates_media()));
     if !params.finds_focused_light() {
         about.warn(warnings::of_focused_light(&scene, common.seed));

@@ -41,8 +41,9 @@ pub fn direct_light_through_media(
     wo: Vec3,
     sampler: &mut Sampler,
 ) -> Rgb {
+    let mut random = scene.tracking(sampler);
     direct_light_seen(scene, surface, bsdf, wo, sampler, |light| {
-        scene.visibility_through_media(surface, medium, light)
+        scene.visibility_through_media(surface, medium, light, &mut random)
     })
 }
 
@@ -79,7 +80,7 @@ fn light_within(
     sampler: &mut Sampler,
     weigh: impl FnOnce(f32, f32) -> f32,
 ) -> Rgb {
-    let u = sampler.next_2d();
+    let (u, mut random) = (sampler.next_2d(), scene.tracking(sampler));
     let Some(light) = scene.aim_at_light(p, u) else { return Rgb::BLACK };
     // A phase function equals its own density.
     let phase = scene.medium(medium).phase.eval(wo, light.wi);
@@ -88,7 +89,7 @@ fn light_within(
         return Rgb::BLACK;
     }
     let weight = if light.delta { 1.0 } else { weigh(light.pdf_w, phase) };
-    let visible = scene.visibility_from_within(p, Some(medium), &light);
+    let visible = scene.visibility_from_within(p, Some(medium), &light, &mut random);
     seen(scene, &light, visible) * arriving * (weight / light.pdf_w)
 }
 

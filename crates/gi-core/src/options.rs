@@ -27,6 +27,11 @@ pub trait Parameters: Args {
         false
     }
 
+    /// Whether it also simulates media whose density varies.
+    fn simulates_varying_media(&self) -> bool {
+        false
+    }
+
     /// Whether the technique finds light focused by mirrors and glass reliably, by paths that start at the lights.
     fn finds_focused_light(&self) -> bool {
         false

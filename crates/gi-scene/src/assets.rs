@@ -1,4 +1,4 @@
-//! Mesh and picture files that a scene names. All names are collected first; then the files are read in parallel, each
+//! Files of meshes, pictures and volumes that a scene names. All names are collected first; then the files are read in parallel, each
 //! once.
 
 mod meshes;
@@ -17,6 +17,7 @@ use crate::files::{self, Found};
 use crate::hash::Hash;
 use crate::shapes::mesh_file::MeshFile;
 use crate::texels::BitmapFile;
+use crate::volumes::VolumeFile;
 
 /// Number of missing files that an error lists.
 const MAX_MISSING: usize = 100;
@@ -27,6 +28,7 @@ pub(crate) struct Assets {
     bitmap_of: HashMap<ObjectId, usize>,
     bitmaps: Vec<(BitmapFile, Option<Arc<Bitmap>>)>,
     meshes: HashMap<ObjectId, (MeshFile, bool, Mesh)>,
+    volumes: HashMap<ObjectId, Arc<VolumeFile>>,
     /// How much mesh files round positions, in world units.
     pub(crate) rounding: f32,
     /// Hash of all bytes that were read.
@@ -41,10 +43,10 @@ struct Wanted<K> {
 }
 
 impl Assets {
-    /// Find and read all mesh and picture files that a document names.
+    /// Find and read all files of meshes, pictures and volumes that a document names.
     pub(crate) fn load(doc: &Document, report: &Report) -> Assets {
         let mut missing = Vec::new();
-        let (mut bitmaps, mut meshes) = (Vec::new(), Vec::new());
+        let (mut bitmaps, mut meshes, mut volumes) = (Vec::new(), Vec::new(), Vec::new());
         for node in doc.nodes(report) {
             let is_bitmap = match node.class() {
                 Class::Texture => node.plugin() == "bitmap",
@@ -52,12 +54,15 @@ impl Assets {
                 _ => false,
             };
             let is_mesh = node.class() == Class::Shape && MeshFile::KINDS.contains(&node.plugin());
-            if !is_bitmap && !is_mesh {
+            let is_volume = node.class() == Class::Volume && node.plugin() == "gridvolume";
+            if !is_bitmap && !is_mesh && !is_volume {
                 continue;
             }
             let Some(path) = locate(node, &mut missing) else { continue };
             let (object, span) = (node.id, node.span_of("filename"));
-            if is_mesh {
+            if is_volume {
+                volumes.push(Wanted { object, span, key: path });
+            } else if is_mesh {
                 meshes.push(Wanted { object, span, key: MeshFile::of(node, path) });
             } else if node.class() == Class::Emitter {
                 let (wrap, lookup) = (Wrap::Repeat, Lookup::Bilinear);
@@ -72,7 +77,29 @@ impl Assets {
         let mut assets = Assets::default();
         assets.read_bitmaps(bitmaps, report);
         assets.read_meshes(meshes, doc, report);
+        assets.read_volumes(volumes, report);
         assets
+    }
+
+    fn read_volumes(&mut self, wanted: Vec<Wanted<PathBuf>>, report: &Report) {
+        let (keys, index) = unique(&wanted);
+        let first = first_of(&index, keys.len());
+        let mut read = Vec::new();
+        for (i, path) in keys.iter().enumerate() {
+            report.reads(path);
+            let result = VolumeFile::read(path, &report.budget);
+            let volume = note_failure(result, path, wanted[first[i]].span, report);
+            self.hash.word(volume.as_ref().map_or(0, |(_, hash)| *hash));
+            read.push(volume.map(|(volume, _)| Arc::new(volume)));
+        }
+        let found =
+            wanted.iter().zip(index).filter_map(|(w, i)| Some((w.object, read[i].clone()?)));
+        self.volumes = found.collect();
+    }
+
+    /// The grid file that a volume names, or `None` if it could not be read. (The error is reported already.)
+    pub(crate) fn volume(&self, object: ObjectId) -> Option<Arc<VolumeFile>> {
+        self.volumes.get(&object).cloned()
     }
 
     fn read_bitmaps(&mut self, wanted: Vec<Wanted<BitmapFile>>, report: &Report) {

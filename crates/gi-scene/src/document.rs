@@ -12,6 +12,7 @@ use crate::diagnostics::{Report, Span};
 use crate::files::Folders;
 use crate::hash::Hash;
 use crate::local::Local;
+use crate::media::InlineGrid;
 use crate::shapes::mesh_file::ReadMesh;
 use crate::spectrum::Spectrum;
 
@@ -178,6 +179,8 @@ pub(crate) struct Document {
     pub(crate) is_pbrt: bool,
     /// Meshes that the scene file itself contains. Each is taken when it is moved to its place.
     pub(crate) inline_meshes: RefCell<HashMap<ObjectId, ReadMesh>>,
+    /// Grids of media that the scene file itself contains. Each is taken when its medium is built.
+    pub(crate) inline_grids: RefCell<HashMap<ObjectId, InlineGrid>>,
     /// Unknown tags directly inside the scene, each once.
     pub(crate) unknown_tags: Vec<String>,
     /// Whether any unknown tag has a `type`, as scene objects do.

@@ -42,6 +42,7 @@ mod texts;
 mod textures;
 mod transform;
 mod value;
+mod volumes;
 
 pub use diagnostics::Diagnostics;
 pub use export::{ExportError, export_mitsuba};

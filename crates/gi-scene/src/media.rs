@@ -7,7 +7,10 @@ use gi_core::medium::{Medium, Phase};
 use crate::builder::Builder;
 use crate::document::{Class, Meaning, Node};
 
+mod heterogeneous;
 mod measured;
+
+pub(crate) use heterogeneous::InlineGrid;
 
 impl Builder<'_> {
     /// The medium of an object, built when first used; `None` if an error was reported.
@@ -15,11 +18,14 @@ impl Builder<'_> {
         if let Some(&known) = self.medium_of.get(&node.id) {
             return Some(known);
         }
-        if node.plugin() != "homogeneous" {
-            node.unknown_plugin(&["homogeneous"]);
-            return None;
-        }
-        let medium = homogeneous(node)?;
+        let medium = match node.plugin() {
+            "homogeneous" => homogeneous(node)?,
+            "heterogeneous" => self.heterogeneous(node)?,
+            _ => {
+                node.unknown_plugin(&["homogeneous", "heterogeneous"]);
+                return None;
+            }
+        };
         self.parts.media.push(medium);
         self.origins.media.push(node.object().id.clone());
         let id = MediumId::new(self.parts.media.len() - 1);
@@ -55,7 +61,7 @@ fn homogeneous(node: Node<'_>) -> Option<Medium> {
         node.error("a medium that amplifies light", "expected sigma >= 0 and albedo in [0, 1]");
         return None;
     }
-    Some(Medium { sigma_t, albedo, phase: phase(node) })
+    Some(Medium::homogeneous(sigma_t, albedo, phase(node)))
 }
 
 /// Extinction and albedo of a medium that Mitsuba 0.6 knows by name.
@@ -76,12 +82,13 @@ fn albedo_of(s: Rgb, t: Rgb) -> Rgb {
     s.zip(t, |s, t| if t > 0.0 { s / t } else { 0.0 })
 }
 
-/// A colour, or a `constvolume` that contains one.
+/// The colour of a homogeneous medium, or of a `constvolume`.
 fn color(node: Node<'_>, name: &'static str) -> Option<Rgb> {
     match node.child_if(name, |n| n.class() == Class::Volume) {
         Some(volume) if volume.plugin() == "constvolume" => volume.color("value", Meaning::Factor),
         Some(volume) => {
-            volume.unknown_plugin(&["constvolume"]);
+            let message = "a homogeneous medium is the same everywhere";
+            volume.error(message, "expected a colour: make the medium `heterogeneous`");
             None
         }
         None => node.color(name, Meaning::Factor),

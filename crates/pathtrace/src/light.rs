@@ -72,7 +72,10 @@ impl PathTracer<'_> {
             let power = if power.is_black() {
                 power
             } else {
-                power * self.visibility(emission.p, emission.ng, walk.medium(), &c)
+                power * {
+                    let (medium, sampler) = (walk.medium(), walk.sampler());
+                    self.visibility((emission.p, emission.ng), medium, &c, sampler)
+                }
             };
             splats.push(Splat { pixel, non_delta: 0, after_delta: false, power });
         }
@@ -111,7 +114,8 @@ impl PathTracer<'_> {
         let power = vertex.power * f_cos * c.importance;
         if !power.is_black() {
             let medium = self.setting.scene.medium_toward(&vertex.surface, c.wi, vertex.medium);
-            let power = power * self.visibility(vertex.surface.p, vertex.surface.ng, medium, &c);
+            let power =
+                power * self.visibility((vertex.surface.p, vertex.surface.ng), medium, &c, sampler);
             splats.push(Splat {
                 pixel,
                 non_delta: vertex.non_delta + 1,
@@ -133,7 +137,7 @@ impl PathTracer<'_> {
         let Some((c, pixel)) = self.connect(vertex.p, filter, sampler) else { return };
         let phase = self.setting.scene.medium(vertex.medium).phase.eval(vertex.wo, c.wi);
         // A point in a medium needs no ray offset.
-        let left = self.visibility(vertex.p, Vec3::ZERO, Some(vertex.medium), &c);
+        let left = self.visibility((vertex.p, Vec3::ZERO), Some(vertex.medium), &c, sampler);
         splats.push(Splat {
             pixel,
             non_delta: vertex.non_delta + 1,
@@ -158,9 +162,16 @@ impl PathTracer<'_> {
     }
 
     /// Transmittance from a point in `medium` to the camera.
-    fn visibility(&self, p: Vec3, ng: Vec3, medium: Option<MediumId>, c: &Connection) -> Rgb {
+    fn visibility(
+        &self,
+        (p, ng): (Vec3, Vec3),
+        medium: Option<MediumId>,
+        c: &Connection,
+        sampler: &mut Sampler,
+    ) -> Rgb {
         let scene = self.setting.scene;
-        transmittance(scene, scene.tree().shadow_ray(p, ng, c.end), None, medium)
+        let mut random = scene.tracking(sampler);
+        transmittance(scene, scene.tree().shadow_ray(p, ng, c.end), None, medium, &mut random)
     }
 
     /// Light that only a path from the eye can find: light from infinity seen directly. Also fills in the layers that

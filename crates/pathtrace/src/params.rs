@@ -8,7 +8,7 @@ use gi_core::options::{Parameters, PathLimits, defaults, number, rr_depth};
 pub enum Mode {
     /// At the eye; light sampling at each vertex is combined with BSDF sampling by the power heuristic
     Path,
-    /// The same, with absorption and scattering in participating media
+    /// The same, with absorption and scattering in participating media, whose density may vary
     #[value(name = "volpath")]
     VolPath,
     /// At the lights; each vertex, on a surface or in a medium, is connected to the eye
@@ -86,6 +86,10 @@ impl Parameters for Params {
 
     fn simulates_media(&self) -> bool {
         !matches!(self.mode, Mode::Path)
+    }
+
+    fn simulates_varying_media(&self) -> bool {
+        matches!(self.mode, Mode::VolPath | Mode::Light)
     }
 
     fn finds_focused_light(&self) -> bool {

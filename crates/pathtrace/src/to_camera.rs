@@ -3,7 +3,7 @@
 use gi_core::camera::{Camera, Connection};
 use gi_core::filter::FilterTable;
 use gi_core::math::Rgb;
-use gi_core::medium::MediumId;
+use gi_core::medium::{MediumId, Tracking};
 use gi_core::ray::Ray;
 use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
@@ -25,15 +25,16 @@ pub(crate) fn project(
     (inside && weight != 0.0).then(|| (c, (y as usize * w + x as usize) as u32, weight))
 }
 
-/// Transmittance along a ray that starts in `medium` and ends on the flat primitive `end`.
+/// Transmittance, random if the density of a medium varies, along a ray that starts in `medium` and ends on the flat primitive `end`.
 pub(crate) fn transmittance(
     scene: &Scene,
     ray: Ray,
     end: Option<u32>,
     medium: Option<MediumId>,
+    random: &mut Tracking,
 ) -> Rgb {
     if scene.has_media() {
-        scene.transmittance_through_media_to(ray, end, medium)
+        scene.transmittance_through_media_to(ray, end, medium, random)
     } else {
         scene.transmittance_to(ray, end)
     }

@@ -214,11 +214,8 @@ mod tests {
 
     /// Three media, of which two are one: the second has no photons of its own.
     fn volume(order: Order) -> VolumeMaps {
-        let medium = |sigma_t| Medium {
-            sigma_t: Rgb::grey(sigma_t),
-            albedo: Rgb::WHITE,
-            phase: Phase::Isotropic,
-        };
+        let medium =
+            |sigma_t| Medium::homogeneous(Rgb::grey(sigma_t), Rgb::WHITE, Phase::Isotropic);
         let of = |Stored { photon, depth }| VolumePhoton { photon, depth };
         let photons: Vec<_> = some().into_iter().map(of).collect();
         let photons = vec![photons.clone(), Vec::new(), photons[5..].to_vec()];

@@ -164,8 +164,7 @@ mod tests {
         two.positions.extend(far.positions);
         let lid = tetrahedron(Vec3::splat(5.000_002), &[[1, 2, 3]]);
         let cloud = tetrahedron(Vec3::splat(-5.0), &sides);
-        let grey =
-            |s| Medium { sigma_t: Rgb::grey(s), albedo: Rgb::grey(0.5), phase: Phase::Isotropic };
+        let grey = |s| Medium::homogeneous(Rgb::grey(s), Rgb::grey(0.5), Phase::Isotropic);
         // A cylinder, of which one lid fits and one is too small.
         let (p0, p1) = (Vec3::Z * 9.0, Vec3::new(1.0, 2.0, 9.0));
         let (du, dv) = (p1 - p0).normalize().any_orthonormal_pair();

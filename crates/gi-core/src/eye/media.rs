@@ -73,8 +73,9 @@ pub struct Entrance {
 
 /// A distance that was sampled before the end of the segment is known.
 struct FreeFlight {
-    /// World units.
+    /// World units; infinite if the end is needed for it.
     t: f32,
+    u: [f32; 2],
     remainder: Rgb,
     u_phase: [f32; 2],
     u_roulette: f32,
@@ -95,14 +96,19 @@ impl<'a> EyeWalk<'a> {
     pub fn next_event(&mut self) -> Option<EyeEvent<'a>> {
         let flight = self.draw_flight();
         // Trace only up to the point of scattering, unless a surface is still needed for its layers.
-        let tmax = flight.as_ref().filter(|_| self.is_described).map_or(self.ray.tmax, |f| f.t);
+        let tmax = flight
+            .as_ref()
+            .filter(|_| self.is_described)
+            .map_or(self.ray.tmax, |f| f.t.min(self.ray.tmax));
         let hit = self.scene.closest_on(&mut self.line, &self.ray, tmax);
         let (Some(index), Some(flight)) = (self.medium, flight) else {
             self.attenuate(hit);
             return self.arrive(hit).map(EyeEvent::Surface);
         };
         let reach = self.reach(hit);
-        match self.scene.medium(index).flight(flight.t, reach, self.throughput) {
+        let ray = self.behind_near_plane();
+        let (line, ends) = ((ray.o, ray.d), (flight.t, reach));
+        match self.scene.medium(index).flight_along(line, ends, self.throughput, flight.u) {
             Flight::Passed { weight } => {
                 self.throughput *= weight;
                 self.arrive(hit).map(EyeEvent::Surface)
@@ -114,7 +120,7 @@ impl<'a> EyeWalk<'a> {
                 self.is_described = true;
                 self.throughput *= weight;
                 self.length += self.ray.tmin + t;
-                let (p, wo) = (self.behind_near_plane().at(t), -self.ray.d);
+                let (p, wo) = (ray.at(t), -ray.d);
                 let FreeFlight { remainder, u_phase, u_roulette, .. } = flight;
                 let medium = index;
                 let v = EyeMediumVertex { p, wo, medium, remainder, u_phase, u_roulette };
@@ -184,7 +190,10 @@ impl<'a> EyeWalk<'a> {
     #[inline(always)]
     pub(super) fn attenuate(&mut self, hit: Option<Hit>) {
         if let Some(index) = self.medium {
-            self.throughput *= self.scene.medium(index).transmittance(self.reach(hit));
+            let (ray, reach) = (self.behind_near_plane(), self.reach(hit));
+            let mut random = self.scene.tracking(&mut self.sampler);
+            let medium = self.scene.medium(index);
+            self.throughput *= medium.transmittance_along(ray.o, ray.d, reach, &mut random);
         }
     }
 
@@ -228,9 +237,9 @@ impl<'a> EyeWalk<'a> {
     #[inline]
     fn draw_flight(&mut self) -> Option<FreeFlight> {
         let remainder = self.scattered_within()?;
-        let (u_flight, u_phase, u_roulette) =
+        let (u, u_phase, u_roulette) =
             (self.sampler.next_2d(), self.sampler.next_2d(), self.sampler.next_1d());
-        let t = self.scene.medium(self.medium?).distance(self.throughput, u_flight);
-        Some(FreeFlight { t, remainder, u_phase, u_roulette })
+        let t = self.scene.medium(self.medium?).distance(self.throughput, u);
+        Some(FreeFlight { t, u, remainder, u_phase, u_roulette })
     }
 }

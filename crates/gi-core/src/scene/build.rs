@@ -123,6 +123,7 @@ impl Scene {
         let is_there = |m: MediumId| !media[m.index()].sigma_t.is_black();
         let has_media =
             shapes.iter().any(|s| s.interior.into_iter().chain(s.exterior).any(is_there));
+        let has_varying_media = media.iter().any(|m| m.varying.is_some());
         let mut scene = Scene {
             shapes,
             primitives,
@@ -137,6 +138,7 @@ impl Scene {
             origin,
             has_null,
             has_media,
+            has_varying_media,
             light_media: Vec::new(),
         };
         scene.find_media_round_lights();

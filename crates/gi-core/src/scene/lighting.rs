@@ -1,6 +1,6 @@
 //! Light that arrives at a point, and visibility.
 
-use crate::medium::MediumId;
+use crate::medium::{MediumId, Tracking};
 use glam::{Vec2, Vec3};
 
 use super::{Line, Scene};
@@ -147,7 +147,7 @@ impl Scene {
             None => Rgb::WHITE,
             // Any hit is sufficient: an opaque one ends the search.
             Some(prim) if !self.lets_pass(prim, end) => Rgb::BLACK,
-            Some(_) => self.transmittance_through::<false>(ray, end, None),
+            Some(_) => self.transmittance_through::<false>(ray, end, None, &mut Tracking::none()),
         }
     }
 
@@ -200,6 +200,7 @@ impl Scene {
         mut ray: Ray,
         end: Option<u32>,
         mut medium: Option<MediumId>,
+        random: &mut Tracking,
     ) -> Rgb {
         let length = ray.d.length();
         let toward = -ray.d / length;
@@ -213,7 +214,7 @@ impl Scene {
                 let surface = self.surface(&ray, &hit);
                 left *= self.bsdf(&surface, toward, Transport::Radiance).straight_through(toward);
                 if MEDIA {
-                    left *= self.dimmed(medium, (hit.t - passed) * length);
+                    left *= self.dimmed(medium, &ray, [passed, hit.t], random);
                     medium = self.medium_toward(&surface, ray.d, medium);
                     passed = hit.t;
                 }
@@ -223,6 +224,10 @@ impl Scene {
             }
             ray = self.tree.beyond(&ray, hit.t);
         }
-        if MEDIA { left * self.dimmed(medium, (ray.tmax - passed).max(0.0) * length) } else { left }
+        if MEDIA {
+            left * self.dimmed(medium, &ray, [passed, ray.tmax.max(passed)], random)
+        } else {
+            left
+        }
     }
 }

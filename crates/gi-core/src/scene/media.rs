@@ -10,8 +10,9 @@ use super::Scene;
 use crate::geometry::Surface;
 use crate::light::{Light, LightSample};
 use crate::math::Rgb;
-use crate::medium::Medium;
+use crate::medium::{Medium, Tracking};
 use crate::ray::Ray;
+use crate::sampler::Sampler;
 
 /// Directions in which boundaries are searched. None is along an axis or a diagonal, where scenes have edges.
 const LOOK: [Vec3; 8] = [
@@ -30,6 +31,12 @@ impl Scene {
     #[inline]
     pub fn has_media(&self) -> bool {
         self.has_media
+    }
+
+    /// Whether the density of any medium varies.
+    #[inline]
+    pub fn has_varying_media(&self) -> bool {
+        self.has_varying_media
     }
 
     /// One of [`Scene::media`].
@@ -117,16 +124,37 @@ impl Scene {
         self.light_media.get(light).copied().flatten()
     }
 
-    /// Transmittance of a medium over a distance (world units), which may be infinite.
+    /// Random numbers for the transmittance of media. Takes one dimension of the sampler if the density of any medium
+    /// varies.
     #[inline]
-    pub fn dimmed(&self, medium: Option<MediumId>, distance: f32) -> Rgb {
-        medium.map_or(Rgb::WHITE, |m| self.medium(m).transmittance(distance))
+    pub fn tracking(&self, sampler: &mut Sampler) -> Tracking {
+        if self.has_varying_media { Tracking::new(sampler.next_2d()) } else { Tracking::none() }
+    }
+
+    /// Transmittance of a medium on a part of a ray, whose far end may be infinite.
+    #[inline]
+    pub(super) fn dimmed(
+        &self,
+        medium: Option<MediumId>,
+        ray: &Ray,
+        [from, to]: [f32; 2],
+        random: &mut Tracking,
+    ) -> Rgb {
+        let Some(medium) = medium else { return Rgb::WHITE };
+        let length = ray.d.length();
+        let (o, d) = (ray.at(from), ray.d / length);
+        self.medium(medium).transmittance_along(o, d, (to - from) * length, random)
     }
 
     /// Fraction of light that passes along a ray segment that starts in `medium`: transmittance of masks, panes and
-    /// media.
-    pub fn transmittance_through_media(&self, ray: Ray, medium: Option<MediumId>) -> Rgb {
-        self.transmittance_through_media_to(ray, None, medium)
+    /// media. Random if the density of a medium varies.
+    pub fn transmittance_through_media(
+        &self,
+        ray: Ray,
+        medium: Option<MediumId>,
+        random: &mut Tracking,
+    ) -> Rgb {
+        self.transmittance_through_media_to(ray, None, medium, random)
     }
 
     /// The same to a point of the flat primitive `end`, see [`Scene::transmittance_to`].
@@ -135,11 +163,12 @@ impl Scene {
         ray: Ray,
         end: Option<u32>,
         medium: Option<MediumId>,
+        random: &mut Tracking,
     ) -> Rgb {
         match self.tree.any(&ray) {
-            None => self.dimmed(medium, (ray.tmax - ray.tmin) * ray.d.length()),
+            None => self.dimmed(medium, &ray, [ray.tmin, ray.tmax], random),
             Some(prim) if !self.lets_pass(prim, end) => Rgb::BLACK,
-            Some(_) => self.transmittance_through::<true>(ray, end, medium),
+            Some(_) => self.transmittance_through::<true>(ray, end, medium, random),
         }
     }
 
@@ -149,13 +178,14 @@ impl Scene {
         surface: &Surface,
         medium: Option<MediumId>,
         light: &LightSample,
+        random: &mut Tracking,
     ) -> Rgb {
         let medium = self.medium_toward(surface, light.wi, medium);
         let ray = match light.p {
             Some(q) => self.tree.shadow_ray(surface.p, surface.ng, q),
             None => self.spawn(surface, light.wi),
         };
-        self.transmittance_through_media_to(ray, self.flat_end(light), medium)
+        self.transmittance_through_media_to(ray, self.flat_end(light), medium, random)
     }
 
     /// Fraction of the light of a light sample that reaches the point `p` inside `medium`.
@@ -164,12 +194,13 @@ impl Scene {
         p: Vec3,
         medium: Option<MediumId>,
         light: &LightSample,
+        random: &mut Tracking,
     ) -> Rgb {
         let ray = match light.p {
             // There is no surface to offset the origin from.
             Some(q) => self.tree.shadow_ray(p, Vec3::ZERO, q),
             None => Ray::new(p, light.wi),
         };
-        self.transmittance_through_media_to(ray, self.flat_end(light), medium)
+        self.transmittance_through_media_to(ray, self.flat_end(light), medium, random)
     }
 }

@@ -45,6 +45,8 @@ pub struct Scene {
     has_null: bool,
     /// Whether any shape is the boundary of a medium.
     has_media: bool,
+    /// Whether the density of any medium varies.
+    has_varying_media: bool,
     /// The medium around each light; empty if the scene has no media.
     light_media: Vec<Option<crate::medium::MediumId>>,
 }

@@ -33,6 +33,9 @@ impl SceneParts {
                 *position -= center;
             }
         }
+        for varying in self.media.iter_mut().filter_map(|m| m.varying.as_mut()) {
+            varying.shift(-center);
+        }
         self.origin += center;
         -center
     }

@@ -105,7 +105,8 @@ impl<'a> LightWalk<'a> {
         let t = medium.distance(self.power, u);
         let met = self.intersect(t);
         let reach = met.as_ref().map_or(f32::INFINITY, |(_, t)| *t);
-        match (medium.flight(t, reach, self.power), met) {
+        let line = (self.ray.o, self.ray.d);
+        match (medium.flight_along(line, (t, reach), self.power, u), met) {
             (Flight::Scattered { t, weight }, _) => {
                 let (p, wo, power) = (self.ray.at(t), -self.ray.d, self.power * weight);
                 let LightWalk { depth, non_delta, after_delta, .. } = *self;

@@ -21,6 +21,7 @@ impl Document {
             version: 3,
             is_pbrt: false,
             inline_meshes: RefCell::default(),
+            inline_grids: RefCell::default(),
             unknown_tags: Vec::new(),
             unknown_things: false,
             hash: Hash::default(),

@@ -2,7 +2,7 @@
 
 /// Tag, plugin, reason, advice.
 #[rustfmt::skip]
-const REFUSED: [(&str, &str, &str, &str); 35] = [
+const REFUSED: [(&str, &str, &str, &str); 34] = [
     ("shape", "sdfgrid", "signed distance fields are not traced", "convert it to a mesh, by marching cubes for example"),
     ("shape", "bsplinecurve", CURVES, TUBES),
     ("shape", "linearcurve", CURVES, TUBES),
@@ -29,7 +29,6 @@ const REFUSED: [(&str, &str, &str, &str); 35] = [
     ("texture", "vertexcolors", "it is the old name of `mesh_attribute`", "use `mesh_attribute` with the name `vertex_color`"),
     ("texture", "exrtexture", OLD_BITMAP, "use `bitmap`"),
     ("texture", "ldrtexture", OLD_BITMAP, "use `bitmap`"),
-    ("medium", "heterogeneous", "media are the same everywhere", "use `homogeneous` with the mean density"),
     ("phase", "rayleigh", PHASE, "use `isotropic`, which has the same mean cosine"),
     ("phase", "sggx", PHASE, "use `isotropic` or `hg`"),
     ("phase", "kkay", PHASE, "use `isotropic` or `hg`"),

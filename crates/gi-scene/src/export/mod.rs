@@ -3,6 +3,7 @@
 
 mod lights;
 mod materials;
+mod media;
 mod shapes;
 mod textures;
 mod xml;
@@ -16,7 +17,6 @@ use gi_core::camera::{CameraSpec, Projection};
 use gi_core::files;
 use gi_core::filter::Filter;
 use gi_core::math::Rgb;
-use gi_core::medium::{Medium, Phase};
 
 use crate::diagnostics::Diagnostics;
 use crate::load::load;
@@ -154,7 +154,7 @@ impl<'a> Exporter<'a> {
         self.xml.close();
         self.sensor(&loaded.camera);
         for (i, medium) in loaded.parts.media.iter().enumerate() {
-            self.medium(i, medium);
+            self.medium(i, medium)?;
         }
         for i in 0..loaded.parts.materials.len() {
             if self.names[i].is_some() {
@@ -203,27 +203,6 @@ impl<'a> Exporter<'a> {
         xml.value("integer", "height", &camera.size[1].to_string());
         filter(xml, self.loaded.filter);
         xml.close();
-        xml.close();
-    }
-
-    fn medium(&mut self, index: usize, medium: &Medium) {
-        let name = self.media[index].clone();
-        let xml = &mut self.xml;
-        xml.open("medium", &[("type", "homogeneous"), ("id", &name)]);
-        // Mitsuba 3 expects colours in [0, 1]. Scaling by a power of two loses no digits.
-        let most = medium.sigma_t.max();
-        let scale = if most > 1.0 { most.log2().ceil().exp2() } else { 1.0 };
-        xml.color("sigma_t", medium.sigma_t / scale);
-        xml.value("float", "scale", &scale.to_string());
-        xml.color("albedo", medium.albedo);
-        match medium.phase {
-            Phase::Isotropic => xml.empty("phase", &[("type", "isotropic")]),
-            Phase::HenyeyGreenstein { g } => {
-                xml.open("phase", &[("type", "hg")]);
-                xml.value("float", "g", &g.to_string());
-                xml.close();
-            }
-        }
         xml.close();
     }
 

@@ -1,15 +1,27 @@
-//! Homogeneous media. Others are ignored with a warning.
+//! Homogeneous media, and those of a uniform grid.
 
 use gi_core::math::Rgb;
+use gi_core::medium::Cells;
+use glam::{DAffine3, DVec3};
 
 use super::Translator;
 use super::params::Params;
 use super::types::Text;
+use crate::diagnostics::Span;
 use crate::document::{Class, Meaning, ObjectId, Value};
+use crate::hash::Hash;
+use crate::media::InlineGrid;
+use crate::volumes::is_valid;
 
-/// The media that are read, and those that are ignored.
-const KNOWN: [&str; 6] =
-    ["homogeneous", "uniformgrid", "rgbgrid", "cloud", "nanovdb", "heterogeneous"];
+/// The media that are read. `heterogeneous` is the name of `uniformgrid` in pbrt-v3.
+const KNOWN: [&str; 3] = ["homogeneous", "uniformgrid", "heterogeneous"];
+
+/// The media that are refused, with the reason and what to use instead.
+const REFUSED: [(&str, &str, &str); 3] = [
+    ("rgbgrid", "each coefficient has a grid of its own", "use `uniformgrid` with one density"),
+    ("cloud", "its density is a procedure", "sample it into a `uniformgrid`"),
+    ("nanovdb", "the NanoVDB format is not read", "convert the file's grid to a `uniformgrid`"),
+];
 
 /// Reduced scattering and absorption coefficients per millimetre \[Jensen01\].
 const PRESETS: [(&str, [f32; 3], [f32; 3]); 12] = [
@@ -45,23 +57,16 @@ impl Translator<'_> {
             return self.report.error(params.span, message, "");
         }
         let medium = match kind.text.as_str() {
-            "homogeneous" => {
-                let medium = self.homogeneous(params);
-                params.report_unused(self.report);
-                Some(medium)
-            }
-            other if KNOWN.contains(&other) => {
-                let message = format!("medium `{other}` is not supported: it is ignored");
-                self.report.warn(kind.span, message);
-                None
-            }
+            "homogeneous" => Some(self.homogeneous(params)),
+            "uniformgrid" | "heterogeneous" => self.uniform_grid(params),
             other => {
-                let help = self.report.suggestion(other, KNOWN);
-                let message = format!("unknown medium `{other}`");
-                self.report.error_help(kind.span, message, "expected a medium", help);
+                self.refuse_medium(other, kind.span);
                 None
             }
         };
+        if medium.is_some() {
+            params.report_unused(self.report);
+        }
         let key = medium.map(|medium| {
             let key = format!("medium {} {name}", self.next_number());
             self.doc.register(medium, &key, Some(name));
@@ -71,9 +76,71 @@ impl Translator<'_> {
         self.media.insert(name.to_owned(), key);
     }
 
+    /// Report a medium that is unknown, or known and not supported.
+    fn refuse_medium(&self, name: &str, span: Span) {
+        if let Some((_, why, instead)) = REFUSED.iter().find(|(known, ..)| *known == name) {
+            let message = format!("medium `{name}` is not supported");
+            return self.report.error_help(span, message, why, Some((*instead).to_owned()));
+        }
+        let help = self.report.suggestion(name, KNOWN);
+        self.report.error_help(span, format!("unknown medium `{name}`"), "expected a medium", help);
+    }
+
     fn homogeneous(&mut self, params: &Params) -> ObjectId {
+        let medium = self.doc.add(Class::Medium, "medium", "homogeneous", params.span);
+        self.coefficients(medium, params);
+        medium
+    }
+
+    /// A medium whose density is a grid inside the scene file.
+    fn uniform_grid(&mut self, params: &Params) -> Option<ObjectId> {
         let (report, span) = (self.report, params.span);
-        let medium = self.doc.add(Class::Medium, "medium", "homogeneous", span);
+        let size = ["nx", "ny", "nz"].map(|name| params.integer(name, report).unwrap_or(1));
+        let why = "only scattering and absorption are simulated";
+        params.note_ignored(&["temperature", "LeScale", "Lescale"], why, report);
+        params.ignore(&["temperaturescale", "temperaturecutoff", "temperatureoffset"]);
+        let Some(density) = params.numbers("density") else {
+            report.error(span, "a grid without `float density`", "");
+            return None;
+        };
+        let count = size.iter().try_fold(1i64, |n, s| n.checked_mul((*s).max(0)));
+        if count != i64::try_from(density.len()).ok()
+            || !size.iter().all(|n| (1..1 << 24).contains(n))
+        {
+            let shown = size.map(|n| n.to_string()).join(" x ");
+            let message = format!("{} values for {shown} cells", density.len());
+            report.error(params.span_of("density"), message, "expected one value per cell");
+            return None;
+        }
+        if let Some(bad) = density.iter().find(|v| !is_valid(**v as f32)) {
+            let message = format!("a density of {bad}");
+            report.error(params.span_of("density"), message, "expected 0 to 1e15");
+            return None;
+        }
+        let claim = report.budget.claim("media inside the scene file");
+        if let Err(why) = claim.keep(4 * density.len() as u64) {
+            report.error(span, why, "");
+            return None;
+        }
+        let cells = Cells::Grey(density.iter().map(|v| *v as f32).collect());
+        let mut hash = Hash::default();
+        density.iter().for_each(|v| hash.word(v.to_bits()));
+        let medium = self.doc.add(Class::Medium, "medium", "heterogeneous", span);
+        self.coefficients(medium, params);
+        let [from, to] = [("p0", DVec3::ZERO), ("p1", DVec3::ONE)]
+            .map(|(name, default)| params.triple(name, report).unwrap_or(default));
+        let (from, to) = (from.min(to), from.max(to));
+        let cube = DAffine3::from_translation(from) * DAffine3::from_scale(to - from);
+        self.doc.set(medium, "to_world", span, Value::Transform(self.state.now.ctm * cube));
+        self.doc.set(medium, "contents", span, Value::Integer(hash.value() as i64));
+        let grid = InlineGrid { size: size.map(|n| n as usize), cells };
+        self.doc.inline_grids.borrow_mut().insert(medium, grid);
+        Some(medium)
+    }
+
+    /// The coefficients and the phase function of a medium.
+    fn coefficients(&mut self, medium: ObjectId, params: &Params) {
+        let (report, span) = (self.report, params.span);
         let preset = params.text("preset").and_then(|name| {
             let found = preset(&name.text);
             if found.is_none() {
@@ -106,7 +173,6 @@ impl Translator<'_> {
             self.doc.set(phase, "g", params.span_of("g"), Value::Float(g));
             self.doc.nest(medium, "", phase);
         }
-        medium
     }
 
     /// `MediumInterface`: the media inside and outside of the shapes that follow.

@@ -24,6 +24,7 @@ pub(crate) fn write_companions(folder: &Folder) {
     folder.write("m.ply", &ply()[0]);
     folder.write("m.serialized", &serialized()[0]);
     folder.write("p.pfm", &pictures("pfm")[0]);
+    folder.write("v.vol", &volumes()[0]);
     folder.write("meshes/square.ply", &ply()[0]);
     for name in ["picture.pfm", "sky.pfm"] {
         folder.write(name, &pictures("pfm")[0]);
@@ -51,6 +52,8 @@ pub(crate) fn xml() -> Vec<Vec<u8>> {
         <shape type='disk'><emitter type='area'><rgb name='radiance' value='3'/></emitter></shape>\n\
         <shape type='cube'><ref id='k'/><medium type='homogeneous' name='interior'><float name='albedo' value='0.5'/>\
         <float name='sigma_t' value='1'/><phase type='hg'><float name='g' value='0.3'/></phase></medium></shape>\n\
+        <shape type='cube'><medium type='heterogeneous' name='interior'><volume type='gridvolume' name='sigma_t'>\
+        <string name='filename' value='v.vol'/></volume><float name='scale' value='3'/></medium></shape>\n\
         <shape type='shapegroup' id='group'><shape type='cube'/></shape>\n<shape type='instance'><ref id='group'/>\
         <transform name='to_world'><matrix value='1 0 0 2  0 1 0 0  0 0 1 0  0 0 0 1'/></transform></shape>\n";
     let files = "<include filename='part.xml'/>\n<shape type='obj'><string name='filename' value='a.obj'/><ref id='part'/></shape>\n\
@@ -160,6 +163,35 @@ fn one_serialized(level: Compression) -> Vec<u8> {
     offsets.iter().for_each(|at| out.extend(at.to_le_bytes()));
     out.extend(2u32.to_le_bytes());
     out
+}
+
+/// Grids of one and of three channels.
+pub(crate) fn volumes() -> Vec<Vec<u8>> {
+    let one = |size: [i32; 3], channels: i32| {
+        let mut out = b"VOL\x03".to_vec();
+        let [x, y, z] = size;
+        out.extend([1, x, y, z, channels].map(i32::to_le_bytes).concat());
+        out.extend([0.0, 0.0, 0.0, 1.0, 2.0, 1.0f32].map(f32::to_le_bytes).concat());
+        let count = x * y * z * channels;
+        out.extend((0..count).flat_map(|k| (k as f32 / count as f32).to_le_bytes()));
+        out
+    };
+    vec![one([2, 2, 2], 1), one([3, 1, 2], 3)]
+}
+
+pub(crate) fn scene_of_volume() -> String {
+    let volume = |name, wrap| {
+        format!(
+            "<volume type='gridvolume' name='{name}'><string name='filename' value='v.vol'/>\
+             <string name='wrap_mode' value='{wrap}'/><boolean name='use_grid_bbox' value='true'/></volume>"
+        )
+    };
+    let body = format!(
+        "<medium type='heterogeneous' id='m'>{}{}</medium>\n<shape type='cube'><ref name='interior' id='m'/></shape>\n",
+        volume("sigma_t", "mirror"),
+        volume("albedo", "clamp")
+    );
+    String::from_utf8(scene("3.0.0", &body)).expect("text")
 }
 
 /// Pictures of a format.

@@ -72,6 +72,12 @@ fn check(loaded: &Loaded) -> Result<(), String> {
             check_texture(reflectance)?;
         }
     }
+    for medium in &parts.media {
+        let most = medium.varying.as_ref().map_or(medium.sigma_t, |v| v.sigma_t().most());
+        if !most.is_finite() || !medium.albedo.is_finite() {
+            return Err("a medium is not finite".into());
+        }
+    }
     for light in &parts.lights {
         if let LightSource::Environment { image, .. } = light {
             check_bitmap(image)?;
@@ -128,6 +134,11 @@ fn meshes_of_all_formats() {
 }
 
 #[test]
+fn volumes() {
+    fuzz("v.vol", &corpus::volumes(), Some(("scene.xml", corpus::scene_of_volume())));
+}
+
+#[test]
 fn pictures_of_all_formats() {
     for kind in ["exr", "pfm", "hdr", "png"] {
         let scene = ("scene.xml", corpus::scene_of_picture(kind));
@@ -149,6 +160,10 @@ fn files_that_once_failed() {
             "ply" | "serialized" => {
                 folder.write(&format!("m.{kind}"), bytes);
                 folder.write("scene.xml", corpus::scene_of_mesh(&kind))
+            }
+            "vol" => {
+                folder.write("v.vol", bytes);
+                folder.write("scene.xml", corpus::scene_of_volume())
             }
             _ => {
                 folder.write(&format!("p.{kind}"), bytes);

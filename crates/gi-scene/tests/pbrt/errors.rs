@@ -69,6 +69,7 @@ error: `radius` is a string
 #[test]
 fn each_mistake_has_its_message() {
     let mesh = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]";
+    let grid = "MakeNamedMedium \"a\" \"string type\" \"uniformgrid\" \"integer nx\" 2";
     let cases = [
         ("AttributeEnd", "there is no open `AttributeBegin`"),
         ("AttributeBegin", "`AttributeBegin` is never closed"),
@@ -104,6 +105,11 @@ fn each_mistake_has_its_message() {
         ("Material \"mix\"", "`mix` without `string materials`"),
         ("MakeNamedMaterial \"a\"", "a material without a `string type`"),
         ("MakeNamedMedium \"a\" \"string type\" \"homogenous\"", "did you mean `homogeneous`?"),
+        ("MakeNamedMedium \"a\" \"string type\" \"cloud\"", "sample it into a `uniformgrid`"),
+        ("MakeNamedMedium \"a\" \"string type\" \"nanovdb\"", "the NanoVDB format is not read"),
+        (&format!("{grid} \"float density\" [1 2 3]"), "3 values for 2 x 1 x 1 cells"),
+        (&format!("{grid} \"float density\" [1 -2]"), "a density of -2"),
+        (&format!("{grid} \"integer ny\" -1 \"float density\" []"), "density"),
         ("MediumInterface \"a\" \"b\"", "no medium is named `a`"),
         ("Texture \"a\" \"colour\" \"constant\"", "a texture of `colour`"),
         ("Texture \"a\" \"float\" \"imagemap\"", "`imagemap` without a `filename`"),

@@ -92,7 +92,23 @@ fn media_fill_shapes() {
     let interiors: Vec<bool> = loaded.parts.shapes.iter().map(|s| s.interior.is_some()).collect();
     assert_eq!(interiors, [true, true, false]);
     assert!(matches!(inner(&loaded, 0), Material::Null));
-    assert!(warnings(&loaded).join("\n").contains("medium `cloud` is not supported"));
+}
+
+#[test]
+fn a_grid_of_densities_fills_its_box() {
+    let grid = "Translate 1 0 0\nMakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"integer nx\" 2 \"integer ny\" 1\n\
+        \"integer nz\" 1 \"float density\" [1 3] \"point3 p1\" [2 1 1] \"rgb sigma_a\" [1 1 0] \"rgb sigma_s\" [1 2 3]\n\
+        \"float scale\" 2 \"float g\" 0.5\nMediumInterface \"m\" \"\"\nShape \"sphere\"";
+    let medium = &world(grid).parts.media[0];
+    near(medium.albedo, [0.5, 2.0 / 3.0, 1.0]);
+    assert_eq!(medium.phase, Phase::HenyeyGreenstein { g: 0.5 });
+    let varying = medium.varying.as_ref().expect("a density that varies");
+    let at = |x: f32| varying.sigma_t().at(Vec3::new(x, 0.5, 0.5)).r;
+    let bounds = varying.domain().bounds();
+    assert_eq!((bounds.min, bounds.max), (Vec3::X, Vec3::new(3.0, 1.0, 1.0)));
+    assert_eq!([1.5, 2.0, 2.5].map(at), [4.0, 8.0, 12.0]);
+    // Half a cell beyond the outer centres the density has halved: there is nothing outside.
+    assert_eq!([1.0, 3.0].map(at), [2.0, 6.0]);
 }
 
 #[test]

@@ -127,7 +127,7 @@ fn media_have_their_defaults_and_either_parametrisation() {
         );
         loaded.parts.media[0].clone()
     };
-    let plain = Medium { sigma_t: Rgb::WHITE, albedo: Rgb::grey(0.75), phase: Phase::Isotropic };
+    let plain = Medium::homogeneous(Rgb::WHITE, Rgb::grey(0.75), Phase::Isotropic);
     assert_eq!(medium(""), plain);
     let split = medium(
         "<rgb name='sigmaS' value='1 2 3'/><rgb name='sigmaA' value='1 0 1'/><float name='scale' value='2'/>

@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod lights;
+mod media;
 mod sensors;
 mod shapes;
 mod spectra;

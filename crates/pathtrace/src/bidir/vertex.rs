@@ -4,7 +4,7 @@ use gi_core::bsdf::{Bsdf, Transport};
 use gi_core::geometry::Surface;
 use gi_core::light::LightSample;
 use gi_core::math::Rgb;
-use gi_core::medium::MediumId;
+use gi_core::medium::{MediumId, Tracking};
 use gi_core::scene::Scene;
 use glam::Vec3;
 
@@ -115,17 +115,19 @@ impl Vertex<'_, '_> {
             Site::Medium { medium, .. } => (Vec3::ZERO, Some(medium)),
         };
         let ray = self.scene.tree().shadow_ray(self.p(), ng, q);
-        transmittance(self.scene, ray, end, medium)
+        transmittance(self.scene, ray, end, medium, &mut Tracking::none())
     }
 
     /// Fraction of the light of a light sample that arrives.
     pub(crate) fn visibility(&self, light: &LightSample) -> Rgb {
         match self.site {
             Site::Surface { surface, medium, .. } if self.scene.has_media() => {
-                self.scene.visibility_through_media(surface, medium, light)
+                self.scene.visibility_through_media(surface, medium, light, &mut Tracking::none())
             }
             Site::Surface { surface, .. } => self.scene.visibility(surface, light),
-            Site::Medium { p, medium } => self.scene.visibility_from_within(p, Some(medium), light),
+            Site::Medium { p, medium } => {
+                self.scene.visibility_from_within(p, Some(medium), light, &mut Tracking::none())
+            }
         }
     }
 }

@@ -143,11 +143,8 @@ mod tests {
     fn clusters_add_up_to_what_all_photons_do() {
         // Mean free paths from a thousandth of the body to all of it; an absorbing channel beside a white one.
         for sigma_t in [1.0, 10.0, 1000.0] {
-            let medium = Medium {
-                sigma_t: Rgb::grey(sigma_t),
-                albedo: Rgb::new(1.0, 0.99, 0.6),
-                phase: Phase::Isotropic,
-            };
+            let medium =
+                Medium::homogeneous(Rgb::grey(sigma_t), Rgb::new(1.0, 0.99, 0.6), Phase::Isotropic);
             let dipole = Dipole::new(&medium, 1.4);
             for n in [0, 1, 9, 20_000] {
                 let photons = strewn(n);

@@ -87,13 +87,13 @@ mod tests {
     fn media() -> [Medium; 3] {
         let phase = Phase::HenyeyGreenstein { g: 0.8 };
         [
-            Medium {
-                sigma_t: Rgb::new(11.0, 12.5, 14.0),
-                albedo: Rgb::new(0.997, 0.99, 0.9),
-                phase: Phase::Isotropic,
-            },
-            Medium { sigma_t: Rgb::new(1.0, 20.0, 300.0), albedo: Rgb::new(0.5, 1.0, 0.0), phase },
-            Medium { sigma_t: Rgb::BLACK, albedo: Rgb::WHITE, phase },
+            Medium::homogeneous(
+                Rgb::new(11.0, 12.5, 14.0),
+                Rgb::new(0.997, 0.99, 0.9),
+                Phase::Isotropic,
+            ),
+            Medium::homogeneous(Rgb::new(1.0, 20.0, 300.0), Rgb::new(0.5, 1.0, 0.0), phase),
+            Medium::homogeneous(Rgb::BLACK, Rgb::WHITE, phase),
         ]
     }
 
