@@ -21,16 +21,19 @@ mod to_camera;
 use gi_core::bytes::{Reader, Writer};
 use gi_core::eye::{EyeEvent, EyeWalk};
 use gi_core::film::{Film, Sample};
+use gi_core::light::LightTree;
 use gi_core::medium::MediumId;
 use gi_core::technique::{Picture, Setting, Technique};
 
 use bidir::Bidirectional;
-pub use params::{Heuristic, Mode, Params};
+pub use params::{Heuristic, LightSelection, Mode, Params};
 
 /// The path tracer.
 pub struct PathTracer<'a> {
     setting: Setting<'a>,
     params: Params,
+    /// Chooses lights in paths from the eye; without a tree, they are chosen by power.
+    light_tree: Option<&'a LightTree>,
     /// Number of light paths so far.
     light_paths: u64,
     /// Number of vertices of light paths that the last pass kept, and their memory in bytes.
@@ -48,7 +51,12 @@ impl<'a> Technique<'a> for PathTracer<'a> {
                         `--mode path`"
                 .into());
         }
-        Ok(PathTracer { setting, params: params.clone(), light_paths: 0, kept: (0, 0) })
+        let light_tree = match params.light_selection {
+            LightSelection::Auto => setting.scene.tree_of_many_lights(),
+            LightSelection::Power => None,
+            LightSelection::Tree => Some(setting.scene.light_tree()),
+        };
+        Ok(PathTracer { setting, params: params.clone(), light_tree, light_paths: 0, kept: (0, 0) })
     }
 
     /// One path per pixel.
@@ -129,7 +137,8 @@ impl PathTracer<'_> {
     /// direction.
     #[inline]
     fn path(&self, pixel: [usize; 2], index: u32) -> Sample {
-        let mut walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
+        let walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
+        let mut walk = walk.choosing_lights(self.light_tree);
         while let Some(v) = &walk.next_vertex() {
             walk.add_emitted(v);
             walk.add_direct(v);
@@ -143,7 +152,7 @@ impl PathTracer<'_> {
     /// The same in media: a medium may scatter the path before it reaches the next surface [slide 34].
     fn path_in_media(&self, pixel: [usize; 2], index: u32, medium: Option<MediumId>) -> Sample {
         let walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
-        let mut walk = walk.through_media(medium);
+        let mut walk = walk.choosing_lights(self.light_tree).through_media(medium);
         while let Some(event) = &walk.next_event() {
             let continues = match event {
                 EyeEvent::Surface(v) => {
