@@ -85,7 +85,9 @@ impl Parameters for Params {
         let connects = matches!(self.mode, Mode::Bdpt | Mode::Vcm);
         let from_eye = matches!(self.mode, Mode::Path | Mode::VolPath);
         if self.light_selection == LightSelection::Tree && !from_eye {
-            return Err("--light-selection tree: only --mode path and --mode volpath use the tree".into());
+            return Err(
+                "--light-selection tree: only --mode path and --mode volpath use the tree".into()
+            );
         }
         if self.figures.is_empty() || connects {
             return Ok(());

@@ -36,7 +36,9 @@ impl<'a> EyeWalk<'a> {
         if left.is_black() || (self.hides_background && self.segments == 1) {
             return;
         }
-        for (radiance, pdf_light) in self.scene.escaped_from(self.last.map(|last| last.at), self.ray.d) {
+        for (radiance, pdf_light) in
+            self.scene.escaped_from(self.last.map(|last| last.at), self.ray.d)
+        {
             let weight = emitter_weight(self.last.map(|last| last.pdf_w), pdf_light);
             *self.sample.radiance.of_path(self.non_delta, self.after_delta) +=
                 self.throughput * left * radiance * weight;

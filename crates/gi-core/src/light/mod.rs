@@ -25,5 +25,5 @@ pub use slide::Slide;
 pub use source::LightSource;
 pub use table::{Light, LightSample, Lights};
 pub use target::Targets;
-pub use tree::{Facing, LightTree, Vantage};
 pub(crate) use target::sphere_round;
+pub use tree::{Facing, LightTree, Vantage};

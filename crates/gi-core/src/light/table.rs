@@ -128,9 +128,12 @@ pub struct Lights {
     pub(super) sphere: (Vec3, f32),
     /// Built when it is needed.
     tree: OnceLock<LightTree>,
+    /// Whether there are so many lights that the tree chooses better than power.
+    are_many: bool,
 }
 
-/// With more lights than this at finite distance, the light tree chooses.
+/// With more lights than this at finite distance, the light tree chooses. With 8 lamps, power has half the error in direct
+/// light and twice the error in all light; with 128 lamps, the tree is better in both.
 const MANY: usize = 32;
 
 impl Lights {
@@ -154,16 +157,12 @@ impl Lights {
         }
         let by_power = Discrete::new(lights.iter().map(|l| l.power(shapes, sphere.1)));
         let tree = OnceLock::new();
-        let lights = Lights { lights, by_power, first_of_shape, distant, sphere, tree };
-        if lights.are_many() {
+        let are_many = lights.iter().filter(|l| !l.is_infinite()).count() > MANY;
+        let lights = Lights { lights, by_power, first_of_shape, distant, sphere, tree, are_many };
+        if are_many {
             lights.tree(shapes);
         }
         lights
-    }
-
-    /// Whether there are so many lights at finite distance that the tree chooses better than power.
-    fn are_many(&self) -> bool {
-        self.lights.iter().filter(|l| !l.is_infinite()).nth(MANY).is_some()
     }
 
     /// The tree of all lights, which is built at the first call.
@@ -177,7 +176,7 @@ impl Lights {
 
     /// The tree of all lights if there are many.
     pub(crate) fn tree_of_many(&self) -> Option<&LightTree> {
-        self.tree.get().filter(|_| self.are_many())
+        if self.are_many { self.tree.get() } else { None }
     }
 
     /// Centre and radius of the scene.

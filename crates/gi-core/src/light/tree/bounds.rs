@@ -93,8 +93,7 @@ fn measure(angle: f32, spread: f32) -> f32 {
     let (sin, cos) = angle.sin_cos();
     let most = (angle + spread).min(PI);
     2.0 * PI * (1.0 - cos)
-        + FRAC_PI_2
-            * (2.0 * most * sin - (angle - 2.0 * most).cos() - 2.0 * angle * sin + cos)
+        + FRAC_PI_2 * (2.0 * most * sin - (angle - 2.0 * most).cos() - 2.0 * angle * sin + cos)
 }
 
 /// The box around an emitter, and the cone around its normals.

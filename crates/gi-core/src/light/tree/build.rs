@@ -56,11 +56,8 @@ fn fill(leaves: &mut [Leaf], below: &mut [Node], at: Place) -> (LightBounds, Nod
     let (below_left, below_right) = below.split_at_mut(descendants);
     let depth = at.depth + 1;
     let first = Place { first: at.first + 2, depth, trail: at.trail };
-    let second = Place {
-        first: first.first + descendants as u32,
-        depth,
-        trail: at.trail | 1 << at.depth,
-    };
+    let second =
+        Place { first: first.first + descendants as u32, depth, trail: at.trail | 1 << at.depth };
     let (a, b) = if count >= PARALLEL {
         rayon::join(|| fill(left, below_left, first), || fill(right, below_right, second))
     } else {

@@ -1,5 +1,7 @@
 //! Nodes of the light tree, and their importance at a point.
 
+use std::f32::consts::PI;
+
 use glam::Vec3;
 
 use super::bounds::LightBounds;
@@ -42,14 +44,14 @@ impl Node {
         // Rounding of positions far from the origin moves the centre.
         let far = center.abs().max_element();
         let radius = 0.5 * of.bounds.extent().length() * 1.0001 + 4.0 * f32::EPSILON * far;
-        let angle = (of.cone.angle + SLACK).min(std::f32::consts::PI);
+        let angle = (of.cone.angle + SLACK).min(PI);
         Node {
             center,
             radius,
             axis: of.cone.axis,
             cos: angle.cos(),
             sin: angle.sin().max(0.0),
-            cos_spread: (of.spread + SLACK).min(std::f32::consts::PI).cos(),
+            cos_spread: (of.spread + SLACK).min(PI).cos(),
             intensity: of.intensity,
             link: match link {
                 Link::Children(first) => first,
@@ -75,9 +77,9 @@ impl Node {
         if distance_sq <= radius_sq {
             return self.intensity / radius_sq.max(f32::MIN_POSITIVE);
         }
-        let w = to * distance_sq.sqrt().recip();
-        let sin_ball_sq = radius_sq / distance_sq;
-        let ball = Angle { cos: (1.0 - sin_ball_sq).sqrt(), sin: sin_ball_sq.sqrt() };
+        let inverse = distance_sq.sqrt().recip();
+        let w = to * inverse;
+        let ball = Angle::of_sin(self.radius * inverse);
         let emitted = Angle::of(self.axis.dot(w)).minus(&Angle { cos: self.cos, sin: self.sin });
         let cos_emitted = emitted.minus(&ball).cos;
         if cos_emitted <= self.cos_spread {
@@ -91,7 +93,7 @@ impl Node {
         if cos_received <= -SLACK {
             return 0.0;
         }
-        self.intensity * cos_emitted.max(SLACK) * cos_received.max(SLACK) / distance_sq
+        self.intensity * cos_emitted.max(SLACK) * cos_received.max(SLACK) * (inverse * inverse)
     }
 }
 
@@ -105,6 +107,12 @@ impl Angle {
     #[inline]
     fn of(cos: f32) -> Self {
         Angle { cos, sin: (1.0 - cos * cos).max(0.0).sqrt() }
+    }
+
+    /// An angle of at most a right angle.
+    #[inline]
+    fn of_sin(sin: f32) -> Self {
+        Angle { cos: (1.0 - sin * sin).max(0.0).sqrt(), sin }
     }
 
     /// The difference, at least 0.
