@@ -34,7 +34,7 @@ pub enum LightSelection {
     Auto,
     /// In proportion to power: the same at all points
     Power,
-    /// By a tree of all lights: in proportion to an estimate of the light that arrives at the point [Conty18]
+    /// By a tree of all lights: in proportion to an estimate of the light that arrives at the point (Conty18)
     Tree,
 }
 
