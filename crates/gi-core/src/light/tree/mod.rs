@@ -40,6 +40,8 @@ const NOT_IN_TREE: u64 = u64::MAX;
 /// Smallest probability of the lamps, and of the lights at infinity, where both may contribute. The estimates ignore
 /// occlusion, and that of the lamps is too low among them.
 const LEAST_SHARE: f32 = 0.25;
+/// Smallest probability of one of two siblings if it may contribute.
+const LEAST_PART: f64 = 1e-9;
 /// Largest random number.
 const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
@@ -83,21 +85,23 @@ impl LightTree {
             let (k, p, rest) = self.by_power.sample(to_float(u / f64::from(distant)))?;
             return Some((self.distant[k] as usize, distant * p, rest));
         }
-        let mut probability = 1.0 - distant;
+        let mut probability = f64::from(1.0 - distant);
         u = part(u, f64::from(distant), 1.0);
         let mut node = self.nodes.first()?;
         loop {
             match node.link() {
-                Link::Light(light) => return Some((light as usize, probability, to_float(u))),
+                Link::Light(light) => {
+                    return Some((light as usize, probability as f32, to_float(u)));
+                }
                 Link::Children(first) => {
                     let first = first as usize;
                     let share = self.first_share(first, at);
-                    let is_second = u >= f64::from(share);
+                    let is_second = u >= share;
                     if is_second {
-                        u = part(u, f64::from(share), 1.0);
+                        u = part(u, share, 1.0);
                         probability *= 1.0 - share;
                     } else {
-                        u = part(u, 0.0, f64::from(share));
+                        u = part(u, 0.0, share);
                         probability *= share;
                     }
                     node = &self.nodes[first + usize::from(is_second)];
@@ -115,7 +119,7 @@ impl LightTree {
             let place = self.distant.binary_search(&(light as u32));
             return place.map_or(0.0, |k| distant * self.by_power.probability(k));
         }
-        let mut probability = 1.0 - distant;
+        let mut probability = f64::from(1.0 - distant);
         let mut node = &self.nodes[0];
         while let Link::Children(first) = node.link() {
             let first = first as usize;
@@ -125,17 +129,21 @@ impl LightTree {
             trail >>= 1;
             node = &self.nodes[first + usize::from(is_second)];
         }
-        probability
+        probability as f32
     }
 
-    /// Probability of the first of two siblings.
+    /// Probability of the first of two siblings. In double precision, so that one minus it is not rounded to zero.
     #[inline]
-    fn first_share(&self, first: usize, at: &Vantage) -> f32 {
+    fn first_share(&self, first: usize, at: &Vantage) -> f64 {
         let (a, b) = (&self.nodes[first], &self.nodes[first + 1]);
-        let (wa, wb) = (a.importance(at), b.importance(at));
+        let (wa, wb) = (f64::from(a.importance(at)), f64::from(b.importance(at)));
         let share = wa / (wa + wb);
-        // If no light of the two contributes, one of them must still be chosen.
-        if share.is_finite() { share } else { a.intensity / (a.intensity + b.intensity) }
+        if wa > 0.0 && wb > 0.0 && share.is_finite() {
+            return share.clamp(LEAST_PART, 1.0 - LEAST_PART);
+        }
+        // If neither contributes, one of them must still be chosen.
+        let by_intensity = || f64::from(a.intensity) / f64::from(a.intensity + b.intensity);
+        if share.is_finite() { share } else { by_intensity() }
     }
 
     /// Probability of the lights at infinity.
