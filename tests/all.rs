@@ -16,6 +16,8 @@ mod instant_radiosity_facts;
 mod irrcache_facts;
 /// Checks lightcuts.
 mod lightcuts_facts;
+/// Many lamps: the light tree.
+mod many_lamps;
 /// Compares all programs on scenes that combine surfaces, maps, media, lights and places.
 mod matrix;
 /// Checks light in participating media.

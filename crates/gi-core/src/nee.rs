@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use crate::bsdf::Bsdf;
 use crate::geometry::Surface;
-use crate::light::LightSample;
+use crate::light::{LightSample, Vantage};
 use crate::math::{Rgb, sqr};
 use crate::sampler::Sampler;
 use crate::scene::Scene;
@@ -19,48 +19,48 @@ pub fn power_heuristic(pdf: f32, other: f32) -> f32 {
     1.0 / (1.0 + sqr(other / pdf))
 }
 
-/// Radiance scattered along `wo`, from light straight from a light source, by one light sample. Rays that hit a light
-/// contribute the rest, weighted by [`emitter_weight`].
+/// Radiance scattered along `wo`, from light straight from a light source, by one light sample for the point `at` of
+/// `surface`. Rays that hit a light contribute the rest, weighted by [`emitter_weight`].
 #[inline]
 pub fn direct_light(
     scene: &Scene,
-    surface: &Surface,
+    (at, surface): (&Vantage, &Surface),
     bsdf: &Bsdf,
     wo: Vec3,
     sampler: &mut Sampler,
 ) -> Rgb {
-    direct_light_seen(scene, surface, bsdf, wo, sampler, |light| scene.visibility(surface, light))
+    direct_light_seen(scene, at, bsdf, wo, sampler, |light| scene.visibility(surface, light))
 }
 
 /// The same for a path that reached `surface` through `medium`. Media attenuate the light on its way.
 #[inline]
 pub fn direct_light_through_media(
     scene: &Scene,
-    (surface, medium): (&Surface, Option<MediumId>),
+    (at, surface, medium): (&Vantage, &Surface, Option<MediumId>),
     bsdf: &Bsdf,
     wo: Vec3,
     sampler: &mut Sampler,
 ) -> Rgb {
     let mut random = scene.tracking(sampler);
-    direct_light_seen(scene, surface, bsdf, wo, sampler, |light| {
+    direct_light_seen(scene, at, bsdf, wo, sampler, |light| {
         scene.visibility_through_media(surface, medium, light, &mut random)
     })
 }
 
-/// Radiance scattered along `wo` at the point `p` inside a medium, divided by the scattering coefficient, from light
+/// Radiance scattered along `wo` at a point inside a medium, divided by the scattering coefficient, from light
 /// straight from a light source. One light sample, weighted against phase function sampling.
 #[inline]
 pub fn direct_light_within(
     scene: &Scene,
     medium: MediumId,
-    p: Vec3,
+    at: &Vantage,
     wo: Vec3,
     sampler: &mut Sampler,
 ) -> Rgb {
-    light_within(scene, medium, (p, wo), sampler, power_heuristic)
+    light_within(scene, medium, (at, wo), sampler, power_heuristic)
 }
 
-/// The same without the weight, for techniques that do not sample the phase function.
+/// The same at the point `p` without the weight, for techniques that do not sample the phase function.
 #[inline]
 pub fn all_direct_light_within(
     scene: &Scene,
@@ -69,19 +69,20 @@ pub fn all_direct_light_within(
     wo: Vec3,
     sampler: &mut Sampler,
 ) -> Rgb {
-    light_within(scene, medium, (p, wo), sampler, |_, _| 1.0)
+    let at = Vantage::new(scene.tree_of_many_lights(), p);
+    light_within(scene, medium, (&at, wo), sampler, |_, _| 1.0)
 }
 
 #[inline]
 fn light_within(
     scene: &Scene,
     medium: MediumId,
-    (p, wo): (Vec3, Vec3),
+    (at, wo): (&Vantage, Vec3),
     sampler: &mut Sampler,
     weigh: impl FnOnce(f32, f32) -> f32,
 ) -> Rgb {
     let (u, mut random) = (sampler.next_2d(), scene.tracking(sampler));
-    let Some(light) = scene.aim_at_light(p, u) else { return Rgb::BLACK };
+    let Some(light) = scene.aim_at_light(at, u) else { return Rgb::BLACK };
     // A phase function equals its own density.
     let phase = scene.medium(medium).phase.eval(wo, light.wi);
     let arriving = light.radiance * phase;
@@ -89,14 +90,14 @@ fn light_within(
         return Rgb::BLACK;
     }
     let weight = if light.delta { 1.0 } else { weigh(light.pdf_w, phase) };
-    let visible = scene.visibility_from_within(p, Some(medium), &light, &mut random);
+    let visible = scene.visibility_from_within(at.p, Some(medium), &light, &mut random);
     seen(scene, &light, visible) * arriving * (weight / light.pdf_w)
 }
 
 #[inline]
 fn direct_light_seen(
     scene: &Scene,
-    surface: &Surface,
+    at: &Vantage,
     bsdf: &Bsdf,
     wo: Vec3,
     sampler: &mut Sampler,
@@ -106,7 +107,7 @@ fn direct_light_seen(
     if bsdf.is_delta() {
         return Rgb::BLACK;
     }
-    let Some(light) = scene.aim_at_light(surface.p, u) else { return Rgb::BLACK };
+    let Some(light) = scene.aim_at_light(at, u) else { return Rgb::BLACK };
     let (f_cos, pdf_bsdf) = bsdf.f_cos_pdf(wo, light.wi);
     let arriving = f_cos * light.radiance;
     if arriving.is_black() {

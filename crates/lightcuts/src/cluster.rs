@@ -6,12 +6,10 @@
 //! clusters, each searches for partners only among its neighbours on a space-filling curve through positions and
 //! normals.
 
-use gi_core::math::{Bounds, Rgb};
+use gi_core::math::{Bounds, Cone, Rgb};
 use gi_core::rng::{bits_to_unit, hash_words};
 use glam::Vec3;
 use rayon::prelude::*;
-
-use crate::cone::Cone;
 
 /// A light, or a cluster of two others.
 #[derive(Clone, Copy, Debug)]

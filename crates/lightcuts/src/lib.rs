@@ -27,7 +27,6 @@
 
 pub mod bound;
 pub mod cluster;
-pub mod cone;
 pub mod cut;
 pub mod figures;
 pub mod gain;

@@ -21,17 +21,20 @@ mod to_camera;
 use gi_core::bytes::{Reader, Writer};
 use gi_core::eye::{EyeEvent, EyeWalk};
 use gi_core::film::{Film, Sample};
+use gi_core::light::LightTree;
 use gi_core::medium::MediumId;
 use gi_core::technique::{Picture, Setting, Technique};
 
 use bidir::strategies::Pyramid;
 use bidir::{Bidirectional, Plan};
-pub use params::{Heuristic, Mode, Params};
+pub use params::{Heuristic, LightSelection, Mode, Params};
 
 /// The path tracer.
 pub struct PathTracer<'a> {
     setting: Setting<'a>,
     params: Params,
+    /// Chooses lights in paths from the eye; without a tree, they are chosen by power.
+    light_tree: Option<&'a LightTree>,
     /// Number of light paths so far.
     light_paths: u64,
     /// For paths from both ends.
@@ -53,12 +56,17 @@ impl<'a> Technique<'a> for PathTracer<'a> {
                         `--mode path`"
                 .into());
         }
+        let light_tree = match params.light_selection {
+            LightSelection::Auto => setting.scene.tree_of_many_lights(),
+            LightSelection::Power => None,
+            LightSelection::Tree => Some(setting.scene.light_tree()),
+        };
         let connects = matches!(params.mode, Mode::Bdpt | Mode::Vcm);
         let plan = connects.then(|| Plan::make(&setting, params));
         let pyramid = !params.figures.is_empty();
         let pyramid = pyramid.then(|| Pyramid::new(setting.camera.size()));
         let (params, light_paths, kept) = (params.clone(), 0, (0, 0));
-        Ok(PathTracer { setting, params, light_paths, plan, kept, pyramid })
+        Ok(PathTracer { setting, params, light_tree, light_paths, plan, kept, pyramid })
     }
 
     /// One path per pixel.
@@ -133,7 +141,8 @@ impl PathTracer<'_> {
     /// direction.
     #[inline]
     fn path(&self, pixel: [usize; 2], index: u32) -> Sample {
-        let mut walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
+        let walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
+        let mut walk = walk.choosing_lights(self.light_tree);
         while let Some(v) = &walk.next_vertex() {
             walk.add_emitted(v);
             walk.add_direct(v);
@@ -147,7 +156,7 @@ impl PathTracer<'_> {
     /// The same in media: a medium may scatter the path before it reaches the next surface [slide 34].
     fn path_in_media(&self, pixel: [usize; 2], index: u32, medium: Option<MediumId>) -> Sample {
         let walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
-        let mut walk = walk.through_media(medium);
+        let mut walk = walk.choosing_lights(self.light_tree).through_media(medium);
         while let Some(event) = &walk.next_event() {
             let continues = match event {
                 EyeEvent::Surface(v) => {

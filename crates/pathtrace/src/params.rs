@@ -27,6 +27,17 @@ pub enum Figure {
     Strategies,
 }
 
+/// How light sampling chooses a light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LightSelection {
+    /// By the tree if the scene has many lights, else by power
+    Auto,
+    /// In proportion to power: the same at all points
+    Power,
+    /// By a tree of all lights: in proportion to an estimate of the light that arrives at the point (Conty18)
+    Tree,
+}
+
 /// How the ways to find a path are weighted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Heuristic {
@@ -43,6 +54,9 @@ pub struct Params {
     /// Where paths start
     #[arg(long, value_enum, default_value_t = Mode::Path)]
     pub mode: Mode,
+    /// path, volpath: how light sampling chooses a light
+    #[arg(long, value_enum, default_value_t = LightSelection::Auto, value_name = "HOW")]
+    pub light_selection: LightSelection,
     /// bdpt, vcm: weights of the ways to find a path [Veach97, 9.2]
     #[arg(long, value_enum, default_value_t = Heuristic::Power)]
     pub heuristic: Heuristic,
@@ -74,6 +88,12 @@ impl Default for Params {
 impl Parameters for Params {
     fn check(&self) -> Result<(), String> {
         let connects = matches!(self.mode, Mode::Bdpt | Mode::Vcm);
+        let from_eye = matches!(self.mode, Mode::Path | Mode::VolPath);
+        if self.light_selection == LightSelection::Tree && !from_eye {
+            return Err(
+                "--light-selection tree: only --mode path and --mode volpath use the tree".into()
+            );
+        }
         if self.figures.is_empty() || connects {
             return Ok(());
         }

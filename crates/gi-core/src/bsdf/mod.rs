@@ -22,6 +22,7 @@ mod toward;
 
 use glam::Vec3;
 
+use crate::light::Facing;
 use crate::math::{Frame, INV_PI, Rgb, sqr};
 use crate::warp;
 pub use bound::ScatterBound;
@@ -262,6 +263,20 @@ impl<'a> Bsdf<'a> {
             Parts::One(c) if c.lobe.is_opaque() => Some(c.frame.n),
             _ => None,
         }
+    }
+
+    /// The directions from which light is scattered toward the eye, delta lobes aside. For paths from the eye.
+    pub fn facing(&self) -> Facing {
+        let mut lobes = self.components().iter().filter(|c| !c.lobe.is_delta());
+        let Some(first) = lobes.next() else { return Facing::Any };
+        let (n, mut is_opaque) = (first.frame.n, first.lobe.is_opaque());
+        for c in lobes {
+            if c.frame.n != n {
+                return Facing::Any;
+            }
+            is_opaque &= c.lobe.is_opaque();
+        }
+        if is_opaque { Facing::Side(n) } else { Facing::Both(n) }
     }
 
     /// Whether no light passes to the other side.

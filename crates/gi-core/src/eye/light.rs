@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use super::{Covers, Estimate, EyeVertex, EyeWalk};
 use crate::bsdf::Bsdf;
 use crate::film::Show;
+use crate::light::Vantage;
 use crate::math::Rgb;
 use crate::nee::{direct_light, direct_light_through_media, emitter_weight};
 
@@ -20,7 +21,7 @@ impl<'a> EyeWalk<'a> {
         }
         let weight = match self.last {
             Some(last) => {
-                emitter_weight(Some(last.pdf_w), self.scene.light_pdf_w(last.p, &v.surface))
+                emitter_weight(Some(last.pdf_w), self.scene.light_pdf_w_from(&last.at, &v.surface))
             }
             None => 1.0,
         };
@@ -35,7 +36,9 @@ impl<'a> EyeWalk<'a> {
         if left.is_black() || (self.hides_background && self.segments == 1) {
             return;
         }
-        for (radiance, pdf_light) in self.scene.escaped(self.ray.d) {
+        for (radiance, pdf_light) in
+            self.scene.escaped_from(self.last.map(|last| last.at), self.ray.d)
+        {
             let weight = emitter_weight(self.last.map(|last| last.pdf_w), pdf_light);
             *self.sample.radiance.of_path(self.non_delta, self.after_delta) +=
                 self.throughput * left * radiance * weight;
@@ -71,13 +74,21 @@ impl<'a> EyeWalk<'a> {
         if !self.wants_direct() || v.remainder.is_black() {
             return self.sampler.skip();
         }
+        let at = self.vantage(v);
         let direct = if self.knows_media {
-            let place = (&v.surface, self.medium);
+            let place = (&at, &v.surface, self.medium);
             direct_light_through_media(self.scene, place, &bsdf, v.wo, &mut self.sampler)
         } else {
-            direct_light(self.scene, &v.surface, &bsdf, v.wo, &mut self.sampler)
+            direct_light(self.scene, (&at, &v.surface), &bsdf, v.wo, &mut self.sampler)
         };
         *self.sample.radiance.of_path(self.non_delta + 1, false) += v.throughput * direct;
+    }
+
+    /// The point of `v` that light is sampled for. It depends on the whole BSDF, so that a technique's estimate does not
+    /// change the densities of light samples.
+    #[inline(always)]
+    pub(super) fn vantage(&self, v: &EyeVertex) -> Vantage<'a> {
+        Vantage::on_surface(self.light_tree, v.surface.p, &v.bsdf)
     }
 
     /// For walks that do not collect light: skip the random numbers that [`EyeWalk::add_direct`] would draw.

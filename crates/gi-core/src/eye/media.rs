@@ -7,6 +7,7 @@ use super::{EyeVertex, EyeWalk, LastScattering, Remainder};
 use crate::bsdf::Scatter;
 use crate::film::Components;
 use crate::geometry::Surface;
+use crate::light::Vantage;
 use crate::math::Rgb;
 use crate::medium::Flight;
 use crate::nee::direct_light_within;
@@ -135,7 +136,8 @@ impl<'a> EyeWalk<'a> {
         if !self.wants_direct() {
             return self.sampler.skip();
         }
-        let direct = direct_light_within(self.scene, v.medium, v.p, v.wo, &mut self.sampler);
+        let at = Vantage::new(self.light_tree, v.p);
+        let direct = direct_light_within(self.scene, v.medium, &at, v.wo, &mut self.sampler);
         *self.sample.radiance.of_path(self.non_delta + 1, false) +=
             self.throughput * v.remainder * direct;
     }
@@ -149,8 +151,9 @@ impl<'a> EyeWalk<'a> {
         self.segments += 1;
         self.non_delta += 1;
         (self.after_delta, self.entered) = (false, None);
+        let at = Vantage::new(self.light_tree, v.p);
         // A phase function equals its own density.
-        self.last = Some(LastScattering { p: v.p, pdf_w: phase.eval(v.wo, wi) });
+        self.last = Some(LastScattering { at, pdf_w: phase.eval(v.wo, wi) });
         self.remainder = Remainder::ALL;
         self.line.turn();
         self.ray = Ray::new(v.p, wi);

@@ -34,6 +34,7 @@ use glam::Vec3;
 
 use crate::bsdf::{Scatter, Transport};
 use crate::film::{Sample, Show};
+use crate::light::{LightTree, Vantage};
 use crate::math::Rgb;
 pub use crate::options::PathLimits;
 use crate::options::SurfaceLayers;
@@ -64,8 +65,10 @@ pub struct EyeWalk<'a> {
     throughput: Rgb,
     /// Fractions of the throughput that no estimate has accounted for.
     remainder: Remainder,
+    /// Chooses lights; without a tree, they are chosen by power.
+    light_tree: Option<&'a LightTree>,
     /// The last scattering; `None` at the camera and after delta lobes.
-    last: Option<LastScattering>,
+    last: Option<LastScattering<'a>>,
     /// Number of scatterings so far that were not by delta lobes.
     non_delta: u32,
     /// Whether the last scattering was by a delta lobe.
@@ -100,8 +103,8 @@ pub struct EyeWalk<'a> {
 
 /// A scattering that was not by a delta lobe.
 #[derive(Clone, Copy)]
-struct LastScattering {
-    p: Vec3,
+struct LastScattering<'a> {
+    at: Vantage<'a>,
     /// Density per solid angle of the sampled direction.
     pdf_w: f32,
 }
@@ -213,7 +216,7 @@ impl<'a> EyeWalk<'a> {
         } else {
             self.throughput *= v.remainder;
             self.non_delta += 1;
-            self.last = Some(LastScattering { p: v.surface.p, pdf_w: scatter.pdf_w });
+            self.last = Some(LastScattering { at: self.vantage(v), pdf_w: scatter.pdf_w });
             self.remainder = Remainder::after(self.estimate.as_ref(), v, scatter.wi);
         }
     }

@@ -3,6 +3,7 @@
 use super::remainder::Remainder;
 use super::{EyeWalk, PathLimits};
 use crate::film::{Sample, Show};
+use crate::light::LightTree;
 use crate::math::Rgb;
 use crate::options::SurfaceLayers;
 use crate::ray::Ray;
@@ -71,6 +72,13 @@ impl<'a> EyeWalk<'a> {
         walk
     }
 
+    /// The same path, but light samples are chosen by this tree, or by power without one.
+    #[inline]
+    pub fn choosing_lights(mut self, tree: Option<&'a LightTree>) -> Self {
+        self.light_tree = tree;
+        self
+    }
+
     #[inline(always)]
     pub(super) fn new(scene: &'a Scene, limits: PathLimits, ray: Ray, sampler: Sampler) -> Self {
         EyeWalk {
@@ -82,6 +90,7 @@ impl<'a> EyeWalk<'a> {
             ray,
             throughput: Rgb::WHITE,
             remainder: Remainder::ALL,
+            light_tree: scene.tree_of_many_lights(),
             last: None,
             non_delta: 0,
             after_delta: false,

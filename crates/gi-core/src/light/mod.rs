@@ -1,4 +1,4 @@
-//! Lights, chosen in proportion to their power.
+//! Lights, chosen in proportion to their power, or by a tree for the point that they illuminate.
 //!
 //! Every emitting primitive is a light of its own: a mesh of a thousand triangles is a thousand lights. Many-light
 //! methods use the index of a light in their trees.
@@ -14,6 +14,7 @@ mod slide;
 mod source;
 mod table;
 mod target;
+mod tree;
 
 pub use area::{Emitter, EmitterPoint};
 pub use distribution::{Discrete, Grid};
@@ -25,3 +26,4 @@ pub use source::LightSource;
 pub use table::{Light, LightSample, Lights};
 pub use target::Targets;
 pub(crate) use target::sphere_round;
+pub use tree::{Facing, LightTree, Vantage};

@@ -1,10 +1,11 @@
 //! The table of all lights. Its file is long because each method of a light is one match over all kinds of light.
 
 use std::f32::consts::PI;
+use std::sync::OnceLock;
 
 use glam::{Mat3, Vec3};
 
-use super::{Discrete, Emitter, EmitterPoint, Environment, LightSource, Slide};
+use super::{Discrete, Emitter, EmitterPoint, Environment, LightSource, LightTree, Slide, Vantage};
 use crate::geometry::{Geometry, Shape};
 use crate::math::{Frame, Rgb, one_minus_cos, sqr};
 use crate::warp;
@@ -125,7 +126,15 @@ pub struct Lights {
     distant: Vec<u32>,
     /// Centre and radius of the scene, for light from outside.
     pub(super) sphere: (Vec3, f32),
+    /// Built when it is needed.
+    tree: OnceLock<LightTree>,
+    /// Whether there are so many lights that the tree chooses better than power.
+    are_many: bool,
 }
+
+/// With more lights than this at finite distance, the light tree chooses. With 8 lamps, power has half the error in direct
+/// light and twice the error in all light; with 128 lamps, the tree is better in both.
+const MANY: usize = 32;
 
 impl Lights {
     pub(crate) fn new(shapes: &[Shape], sources: Vec<LightSource>, sphere: (Vec3, f32)) -> Self {
@@ -147,7 +156,27 @@ impl Lights {
             lights.push(light);
         }
         let by_power = Discrete::new(lights.iter().map(|l| l.power(shapes, sphere.1)));
-        Lights { lights, by_power, first_of_shape, distant, sphere }
+        let tree = OnceLock::new();
+        let are_many = lights.iter().filter(|l| !l.is_infinite()).count() > MANY;
+        let lights = Lights { lights, by_power, first_of_shape, distant, sphere, tree, are_many };
+        if are_many {
+            lights.tree(shapes);
+        }
+        lights
+    }
+
+    /// The tree of all lights, which is built at the first call.
+    pub(crate) fn tree(&self, shapes: &[Shape]) -> &LightTree {
+        self.tree.get_or_init(|| {
+            let radius = self.sphere.1;
+            let power = |light: &Light| light.power(shapes, radius);
+            LightTree::new(&self.lights, shapes, power, PI * sqr(radius))
+        })
+    }
+
+    /// The tree of all lights if there are many.
+    pub(crate) fn tree_of_many(&self) -> Option<&LightTree> {
+        if self.are_many { self.tree.get() } else { None }
     }
 
     /// Centre and radius of the scene.
@@ -160,7 +189,7 @@ impl Lights {
         &self.lights
     }
 
-    /// Probability of sampling a light.
+    /// Probability of a light if lights are chosen by power.
     pub fn probability(&self, light: usize) -> f32 {
         self.by_power.probability(light)
     }
@@ -174,6 +203,25 @@ impl Lights {
     #[inline]
     pub(crate) fn choose(&self, u: f32) -> Option<(usize, f32, f32)> {
         self.by_power.sample(u)
+    }
+
+    /// Choose a light for a point. Returns its index, its probability, and the first random number rescaled for further
+    /// use.
+    #[inline]
+    pub(crate) fn choose_for(&self, at: &Vantage, u: [f32; 2]) -> Option<(usize, f32, f32)> {
+        match at.tree {
+            Some(tree) => tree.choose(at, u),
+            None => self.choose(u[0]),
+        }
+    }
+
+    /// Probability with which [`Lights::choose_for`] chooses a light.
+    #[inline]
+    pub(crate) fn probability_for(&self, at: &Vantage, light: usize) -> f32 {
+        match at.tree {
+            Some(tree) => tree.probability(at, light),
+            None => self.probability(light),
+        }
     }
 
     /// The lights at infinity.
@@ -325,6 +373,13 @@ impl Light {
         }
     }
 
+    /// Intensity of a spot within its beam, averaged over its picture, as luminance; 0 for other lights.
+    pub(super) fn mean_intensity(&self) -> f32 {
+        let Light::Spot { intensity, cutoff, beam, slide, .. } = self else { return 0.0 };
+        let mean = |slide: &Slide| slide.mean(spot_angle(*cutoff, *beam));
+        (*intensity * slide.as_deref().map_or(Rgb::WHITE, mean)).luminance()
+    }
+
     /// Emitted power as luminance; for lights at infinity, the power that falls on the scene's bounding sphere.
     fn power(&self, shapes: &[Shape], scene_radius: f32) -> f32 {
         let disc = PI * sqr(scene_radius);
@@ -335,11 +390,7 @@ impl Light {
                 PI * emitter.area() * radiance.luminance().max(0.0)
             }
             Light::Point { intensity, .. } => 4.0 * PI * intensity.luminance(),
-            Light::Spot { intensity, cutoff, beam, slide, .. } => {
-                let solid_angle = PI * (one_minus_cos(*cutoff) + one_minus_cos(*beam));
-                let mean = slide.as_ref().map_or(Rgb::WHITE, |slide| slide.mean(solid_angle));
-                solid_angle * (*intensity * mean).luminance()
-            }
+            Light::Spot { cutoff, beam, .. } => spot_angle(*cutoff, *beam) * self.mean_intensity(),
             Light::Directional { irradiance, .. } => disc * irradiance.luminance(),
             Light::Constant { radiance } => disc * 4.0 * PI * radiance.luminance(),
             Light::Environment(map) => disc * map.flux(),
@@ -348,6 +399,11 @@ impl Light {
             }
         }
     }
+}
+
+/// The solid angle over which a spot of full intensity would emit the same power.
+fn spot_angle(cutoff: f32, beam: f32) -> f32 {
+    PI * (one_minus_cos(cutoff) + one_minus_cos(beam))
 }
 
 /// Full inside the beam, then linear in the angle to zero at the cutoff.

@@ -1,9 +1,11 @@
 //! Vectors come from `glam`. This module adds what a renderer needs: radiance, orthonormal frames, boxes.
 
+mod cone;
 mod frame;
 mod rgb;
 mod trig;
 
+pub use cone::Cone;
 pub use frame::Frame;
 pub use gi_bvh::Bounds;
 pub use rgb::Rgb;

@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 use super::{Line, Scene};
 use crate::bsdf::Transport;
 use crate::geometry::{Geometry, Surface};
-use crate::light::{Emission, EmitterPoint, Light, LightSample, Targets};
+use crate::light::{Emission, EmitterPoint, Light, LightSample, LightTree, Targets, Vantage};
 use crate::math::Rgb;
 use crate::ray::{Hit, Ray};
 
@@ -28,28 +28,54 @@ impl Scene {
     /// For each light at infinity, its radiance along `-d`, and the density per solid angle with which
     /// [`Scene::sample_light`] samples that direction.
     pub fn escaped(&self, d: Vec3) -> impl Iterator<Item = (Rgb, f32)> {
+        self.escaped_from(None, d)
+    }
+
+    /// [`Scene::escaped`] with the densities of [`Scene::aim_at_light`]; those of [`Scene::sample_light`] without a
+    /// point.
+    #[inline]
+    pub(crate) fn escaped_from(
+        &self,
+        at: Option<Vantage<'_>>,
+        d: Vec3,
+    ) -> impl Iterator<Item = (Rgb, f32)> {
         self.lights.distant().map(move |(k, light)| {
             let (radiance, pdf_w) = light.escaped(d);
-            (radiance, pdf_w * self.lights.probability(k))
+            let probability = match &at {
+                Some(at) => self.lights.probability_for(at, k),
+                None => self.lights.probability(k),
+            };
+            (radiance, pdf_w * probability)
         })
     }
 
-    /// Sample light that arrives at `p`, without visibility. `u` chooses the light and the point on it.
+    /// The tree that chooses lights for a point. It is built at the first call, in parallel: do not call it in the
+    /// parallel part of a pass.
+    pub fn light_tree(&self) -> &LightTree {
+        self.lights.tree(&self.shapes)
+    }
+
+    /// The tree that chooses lights for a point, if there are so many lights that it is better than power.
+    #[inline]
+    pub fn tree_of_many_lights(&self) -> Option<&LightTree> {
+        self.lights.tree_of_many()
+    }
+
+    /// Sample light that arrives at `p`, without visibility. `u` chooses the light, by power, and the point on it.
     #[inline]
     pub fn sample_light(&self, p: Vec3, u: [f32; 2]) -> Option<LightSample> {
-        let sample = self.aim_at_light(p, u)?;
+        let sample = self.aim_at_light(&Vantage::new(None, p), u)?;
         let radiance = sample.radiance * self.looked_up(&sample);
         Some(LightSample { radiance, map: None, ..sample })
     }
 
-    /// [`Scene::sample_light`], but [`Scene::looked_up`] is still a factor on the radiance. Most light samples are
-    /// occluded, and a lookup in a large environment map waits for memory.
+    /// Sample light that arrives at a point, without visibility. [`Scene::looked_up`] is still a factor on the radiance:
+    /// most light samples are occluded, and a lookup in a large environment map waits for memory.
     #[inline]
-    pub(crate) fn aim_at_light(&self, p: Vec3, u: [f32; 2]) -> Option<LightSample> {
-        let (light, probability, u0) = self.lights.choose(u[0])?;
-        let u = [u0, u[1]];
-        let mut sample =
-            self.lights.sample_light(light, p, u, |s, k, point| self.emission_at(s, k, point))?;
+    pub(crate) fn aim_at_light(&self, at: &Vantage, u: [f32; 2]) -> Option<LightSample> {
+        let (light, probability, u0) = self.lights.choose_for(at, u)?;
+        let emission = |s, k, point: &EmitterPoint| self.emission_at(s, k, point);
+        let mut sample = self.lights.sample_light(light, at.p, [u0, u[1]], emission)?;
         sample.pdf_w *= probability;
         Some(sample)
     }
@@ -63,10 +89,16 @@ impl Scene {
     /// Density per solid angle at `p` with which [`Scene::sample_light`] samples the emitting point `surface`.
     #[inline]
     pub fn light_pdf_w(&self, p: Vec3, surface: &Surface) -> f32 {
+        self.light_pdf_w_from(&Vantage::new(None, p), surface)
+    }
+
+    /// The same for [`Scene::aim_at_light`].
+    #[inline]
+    pub(crate) fn light_pdf_w_from(&self, at: &Vantage, surface: &Surface) -> f32 {
         let Some(k) = self.light_at(surface) else { return 0.0 };
         match &self.lights.all()[k] {
             Light::Area { emitter, .. } => {
-                self.lights.probability(k) * emitter.pdf_w(p, surface.p, surface.ng)
+                self.lights.probability_for(at, k) * emitter.pdf_w(at.p, surface.p, surface.ng)
             }
             _ => 0.0,
         }

@@ -1,4 +1,4 @@
-//! Cones of directions, which bound the normals of a cluster of lights.
+//! Cones of directions. They bound the normals of clusters of lights.
 
 use std::f32::consts::PI;
 
@@ -58,8 +58,8 @@ impl Cone {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gi_core::rng::Pcg;
-    use gi_core::warp;
+    use crate::rng::Pcg;
+    use crate::warp;
 
     #[test]
     fn a_union_contains_both_cones_and_is_no_wider_than_necessary() {
