@@ -159,6 +159,22 @@ fn checkpoints_of_other_options_are_refused_by_the_name_of_the_option() {
 }
 
 #[test]
+fn a_light_that_was_added_belongs_to_the_scene_of_checkpoints_caches_and_maps() {
+    let pathtrace = Case::of(&PROGRAMS[0], &[]);
+    let kept = pathtrace.folder.at("kept");
+    pathtrace.picture(&["--spp", "1", "--light", "sky", "--checkpoint", &kept]);
+    for light in [&[][..], &["--light", "headlight"]] {
+        let resume = [&["--spp", "2", "--checkpoint", &kept, "--resume"], light].concat();
+        assert_refused(&pathtrace.run("o.exr", &resume), 2, &["another scene"]);
+    }
+    let cache = Case::of(&PROGRAMS[1], &[]);
+    let saved = cache.folder.at("saved");
+    cache.picture(&["--spp", "1", "--light", "studio", "--cache-out", &saved]);
+    let other = cache.run("o.exr", &["--spp", "1", "--cache-in", &saved]);
+    assert_refused(&other, 2, &["another scene"]);
+}
+
+#[test]
 fn runs_of_a_method_whose_passes_build_on_each_other_merge_over_their_seeds() {
     let ppm = PROGRAMS.iter().find(|program| program.name == "ppm").expect("a program");
     let case = Case::of(ppm, &[]);

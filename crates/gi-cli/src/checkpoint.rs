@@ -15,6 +15,9 @@ use crate::save::save_bytes;
 /// First line of a checkpoint; the number is the format's.
 const MAGIC: &str = "gilab checkpoint 3";
 
+/// Size of the checksum at the end, in bytes.
+const CHECKSUM: usize = 8;
+
 /// What must be the same for a checkpoint to be of use, by name: program, scene, camera and so on.
 pub(crate) type Identity = Vec<(String, String)>;
 
@@ -97,13 +100,22 @@ struct Parts<'b> {
 }
 
 impl Checkpoint {
-    /// Read a checkpoint.
+    /// Read a checkpoint, and check that it is whole.
     pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
         let bytes = files::read(path).map_err(|e| Failure::Input(format!("error: {e}")))?;
-        Ok(Checkpoint { path: path.to_path_buf(), bytes })
+        Self::of_bytes(path, bytes)
     }
 
-    /// Check that it is whole and has this identity, apart from the values that may differ. `identity` may be without what is
+    fn of_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, Failure> {
+        let checkpoint = Checkpoint { path: path.to_path_buf(), bytes };
+        if Reader::new(&checkpoint.bytes).text().ok() != Some(MAGIC) {
+            return Err(checkpoint.refuse("it is no checkpoint, or one of another version".into()));
+        }
+        unseal(&checkpoint.bytes).map_err(|e| checkpoint.refuse(e))?;
+        Ok(checkpoint)
+    }
+
+    /// Check that it has this identity, apart from the values that may differ. `identity` may be without what is
     /// only known after preparation.
     pub(crate) fn check(&self, identity: &Identity, may_differ: &[&str]) -> Result<(), Failure> {
         self.parts(identity, may_differ).map(|_| ()).map_err(|e| self.refuse(e))
@@ -135,10 +147,8 @@ impl Checkpoint {
 
     /// Its identity, and what follows.
     fn identity(&self) -> Result<(Vec<Pair<'_>>, Reader<'_>), String> {
-        if Reader::new(&self.bytes).text().ok() != Some(MAGIC) {
-            return Err("it is no checkpoint, or one of another version".into());
-        }
-        let mut r = Reader::new(unseal(&self.bytes)?);
+        // The checksum is right.
+        let mut r = Reader::new(&self.bytes[..self.bytes.len() - CHECKSUM]);
         r.text()?;
         let pairs = (0..r.u32()?).map(|_| Ok((r.text()?, r.text()?)));
         let pairs = pairs.collect::<Result<Vec<_>, String>>()?;

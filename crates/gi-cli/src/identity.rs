@@ -3,7 +3,7 @@
 
 use std::time::SystemTime;
 
-use clap::{ArgMatches, Args, Command, ValueEnum};
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, ValueEnum};
 use gi_core::camera::Camera;
 use gi_core::filter::Filter;
 
@@ -31,8 +31,8 @@ pub(crate) fn processor() -> String {
     name.map_or_else(|| std::env::consts::ARCH.to_string(), |(_, name)| name.trim().to_string())
 }
 
-/// What a checkpoint must have in common with a run: the program, the scene, the picture, and every option of the technique that the
-/// passes depend on.
+/// What a checkpoint must have in common with a run: the program, the scene, the picture, and the options of the technique that passes
+/// may depend on. Some matter only in one mode; they are compared in all.
 pub(crate) fn of_run<P: Program>(
     common: &Common,
     matches: &ArgMatches,
@@ -57,14 +57,35 @@ pub(crate) fn of_run<P: Program>(
     for option in options.get_arguments() {
         let id = option.get_id().as_str();
         // What is read from a file counts, not the file's name.
-        let counts = !help::is_for_figures(option) && !id.ends_with("_in") && !id.ends_with("_out");
+        let counts = !help::is_for_figures(option)
+            && !id.ends_with("_in")
+            && !id.ends_with("_out")
+            && !WITHOUT_EFFECT.contains(&id);
         if let (true, Some(long)) = (counts, option.get_long()) {
-            let values = matches.try_get_raw(id).ok().flatten().into_iter().flatten();
-            let values: Vec<String> = values.map(|v| plain(&v.to_string_lossy())).collect();
-            all.push((format!("--{long}"), values.join(",")));
+            all.push((format!("--{long}"), value_of(option, matches)));
         }
     }
     all
+}
+
+/// Options that change no pass, in addition to those for files and figures: which pixel is drawn, how photons are stored, and when
+/// the run ends.
+const WITHOUT_EFFECT: [&str; 3] = ["pixel", "layout", "stop_at_error"];
+
+/// What was given for an option, or its default, in words.
+fn value_of(option: &Arg, matches: &ArgMatches) -> String {
+    let id = option.get_id().as_str();
+    match option.get_action() {
+        // A flag that turns something off is false when it is given.
+        ArgAction::SetFalse if matches.get_flag(id) => return "not given".into(),
+        ArgAction::SetFalse => return "given".into(),
+        ArgAction::SetTrue if matches.get_flag(id) => return "given".into(),
+        ArgAction::SetTrue => return "not given".into(),
+        _ => {}
+    }
+    let values = matches.try_get_raw(id).ok().flatten().into_iter().flatten();
+    let values: Vec<String> = values.map(|v| plain(&v.to_string_lossy())).collect();
+    if values.is_empty() { "not given".into() } else { values.join(",") }
 }
 
 /// A value, without what does not change it: `0.50` is 0.5.

@@ -39,7 +39,7 @@ pub(crate) fn merge<'a>(
     check_seeds(&shards)?;
     if !common.quiet {
         say(format!(
-            "the passes of this method build on each other: the picture is the mean of {} runs with their own seeds",
+            "the passes of this method build on each other: the picture is the mean over {} runs with their own seeds, weighted by their passes",
             shards.len()
         ));
     }

@@ -29,6 +29,8 @@ pub(crate) struct Making<'a> {
     common: &'a Common,
     /// Numbers of the passes that are in the film.
     made: Range<u32>,
+    /// Number of passes that were resumed.
+    earlier: u32,
     /// When preparation began.
     start: Instant,
     keeper: Option<Keeper<'a>>,
@@ -66,13 +68,23 @@ impl<'a> Making<'a> {
         if let (true, Some(path)) = (common.resume, &common.checkpoint) {
             made = Checkpoint::read(path)?.resume(identity, &[], technique, film)?;
             if made.start != first {
-                let text = format!("error: {} begins with pass {}", path.display(), made.start);
+                let text = format!(
+                    "error: {0} begins with pass {1}; continue it with --first-pass {1}",
+                    path.display(),
+                    made.start
+                );
                 return Err(Failure::Input(text));
             }
         }
         let every = common.checkpoint_interval;
         let keeper = common.checkpoint.as_deref().map(|path| Keeper::new(path, identity, every));
-        Ok(Making { common, made, start, keeper, abandoned: false })
+        let earlier = made.len() as u32;
+        Ok(Making { common, made, earlier, start, keeper, abandoned: false })
+    }
+
+    /// Number of passes that were resumed.
+    pub(crate) fn earlier(&self) -> u32 {
+        self.earlier
     }
 
     /// Make passes until the budget is spent, the technique says that it is enough, or a signal comes. `page` tells how far they

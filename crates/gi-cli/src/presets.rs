@@ -5,7 +5,7 @@ use gi_scene::Loaded;
 use crate::{Failure, Program, command};
 
 /// Flags that a scene cannot set: they are needed before it is read, or say where files go.
-const NOT_PRESETS: [&str; 22] = [
+const NOT_PRESETS: [&str; 24] = [
     "size",
     "threads",
     "define",
@@ -28,6 +28,8 @@ const NOT_PRESETS: [&str; 22] = [
     "preview",
     "display-server",
     "serve",
+    "light",
+    "sensor",
 ];
 
 /// Whether a flag is one that a scene cannot set: files of techniques are named `--x-out` and `--x-in`.

@@ -33,6 +33,8 @@ pub(crate) struct About<'a> {
 #[derive(Clone, Default)]
 pub(crate) struct SoFar {
     pub(crate) passes: u32,
+    /// How many of them other runs have made.
+    pub(crate) earlier: u32,
     /// Time of the passes, and of what was written between them.
     pub(crate) render: Duration,
     /// The signal that ended the run before its time.
@@ -52,6 +54,7 @@ impl About<'_> {
     ) -> SoFar {
         SoFar {
             passes: film.passes(),
+            earlier: 0,
             render: elapsed.saturating_sub(self.prepare),
             stopped,
             reach: technique.reach(),
@@ -99,7 +102,7 @@ impl About<'_> {
     pub(crate) fn statistics(&self, so_far: &SoFar, mean: [f64; 3], save: Duration) -> Value {
         let seconds = |time: Duration| time.as_secs_f64();
         let [w, h] = self.size;
-        let samples = (w * h) as f64 * f64::from(so_far.passes);
+        let samples = (w * h) as f64 * f64::from(so_far.passes - so_far.earlier);
         let technique: Map<String, Value> =
             so_far.technique.iter().map(|(k, v)| (k.clone(), json!(v))).collect();
         json!({

@@ -144,7 +144,8 @@ fn render<P: Program>(
         ));
         return Ok(stopped);
     }
-    let so_far = about.so_far(&technique, &film, elapsed, stopped);
+    let earlier = passes.as_ref().map_or(film.passes(), Making::earlier);
+    let so_far = SoFar { earlier, ..about.so_far(&technique, &film, elapsed, stopped) };
     views.finish(&film, &so_far);
     let finished = Finished { about: &about, so_far: &so_far, film: &film, output };
     finished.save(&technique, &params.outputs(), passes)?;

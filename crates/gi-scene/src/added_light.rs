@@ -10,6 +10,7 @@ use glam::{Affine3A, Mat3, Vec3};
 
 use crate::diagnostics::Report;
 use crate::framing::bounds_of;
+use crate::hash::Hash;
 use crate::options::{AddedLight, Loaded};
 use crate::origins::LightOrigin;
 use crate::sky::{self, model::SunSky};
@@ -26,6 +27,7 @@ const WALLS: f32 = 0.3;
 /// Add a light to a loaded scene.
 pub(crate) fn add(loaded: &mut Loaded, light: AddedLight, report: &Report) {
     let axes = Axes::of(&loaded.camera);
+    loaded.world = world_with(loaded, light, &axes);
     let lights = match light {
         AddedLight::Headlight => vec![(headlight(loaded), LightOrigin::Itself)],
         AddedLight::Studio => vec![(studio(&axes), LightOrigin::Itself)],
@@ -44,6 +46,19 @@ pub(crate) fn add(loaded: &mut Loaded, light: AddedLight, report: &Report) {
         loaded.parts.lights.push(light);
         loaded.origins.lights.push(origin);
     }
+}
+
+/// The hash of the world with a light added, and of where it is.
+fn world_with(loaded: &Loaded, light: AddedLight, axes: &Axes) -> u64 {
+    let place = match light {
+        AddedLight::Headlight => vec![Vec3::from(loaded.camera.to_world.translation)],
+        AddedLight::Sky | AddedLight::Studio => vec![axes.up, axes.front],
+    };
+    let mut hash = Hash::default();
+    hash.word(loaded.world);
+    hash.word(light as u64);
+    place.iter().flat_map(|v| v.to_array()).for_each(|x| hash.word(x.to_bits().into()));
+    hash.value()
 }
 
 /// The directions that added lights are placed by: up, toward the camera, and to the camera's right. They are

@@ -25,9 +25,12 @@ impl Ppm<'_> {
     }
 
     pub(crate) fn read_state(&mut self, state: &[u8]) -> Result<(), String> {
+        if self.counts.passes > 0 && !self.params.figures.is_empty() {
+            return Err("`--show` draws the state of one run: leave it out of a merge".into());
+        }
         let mut r = Reader::new(state);
         if r.u32()? != u32::from(self.needs_moments()) {
-            return Err("one of the two runs estimates its error, the other does not".into());
+            return Err("one of the two runs estimates its error, the other does not: give both or neither --stop-at-error or --show error".into());
         }
         let passes = r.u32()?;
         let [paths, stored, contributed] = [r.u64()?, r.u64()?, r.u64()?];

@@ -85,11 +85,11 @@ fn checkpoints_of_another_run_are_refused_with_the_cause() {
         refuse(&folder, &[&resume[..], flags].concat(), says);
     };
     refuses(&["--seed", "5"], &["seed", "5"]);
-    refuses(&["--alpha", "0.5"], &["other parameters", "alpha 0.7"]);
-    refuses(&["--method", "ppa"], &["other parameters", "Sppm"]);
+    refuses(&["--alpha", "0.5"], &["another --alpha: 0.7, not 0.5"]);
+    refuses(&["--method", "ppa"], &["another --method: sppm, not ppa"]);
     refuses(&["--size", "25x20"], &["another picture size: 24 x 20, not 25 x 20"]);
     refuses(&["--component", "caustic"], &["component"]);
-    refuses(&["--stop-at-error", "0.1"], &["error"]);
+    refuses(&["--stop-at-error", "0.1"], &["estimates its error", "--stop-at-error"]);
     let bytes = std::fs::read(&kept).expect("the checkpoint");
     for n in [0, 10, 100, bytes.len() / 2, bytes.len() - 1] {
         std::fs::write(&kept, &bytes[..n]).expect("written");

@@ -49,8 +49,9 @@ fn damaged_checkpoints_are_refused_or_used() {
     let whole = std::fs::read(&path).expect("a file");
     let content = unseal(&whole).expect("it is whole").to_vec();
     let mut resume = |bytes: Vec<u8>| {
-        let checkpoint = Checkpoint { path: path.clone(), bytes };
-        checkpoint.resume(&identity, &[], &mut Words(String::new()), &mut film).is_ok()
+        Checkpoint::of_bytes(&path, bytes).is_ok_and(|checkpoint| {
+            checkpoint.resume(&identity, &[], &mut Words(String::new()), &mut film).is_ok()
+        })
     };
     for bit in (0..8 * whole.len()).step_by(13) {
         let mut damaged = whole.clone();

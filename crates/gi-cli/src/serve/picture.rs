@@ -118,6 +118,7 @@ mod tests {
         let channels = channels.iter().map(|(n, v)| (n.to_string(), v.to_vec())).collect();
         let layers = Layers { width: 2, height: 1, channels, ..Layers::default() };
         let so_far = SoFar {
+            earlier: 0,
             passes: 3,
             render: Duration::ZERO,
             stopped: None,

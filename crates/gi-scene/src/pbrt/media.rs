@@ -124,6 +124,7 @@ impl Translator<'_> {
         }
         let cells = Cells::Grey(density.iter().map(|v| *v as f32).collect());
         let mut hash = Hash::default();
+        size.iter().for_each(|n| hash.word(*n as u64));
         density.iter().for_each(|v| hash.word(v.to_bits()));
         let medium = self.doc.add(Class::Medium, "medium", "heterogeneous", span);
         self.coefficients(medium, params);

@@ -109,8 +109,14 @@ impl Translator<'_> {
     ) {
         let Corners { positions, normals, uvs } = corners;
         let mut hash = Hash::default();
+        let lengths = [positions.len(), normals.len(), uvs.len(), triangles.len()];
+        lengths.into_iter().for_each(|n| hash.word(n as u64));
         positions.iter().flat_map(|p| p.to_array()).for_each(|x| hash.word(x.to_bits()));
-        uvs.iter().for_each(|uv| hash.bytes(&uv.x.to_le_bytes()));
+        let normals_and_uvs = normals
+            .iter()
+            .flat_map(|n| n.to_array())
+            .chain(uvs.iter().flat_map(|uv| uv.to_array()));
+        normals_and_uvs.for_each(|x| hash.word(x.to_bits().into()));
         triangles.iter().flatten().for_each(|i| hash.word(u64::from(*i)));
         let origin = Extent::of(positions.iter().copied()).map_or(DVec3::ZERO, |e| e.origin());
         let mesh = Mesh {
