@@ -218,3 +218,30 @@ fn compressed_files_are_read() {
     let shown = load(&scene, &options).unwrap_err().to_string();
     assert!(shown.contains("square.ply.gz") && shown.contains("--max-memory"), "{shown}");
 }
+
+#[test]
+fn every_number_of_an_inline_mesh_and_of_a_grid_changes_the_hash_of_the_world() {
+    let mesh = |normals: &str, uvs: &str| {
+        world(&format!(
+            "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2] \"normal N\" [{normals}] \"point2 uv\" [{uvs}]"
+        ))
+        .world
+    };
+    let first = mesh("0 0 1 0 0 1 0 0 1", "0 0 1 0 0 1");
+    assert_eq!(mesh("0 0 1 0 0 1 0 0 1", "0 0 1 0 0 1"), first);
+    assert_ne!(mesh("0 0 1 0 0 1 0 0.1 1", "0 0 1 0 0 1"), first, "a normal");
+    assert_ne!(mesh("0 0 1 0 0 1 0 0 1", "0 0 1 0.5 0 1"), first, "a second texture coordinate");
+    let grid = |size: &str| {
+        world(&format!(
+            "MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" {size} \"float density\" [1 2 3 4]\n\
+             AttributeBegin\nMediumInterface \"m\" \"\"\nMaterial \"interface\"\nShape \"sphere\"\nAttributeEnd"
+        ))
+        .world
+    };
+    let along = grid("\"integer nx\" 4 \"integer ny\" 1 \"integer nz\" 1");
+    assert_ne!(
+        grid("\"integer nx\" 1 \"integer ny\" 4 \"integer nz\" 1"),
+        along,
+        "the grid's size"
+    );
+}
