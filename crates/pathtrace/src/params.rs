@@ -60,8 +60,8 @@ pub struct Params {
     /// bdpt, vcm: weights of the ways to find a path [Veach97, 9.2]
     #[arg(long, value_enum, default_value_t = Heuristic::Power)]
     pub heuristic: Heuristic,
-    /// vcm: radius of the first pass within which vertices are merged, in scene radii; 0 is automatic: 0.003, but not more than two
-    /// pixels
+    /// vcm: radius of the first pass within which vertices are merged, in scene radii; 0 is automatic: 0.6 of
+    /// a pixel's width on the surfaces that are seen, at most 0.012 scene radii
     #[arg(long, value_name = "R", default_value_t = 0.0, value_parser = number("a radius below 1; 0 is automatic", |r: &f32| (0.0..1.0).contains(r)))]
     pub radius: f32,
     /// vcm: how fast the radius shrinks: r^2 of a pass is (i + alpha) / (i + 1) times that of the pass before [Knaus11, 20]

@@ -67,7 +67,7 @@ fn render(pathtrace: &str, scene: &str, seed: u32, picture: &Path) -> anyhow::Re
 
 /// The options that the numbers depend on.
 fn options(seed: u32) -> String {
-    format!("--mode vcm --size {SIDE}x{SIDE} --spp {PASSES} --seed {seed}")
+    format!("--mode vcm --radius 0.003 --size {SIDE}x{SIDE} --spp {PASSES} --seed {seed}")
 }
 
 /// Add the block means of a picture, and last its mean.
