@@ -177,8 +177,13 @@ impl Checkpoint {
     }
 
     fn refuse(&self, cause: String) -> Failure {
-        Failure::Input(format!("error: cannot use {}: {cause}", self.path.display()))
+        refuse(&self.path, &cause)
     }
+}
+
+/// What is said of a checkpoint that cannot be used.
+pub(crate) fn refuse(path: &Path, cause: &str) -> Failure {
+    Failure::Input(format!("error: cannot use {}: {cause}", path.display()))
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use std::path::Path;
 use gi_core::film::Film;
 use gi_core::technique::Technique;
 
-use crate::checkpoint::{Checkpoint, Identity};
+use crate::checkpoint::{Checkpoint, Identity, refuse};
 use crate::say::say;
 use crate::{Common, Failure};
 
@@ -85,10 +85,6 @@ fn check_seeds(shards: &[Shard]) -> Result<(), Failure> {
         }
     }
     Ok(())
-}
-
-fn refuse(path: &Path, cause: &str) -> Failure {
-    Failure::Input(format!("error: cannot use {}: {cause}", path.display()))
 }
 
 /// The first and the last number of a range, in words.

@@ -1,5 +1,7 @@
 //! Read and write numbers as bytes: checkpoints, caches, photon maps, mesh files. Written bytes are little-endian.
 
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
 use glam::Vec3;
 
 use crate::math::Rgb;
@@ -47,6 +49,11 @@ impl Writer {
     /// Several doubles.
     pub fn f64s(&mut self, values: &[f64]) {
         values.iter().for_each(|v| self.f64(*v));
+    }
+
+    /// Counts.
+    pub fn counts<'c>(&mut self, counts: impl IntoIterator<Item = &'c AtomicU64>) {
+        counts.into_iter().for_each(|n| self.u64(n.load(Relaxed)));
     }
 
     /// Several floats.
@@ -194,6 +201,17 @@ impl<'a> Reader<'a> {
             *v = self.f64()?;
         }
         Ok(values)
+    }
+
+    /// Add what [`Writer::counts`] wrote to these counts.
+    pub fn add_to_counts<'c>(
+        &mut self,
+        counts: impl IntoIterator<Item = &'c AtomicU64>,
+    ) -> Result<(), String> {
+        for n in counts {
+            n.fetch_add(self.u64()?, Relaxed);
+        }
+        Ok(())
     }
 
     /// See [`Writer::vec3`].

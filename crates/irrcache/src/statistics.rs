@@ -28,16 +28,14 @@ impl LookupCounts {
     /// The counts for a resumed run.
     pub(crate) fn save(&self) -> Vec<u8> {
         let mut w = Writer::default();
-        self.all().into_iter().for_each(|n| w.u64(n.load(Relaxed)));
+        w.counts(self.all());
         w.into_bytes()
     }
 
     /// Add stored counts.
     pub(crate) fn restore(&self, state: &[u8]) -> Result<(), String> {
         let mut r = Reader::new(state);
-        for n in self.all() {
-            n.fetch_add(r.u64()?, Relaxed);
-        }
+        r.add_to_counts(self.all())?;
         r.end()
     }
 }

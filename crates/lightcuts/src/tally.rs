@@ -79,7 +79,7 @@ impl Tally {
     /// The counts for a resumed run. Passes are independent and need nothing else.
     pub(crate) fn save(&self) -> Vec<u8> {
         let mut w = Writer::default();
-        self.counts.iter().for_each(|n| w.u64(n.load(Relaxed)));
+        w.counts(&self.counts);
         self.energy.parts().into_iter().for_each(|n| w.u64(n));
         w.into_bytes()
     }
@@ -87,9 +87,7 @@ impl Tally {
     /// Add stored counts.
     pub(crate) fn restore(&mut self, state: &[u8]) -> Result<(), String> {
         let mut r = Reader::new(state);
-        for n in &self.counts {
-            n.fetch_add(r.u64()?, Relaxed);
-        }
+        r.add_to_counts(&self.counts)?;
         self.energy.add([r.u64()?, r.u64()?, r.u64()?]);
         r.end()
     }

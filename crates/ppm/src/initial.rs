@@ -3,7 +3,7 @@
 use gi_core::disc::Disc;
 use gi_core::film::PerPixel;
 use gi_core::geometry::Surface;
-use gi_core::math::Rgb;
+use gi_core::math::{Rgb, median};
 use gi_core::scene::Scene;
 use glam::Vec3;
 
@@ -125,10 +125,4 @@ fn on_surface(
         radius = (STEP * radius).max(least);
     }
     radius
-}
-
-fn median(values: impl Iterator<Item = f32>) -> Option<f32> {
-    let mut values: Vec<f32> = values.collect();
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f32::total_cmp).1)
 }

@@ -2,9 +2,9 @@
 
 use crate::bytes::{Reader, Writer};
 
-/// N sums. Each is a double and what its roundings have lost, so the doubles are the exact sums rounded once. The low parts have
-/// 24 bits: the double of a sum of n terms may depend on the order with a probability of about n / 2^24, and then by its last bit.
-/// In single precision, which all layers have, the difference is seen once in 10^15 values.
+/// N sums. Each is a double, and a float that holds what the roundings of the double have lost. So the doubles are nearly always the
+/// exact sums, rounded once. The float is rounded too: with n terms, the last bit of about n in 2^24 doubles depends on the order of
+/// the terms. Layers are in single precision, where hardly any of these differences remain.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Sums<const N: usize> {
     high: [f64; N],

@@ -31,3 +31,10 @@ pub fn one_minus_cos(angle: f32) -> f32 {
 pub fn safe_sqrt(x: f32) -> f32 {
     x.max(0.0).sqrt()
 }
+
+/// The middle one of some values, the upper of the two if their number is even; `None` of none.
+pub fn median(values: impl Iterator<Item = f32>) -> Option<f32> {
+    let mut values: Vec<f32> = values.collect();
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f32::total_cmp).1)
+}

@@ -113,7 +113,8 @@ fn lengths(size: [usize; 3]) -> Vec3 {
     Vec3::from_array(size.map(|n| n as f32))
 }
 
-/// The part of (from, to) on which a ray is between `min` and `max`. Empty if the first end is not below the second.
+/// The part of the interval from `from` to `to` in which a ray is inside the box from `min` to `max`. It is empty if its start is not
+/// below its end.
 #[inline]
 fn clipped(o: Vec3, d: Vec3, min: Vec3, max: Vec3, mut from: f32, mut to: f32) -> (f32, f32) {
     for axis in 0..3 {

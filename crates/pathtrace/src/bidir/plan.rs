@@ -1,6 +1,7 @@
 //! What paths from both ends decide once, before the first pass: the radius of merging, and the number of light paths.
 
 use gi_core::eye::{EyeEvent, EyeWalk, PathLimits};
+use gi_core::math::median;
 use gi_core::technique::Setting;
 use gi_core::walk::{LightEvent, LightWalk, Roulette, walk_in_order};
 
@@ -48,15 +49,9 @@ fn automatic_radius(setting: &Setting, limits: PathLimits) -> f32 {
         let (x, y) = (i % across, i / across);
         [(2 * x + 1) * w / (2 * across), (2 * y + 1) * h / (2 * down)]
     });
-    let mut widths: Vec<f32> =
-        pixels.filter_map(|pixel| pixel_width(setting, limits, pixel)).collect();
-    let radius = OF_SCENE * setting.scene.radius();
-    if widths.is_empty() {
-        return radius;
-    }
-    let middle = widths.len() / 2;
-    let median = *widths.select_nth_unstable_by(middle, f32::total_cmp).1;
-    radius.min(PIXELS * median)
+    let most = OF_SCENE * setting.scene.radius();
+    let widths = pixels.filter_map(|pixel| pixel_width(setting, limits, pixel));
+    median(widths).map_or(most, |width| most.min(PIXELS * width))
 }
 
 /// Width of a pixel at the first surface where its path can be merged, world units.
