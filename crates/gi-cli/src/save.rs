@@ -35,9 +35,13 @@ impl Output {
         picture.and(view)
     }
 
-    /// Write the view of a technique's own picture beside them.
+    /// Write the view of a technique's own picture beside them, with its legend.
     pub(crate) fn save_view(&self, picture: &Picture, size: [usize; 2]) -> Result<(), Failure> {
-        let layers = Layers::of_rgb(size, picture.view.iter().map(|c| c.to_array()));
+        let (size, view) = match &picture.legend {
+            Some(legend) => legend.below(size, &picture.view),
+            None => (size, picture.view.clone()),
+        };
+        let layers = Layers::of_rgb(size, view.iter().map(|c| c.to_array()));
         write(&self.path.with_extension(format!("{}.png", picture.name)), ImageFile::Png, &layers)
     }
 }

@@ -1,4 +1,10 @@
-//! Drawing over a picture: dots, rings and lines with soft edges, and colours for numbers.
+//! Drawing over a picture: dots, rings, lines with soft edges and text, colours for numbers, and legends that explain them.
+
+mod legend;
+mod text;
+
+pub use legend::{Colours, Legend, number, ticks};
+pub use text::text_width;
 
 use glam::{Vec2, Vec3};
 

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use crate::bytes::Reader;
 use crate::camera::Camera;
+use crate::canvas::Legend;
 use crate::film::{Film, Show};
 use crate::math::Rgb;
 use crate::options::SurfaceLayers;
@@ -111,4 +112,6 @@ pub struct Picture {
     pub channels: Vec<(String, Vec<f32>)>,
     /// Content of the PNG, linear, in row order.
     pub view: Vec<Rgb>,
+    /// What the colours mean; drawn below the content of the PNG.
+    pub legend: Option<Legend>,
 }

@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use gi_core::canvas::{Canvas, seen_at, viridis};
+use gi_core::canvas::{Canvas, Legend, number, seen_at, viridis};
 use gi_core::film::Film;
 use gi_core::math::{Bounds, Rgb};
 use gi_core::technique::{Picture, Setting};
@@ -15,7 +15,12 @@ use crate::site::{Query, Site, Sited};
 impl CacheFigure {
     /// Draw the figure.
     pub fn draw(self, setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Picture {
-        let named = |name: &str, view| Picture { name: name.into(), channels: Vec::new(), view };
+        let named = |name: &str, (view, legend)| Picture {
+            name: name.into(),
+            channels: Vec::new(),
+            view,
+            legend: Some(legend),
+        };
         match self {
             CacheFigure::Records => records(setting, cache, film),
             CacheFigure::Validity => named("validity", validity(setting, cache, film)),
@@ -38,25 +43,28 @@ fn visible<'c>(setting: &Setting, cache: &'c Cache<impl Sited>) -> Vec<(&'c Site
     cache.records().iter().map(Sited::site).filter_map(place).collect()
 }
 
-/// Colours for radii, from the smallest (0) to the largest (1), on a logarithmic scale.
-fn scale(sites: &[(&Site, Vec2)]) -> impl Fn(f32) -> f32 + use<> {
+/// Colours for radii, from the smallest to the largest, on a logarithmic scale, and their legend.
+fn scale(sites: &[(&Site, Vec2)], what: &str) -> (impl Fn(f32) -> Rgb + use<>, Legend) {
     let reach = || sites.iter().map(|(s, _)| s.reach());
     let (low, high) = (reach().fold(f32::INFINITY, f32::min), reach().fold(0.0, f32::max));
-    move |r| if high > low { (r / low).ln() / (high / low).ln() } else { 1.0 }
+    let of = move |r: f32| if high > low { (r / low).ln() / (high / low).ln() } else { 1.0 };
+    let title = format!("{} {what}. Radius (units of the scene):", sites.len());
+    (move |r| viridis(of(r)), Legend::logarithmic(&title, low, high))
 }
 
 fn records(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Picture {
     let mut canvas = background(film, 0.35);
     let shown = visible(setting, cache);
-    let of_radius = scale(&shown);
+    let (of_radius, legend) = scale(&shown, "visible records");
     let [w, h] = film.size();
     let mut radius = vec![0.0; w * h];
     for (site, at) in &shown {
-        canvas.disc(*at, dot(film), viridis(of_radius(site.reach())));
+        canvas.disc(*at, dot(film), of_radius(site.reach()));
         radius[(at.y as usize).min(h - 1) * w + (at.x as usize).min(w - 1)] = site.reach();
     }
     let channels = vec![("radius".to_string(), radius)];
-    Picture { name: "records".into(), channels, view: canvas.into_pixels() }
+    let (name, view) = ("records".into(), canvas.into_pixels());
+    Picture { name, channels, view, legend: Some(legend) }
 }
 
 /// Radius of a dot in pixels, so that dots are visible at any picture size.
@@ -67,10 +75,10 @@ fn dot(film: &Film) -> f32 {
 /// Number of corners of the polygon that approximates an ellipse.
 const CORNERS: usize = 32;
 
-fn validity(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Vec<Rgb> {
+fn validity(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> (Vec<Rgb>, Legend) {
     let mut canvas = background(film, 0.35);
     let shown = visible(setting, cache);
-    let of_radius = scale(&shown);
+    let (of_radius, legend) = scale(&shown, "discs of validity");
     for (site, _) in &shown {
         let across = site.n.cross(site.axis);
         let corner = |k: usize| {
@@ -78,14 +86,14 @@ fn validity(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Vec<Rg
             let p = site.p + site.axis * (site.radii[0] * cos) + across * (site.radii[1] * sin);
             project(setting, p)
         };
-        let colour = viridis(of_radius(site.reach()));
+        let colour = of_radius(site.reach());
         for k in 0..CORNERS {
             if let (Some(a), Some(b)) = (corner(k), corner(k + 1)) {
                 canvas.line(a, b, 0.5 * dot(film), colour);
             }
         }
     }
-    canvas.into_pixels()
+    (canvas.into_pixels(), legend)
 }
 
 /// The position of a point in the picture or near it, whether it is visible or not.
@@ -94,7 +102,7 @@ fn project(setting: &Setting, p: Vec3) -> Option<Vec2> {
     setting.camera.connect(p, [0.5; 2], margin).map(|c| Vec2::from_array(c.film))
 }
 
-fn octree(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Vec<Rgb> {
+fn octree(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> (Vec<Rgb>, Legend) {
     let mut canvas = background(film, 0.35);
     for cell in cache.tree().cells() {
         let corner = |k: usize| {
@@ -105,7 +113,7 @@ fn octree(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Vec<Rgb>
         for k in 0..8 {
             for axis in (0..3).filter(|axis| k >> axis & 1 == 0) {
                 if let (Some(a), Some(b)) = (corner(k), corner(k | 1 << axis)) {
-                    canvas.line(a, b, 0.4, Rgb::new(0.9, 0.75, 0.3));
+                    canvas.line(a, b, 0.4, CELL);
                 }
             }
         }
@@ -113,10 +121,16 @@ fn octree(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Vec<Rgb>
     for (_, at) in visible(setting, cache) {
         canvas.disc(at, dot(film), Rgb::WHITE);
     }
-    canvas.into_pixels()
+    let colours = [(CELL, "edge of a cell"), (Rgb::WHITE, "visible record")];
+    (canvas.into_pixels(), Legend::named("", colours))
 }
 
-fn octree_slice(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Vec<Rgb> {
+/// Yellow edges of cells over a picture.
+const CELL: Rgb = Rgb::new(0.9, 0.75, 0.3);
+
+/// The cells and records in a horizontal slice: the cells that the plane contains, and the records in them, seen from above. Few
+/// enough cells are drawn that one can count the records of each.
+fn octree_slice(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> (Vec<Rgb>, Legend) {
     let [w, h] = film.size();
     let mut canvas = Canvas::over([w, h], vec![Rgb::WHITE; w * h]);
     let Bounds { min, max } = setting.scene.bounds();
@@ -127,6 +141,7 @@ fn octree_slice(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Ve
         let d = (p - middle) * pixels_per_unit;
         Vec2::new(0.5 * w as f32 + d.x, 0.5 * h as f32 + d.z)
     };
+    let (mut cells, mut fullest) = (0, 0);
     for cell in cache.tree().cells() {
         let Bounds { min, max } = cell.cube;
         if min.y > middle.y || max.y <= middle.y {
@@ -135,17 +150,20 @@ fn octree_slice(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Ve
         let corners = [(min.x, min.z), (max.x, min.z), (max.x, max.z), (min.x, max.z)];
         let corners = corners.map(|(x, z)| at(Vec3::new(x, middle.y, z)));
         for k in 0..4 {
-            canvas.line(corners[k], corners[(k + 1) % 4], 1.0, Rgb::grey(0.2));
+            canvas.line(corners[k], corners[(k + 1) % 4], 0.6 * dot(film), Rgb::grey(0.35));
         }
-        for r in cache.records() {
-            let p = r.site().p;
-            if p.cmpge(min).all() && p.cmple(max).all() {
-                canvas.disc(at(p), 1.5 * dot(film), Rgb::new(0.7, 0.05, 0.02));
-            }
-        }
+        let inside = |p: &Vec3| p.cmpge(min).all() && p.cmplt(max).all();
+        let records = || cache.records().iter().map(|r| r.site().p).filter(inside);
+        records().for_each(|p| canvas.disc(at(p), 1.6 * dot(film), RECORD));
+        cells += 1;
+        fullest = fullest.max(records().count());
     }
-    canvas.into_pixels()
+    let title = format!("{cells} cells at half height, at most {fullest} records in one.");
+    (canvas.into_pixels(), Legend::named(&title, [(RECORD, "record")]))
 }
+
+/// Red records on white paper.
+const RECORD: Rgb = Rgb::new(0.7, 0.05, 0.02);
 
 /// The visible record nearest to the middle of the picture.
 fn middle_record(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Option<usize> {
@@ -181,5 +199,7 @@ fn weights(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> Picture
         if edge { Rgb::WHITE } else { viridis(0.5 + 0.5 * (weight[i].max(1e-9) / least).log10()) }
     };
     let view = (0..w * h).map(colour).collect();
-    Picture { name: "weights".into(), channels: vec![("w".to_string(), weight)], view }
+    let title = format!("Weight w of one record. White line: w = {}", number(least));
+    let legend = Some(Legend::logarithmic(&title, least * 0.1, least * 10.0));
+    Picture { name: "weights".into(), channels: vec![("w".to_string(), weight)], view, legend }
 }

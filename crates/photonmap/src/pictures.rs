@@ -1,6 +1,6 @@
 //! Technique pictures of photon mapping.
 
-use gi_core::canvas::{Canvas, seen_at, seen_within};
+use gi_core::canvas::{Canvas, Legend, seen_at, seen_within, viridis};
 use gi_core::film::Film;
 use gi_core::geometry::Surface;
 use gi_core::math::{Bounds, Frame, Rgb};
@@ -27,7 +27,41 @@ const PIXELS_PER_DOT: usize = 16;
 /// The picture under the drawing is darkened by this factor.
 const GROUND: f32 = 0.35;
 
-/// Colours of the kinds: yellow, orange-red, blue.
+/// The kinds of photons, with what their light has met since the source.
+const KINDS: [(PhotonKind, &str); 3] = [
+    (PhotonKind::Direct, "direct from the light"),
+    (PhotonKind::Caustic, "through mirror or glass only"),
+    (PhotonKind::Indirect, "scattered by a diffuse surface"),
+];
+
+fn kinds_legend(title: &str) -> Legend {
+    Legend::named(title, KINDS.map(|(kind, name)| (colour(kind), name)))
+}
+
+fn paths_legend() -> Legend {
+    kinds_legend(&format!(
+        "The first {PATHS} photon paths. A segment has the colour of the photon at its end:"
+    ))
+}
+
+fn photons_legend(count: usize) -> Legend {
+    kinds_legend(&format!("{count} photons, of which the visible ones are drawn:"))
+}
+
+fn caustic_legend() -> Legend {
+    let colours = [(colour(PhotonKind::Caustic), "last segment of a photon path")];
+    Legend::named("One caustic estimate:", colours.into_iter().chain([(Rgb::WHITE, "its point")]))
+}
+
+fn gather_legend() -> Legend {
+    let ray = (colour(PhotonKind::Indirect), "gather ray");
+    Legend::named(
+        "One final gather:",
+        [ray, (Rgb::WHITE, "its point, and the estimates at second surfaces")],
+    )
+}
+
+/// Colours of the kinds: yellow, red, blue.
 fn colour(kind: PhotonKind) -> Rgb {
     match kind {
         PhotonKind::Direct => Rgb::new(1.0, 0.8, 0.2),
@@ -40,32 +74,38 @@ impl Gatherer<'_, '_> {
     /// All pictures that the parameters ask for.
     pub(crate) fn draw(&self, film: &Film) -> Vec<Picture> {
         let mut pictures = Vec::new();
-        let mut push = |name: &str, canvas: Canvas| {
-            let view = canvas.into_pixels();
-            pictures.push(Picture { name: name.into(), channels: Vec::new(), view });
+        let mut push = |name: &str, canvas: Canvas, legend: Legend| {
+            let (view, legend) = (canvas.into_pixels(), Some(legend));
+            pictures.push(Picture { name: name.into(), channels: Vec::new(), view, legend });
         };
         let ground =
             || Canvas::over(film.size(), film.radiance().into_iter().map(|c| c * GROUND).collect());
         for show in &self.params.figures {
             match show {
-                Figure::Paths => push("paths", self.paths(ground())),
+                Figure::Paths => push("paths", self.paths(ground()), paths_legend()),
                 Figure::Photons => {
-                    push("photons", self.dots(ground(), &self.maps.global));
+                    let map = &self.maps.global;
+                    push("photons", self.dots(ground(), map), photons_legend(map.map.len()));
                     if let Some(caustic) = &self.maps.caustic {
-                        push("caustic-photons", self.dots(ground(), caustic));
+                        let legend = photons_legend(caustic.map.len());
+                        push("caustic-photons", self.dots(ground(), caustic), legend);
                     }
                     if let Some(volume) = self.maps.volume() {
-                        push("volume-photons", self.dots_within(ground(), volume));
+                        let legend = photons_legend(volume.len());
+                        push("volume-photons", self.dots_within(ground(), volume), legend);
                     }
                 }
-                Figure::Cells => push("cells", self.cells(ground())),
+                Figure::Cells => {
+                    let (canvas, legend) = self.cells(film.size());
+                    push("cells", canvas, legend);
+                }
                 Figure::Gathering => {
                     let [w, h] = film.size();
                     let Some(seen) = self.seen(self.params.probe.unwrap_or([w / 2, h / 2])) else {
                         continue;
                     };
-                    push("caustic-gather", self.caustic_gather(ground(), &seen));
-                    push("final-gather", self.gather_rays(ground(), &seen));
+                    push("caustic-gather", self.caustic_gather(ground(), &seen), caustic_legend());
+                    push("final-gather", self.gather_rays(ground(), &seen), gather_legend());
                 }
             }
         }
@@ -159,23 +199,48 @@ impl Gatherer<'_, '_> {
         }
     }
 
-    /// The tree's cells down to eight levels, as wires.
-    fn cells(&self, mut canvas: Canvas) -> Canvas {
-        let photons = self.maps.global.map.photons().map(|s| s.photon.p());
-        for cell in self.maps.global.map.cells(Bounds::of(photons), LEVELS) {
-            let corner = |k: usize| {
-                let pick =
-                    |axis: usize| if k >> axis & 1 == 0 { cell.min[axis] } else { cell.max[axis] };
-                Vec3::new(pick(0), pick(1), pick(2))
-            };
-            for k in 0..8usize {
-                for axis in (0..3).filter(|axis| k >> axis & 1 == 0) {
-                    let (a, b) = (corner(k), corner(k | 1 << axis));
-                    self.line(&mut canvas, a, b, 0.6, Rgb::new(0.2, 0.9, 0.4));
-                }
+    /// The tree's cells at the bottom of the scene, where they contain the lowest photons, and these photons, seen from above. The
+    /// first splits are the thickest.
+    fn cells(&self, size: [usize; 2]) -> (Canvas, Legend) {
+        let [w, h] = size;
+        let mut canvas = Canvas::over(size, vec![Rgb::WHITE; w * h]);
+        let photons = || self.maps.global.map.photons().map(|s| s.photon.p());
+        let bounds = Bounds::of(photons());
+        let extent = (bounds.max - bounds.min).max(Vec3::splat(f32::MIN_POSITIVE));
+        let pixels_per_unit = 0.95 * (w as f32 / extent.x).min(h as f32 / extent.z);
+        let middle = 0.5 * (bounds.min + bounds.max);
+        let at = |x: f32, z: f32| {
+            Vec2::new(
+                0.5 * w as f32 + (x - middle.x) * pixels_per_unit,
+                0.5 * h as f32 + (z - middle.z) * pixels_per_unit,
+            )
+        };
+        let (unit, ground) = (w as f32 / 400.0, bounds.min.y + 1e-3 * extent.y);
+        let mut count = 0;
+        for level in (0..=LEVELS).rev() {
+            let colour = viridis(0.9 * level as f32 / LEVELS as f32);
+            let width = unit * (0.7 + 0.35 * (LEVELS - level) as f32);
+            let cells = self.maps.global.map.cells(bounds, level);
+            let cut: Vec<&Bounds> = cells.iter().filter(|c| c.min.y <= ground).collect();
+            count = count.max(cut.len());
+            for Bounds { min, max } in cut {
+                let corners = [(min.x, min.z), (max.x, min.z), (max.x, max.z), (min.x, max.z)];
+                let corners = corners.map(|(x, z)| at(x, z));
+                (0..4).for_each(|k| canvas.line(corners[k], corners[(k + 1) % 4], width, colour));
             }
         }
-        canvas
+        let low: Vec<Vec3> = photons().filter(|p| p.y <= ground).collect();
+        low.iter().for_each(|p| canvas.disc(at(p.x, p.z), 1.3 * unit, colour(PhotonKind::Caustic)));
+        let title = format!(
+            "{LEVELS} levels of splits. {count} cells and {} photons on the lowest plane.",
+            low.len()
+        );
+        let colours = [
+            (viridis(0.0), "first split (thick)"),
+            (viridis(0.9), "last split (thin)"),
+            (colour(PhotonKind::Caustic), "photon"),
+        ];
+        (canvas, Legend::named(&title, colours))
     }
 
     /// A line between two points of the world.

@@ -1,6 +1,6 @@
 //! Pictures of the statistics of all pixels, and traces of the statistics of chosen pixels.
 
-use gi_core::canvas::viridis;
+use gi_core::canvas::{Legend, viridis};
 use gi_core::film::PerPixel;
 use gi_core::points::csv;
 use gi_core::technique::Picture;
@@ -64,11 +64,18 @@ impl Figure {
         let column = |value: &dyn Fn(&Region) -> f64| -> Vec<f32> {
             pixels.rows().map(|r| value(r) as f32).collect()
         };
-        let (name, channels): (&str, Vec<(&str, Vec<f32>)>) = match self {
-            Figure::Radius => ("radius", vec![("R", column(&|r| r.statistics.radius / unit))]),
-            Figure::Photons => ("photons", vec![("N", column(&|r| r.statistics.photons))]),
+        let (name, title, channels): (&str, &str, Vec<(&str, Vec<f32>)>) = match self {
+            Figure::Radius => (
+                "radius",
+                "Radius R (radii of the scene)",
+                vec![("R", column(&|r| r.statistics.radius / unit))],
+            ),
+            Figure::Photons => {
+                ("photons", "Number of photons N", vec![("N", column(&|r| r.statistics.photons))])
+            }
             Figure::Error => (
                 "error",
+                "Estimated error (radiance), the larger of noise and bias",
                 vec![
                     ("Noise", column(&|r| r.moments.noise_sq().sqrt())),
                     ("Bias", column(&|r| r.moments.bias())),
@@ -77,22 +84,24 @@ impl Figure {
         };
         let magnitude = |i: usize| channels.iter().map(|(_, v)| v[i].abs()).fold(0.0, f32::max);
         let values: Vec<f32> = (0..channels[0].1.len()).map(magnitude).collect();
-        let view = logarithmic(&values).into_iter().map(viridis).collect();
+        let (low, high) = percentiles(&values);
+        let place = |v: &f32| if *v > 0.0 { (v / low).ln() / (high / low).ln() } else { 0.0 };
+        let view = values.iter().map(|v| viridis(place(v))).collect();
         let channels = channels.into_iter().map(|(n, v)| (n.to_string(), v)).collect();
-        Picture { name: name.into(), channels, view }
+        let legend = Some(Legend::logarithmic(title, low, high));
+        Picture { name: name.into(), channels, view, legend }
     }
 }
 
-/// Values on a logarithmic scale from 0 to 1, between the first and the last percentile of those above zero.
-fn logarithmic(values: &[f32]) -> Vec<f32> {
-    let mut logs: Vec<f32> =
-        values.iter().filter(|v| **v > 0.0 && v.is_finite()).map(|v| v.ln()).collect();
-    if logs.is_empty() {
-        return vec![0.0; values.len()];
+/// The ends of a logarithmic scale: the first and the last percentile of the values above zero.
+fn percentiles(values: &[f32]) -> (f32, f32) {
+    let mut positive: Vec<f32> =
+        values.iter().copied().filter(|v| *v > 0.0 && v.is_finite()).collect();
+    if positive.is_empty() {
+        return (1.0, 2.0);
     }
-    logs.sort_by(f32::total_cmp);
-    let (low, high) = (logs[logs.len() / 100], logs[(logs.len() - 1) * 99 / 100]);
-    let span = (high - low).max(1e-6);
-    let place = |v: &f32| if *v > 0.0 { ((v.ln() - low) / span).clamp(0.0, 1.0) } else { 0.0 };
-    values.iter().map(place).collect()
+    positive.sort_by(f32::total_cmp);
+    let low = positive[positive.len() / 100].max(f32::MIN_POSITIVE);
+    let high = positive[(positive.len() - 1) * 99 / 100];
+    (low, high.max(low * 1.001))
 }

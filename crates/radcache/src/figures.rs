@@ -2,7 +2,7 @@
 
 use std::f32::consts::{PI, TAU};
 
-use gi_core::canvas::Canvas;
+use gi_core::canvas::{Canvas, Legend};
 use gi_core::film::Film;
 use gi_core::math::Rgb;
 use gi_core::sampler::Sampler;
@@ -34,20 +34,34 @@ impl Figure {
     pub(crate) fn draw(self, subject: &Subject, film: &Film) -> Vec<Picture> {
         match self {
             Figure::Records => records(subject, film),
-            Figure::Basis => vec![named("basis", basis(subject.params.basis, film.size()))],
+            Figure::Basis => {
+                let view = basis(subject.params.basis, film.size());
+                let title = "Rows: l = 0 to 4. Left to right: m = -l to l.";
+                vec![named("basis", view, Legend::named(title, SIGNS))]
+            }
             Figure::Brdf => {
-                brdf(subject, film.size()).map(|view| named("brdf", view)).into_iter().collect()
+                let exact = [(Rgb::BLACK, "BRDF times cosine")];
+                let legend = Legend::named("", exact.into_iter().chain(SIGNS));
+                let view = brdf(subject, film.size());
+                view.map(|view| named("brdf", view, legend)).into_iter().collect()
             }
             Figure::Samples => {
                 let view = samples(subject, film.size());
-                view.map(|view| named("samples", view)).into_iter().collect()
+                let colours = [
+                    (NEGATIVE, "sampled by the cosine"),
+                    (POSITIVE, "by the BRDF times the cosine"),
+                    (Rgb::BLACK, "BRDF times cosine"),
+                ];
+                let title = format!("{DIRECTIONS} directions each:");
+                let legend = Legend::named(&title, colours);
+                view.map(|view| named("samples", view, legend)).into_iter().collect()
             }
         }
     }
 }
 
-fn named(name: &str, view: Vec<Rgb>) -> Picture {
-    Picture { name: name.into(), channels: Vec::new(), view }
+fn named(name: &str, view: Vec<Rgb>, legend: Legend) -> Picture {
+    Picture { name: name.into(), channels: Vec::new(), view, legend: Some(legend) }
 }
 
 fn records(subject: &Subject, film: &Film) -> Vec<Picture> {
@@ -60,6 +74,7 @@ fn records(subject: &Subject, film: &Film) -> Vec<Picture> {
 /// Blue and orange, which colour-blind readers can distinguish.
 const POSITIVE: Rgb = Rgb::new(0.02, 0.15, 0.6);
 const NEGATIVE: Rgb = Rgb::new(0.85, 0.3, 0.02);
+const SIGNS: [(Rgb, &str); 2] = [(POSITIVE, "positive"), (NEGATIVE, "negative")];
 /// Number of bands that are drawn.
 const BANDS: usize = 5;
 
@@ -161,6 +176,9 @@ fn brdf(subject: &Subject, [w, h]: [usize; 2]) -> Option<Vec<Rgb>> {
             1.0,
             Rgb::grey(0.7),
         );
+        let letter = (w as f32 / 50.0).clamp(5.0, 20.0);
+        let label = middle + Vec2::new(-0.65 * cell.x, 2.0 * letter);
+        canvas.text(label, letter, Rgb::BLACK, &format!("order {order}"));
         let at = |d: Vec3, v: f32| middle + Vec2::new(d.x, -d.z) * (v.abs() * reach);
         let approximated = |d: Vec3| (subject.dot)(&table.at(OUT.z), &table.light_from(d)).mean();
         for k in 0..STEPS {

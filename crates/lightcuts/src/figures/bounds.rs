@@ -1,6 +1,6 @@
 //! Error bounds of clusters against their true errors.
 
-use gi_core::canvas::Canvas;
+use gi_core::canvas::{Canvas, Legend, number, text_width};
 use gi_core::film::Film;
 use gi_core::math::Rgb;
 use gi_core::points::{csv, row};
@@ -8,7 +8,7 @@ use gi_core::technique::Picture;
 use glam::Vec2;
 use rayon::prelude::*;
 
-use super::common::{Subject, colour};
+use super::common::Subject;
 use crate::cut::Cluster;
 use crate::light::At;
 
@@ -69,29 +69,50 @@ pub(super) fn bounds_csv(subject: &Subject) -> Vec<u8> {
 }
 
 /// Decades of relative error that the plot shows, up to one.
-const DECADES: f32 = 7.0;
+const DECADES: i32 = 7;
+
+/// Orange dots and line, and a blue line for the threshold.
+const CLUSTER: Rgb = Rgb::new(1.0, 0.6, 0.1);
+const THRESHOLD: Rgb = Rgb::new(0.1, 0.5, 1.0);
 
 /// Errors (horizontal) against bounds (vertical), relative to the point's total light, in decades. Above the diagonal,
 /// bounds hold.
 pub(super) fn picture(subject: &Subject, film: &Film) -> Picture {
     let [w, h] = film.size();
     let mut canvas = Canvas::over([w, h], vec![Rgb::BLACK; w * h]);
+    let letter = (w as f32 / 42.0).clamp(5.0, 20.0);
+    // The axes leave room for their numbers at the left and below.
+    let (left, bottom) = (5.0 * letter, h as f32 - 2.4 * letter);
     let place = |error: f32, bound: f32| {
-        let along = |v: f32| (1.0 + v.max(1e-30).log10() / DECADES).clamp(0.0, 1.0);
-        Vec2::new(along(error) * w as f32, (1.0 - along(bound)) * h as f32)
+        let along = |v: f32| (1.0 + v.max(1e-30).log10() / DECADES as f32).clamp(0.0, 1.0);
+        Vec2::new(left + along(error) * (w as f32 - left), bottom * (1.0 - along(bound)))
     };
-    for decade in 1..DECADES as i32 {
+    let (low, grey) = (10f32.powi(-DECADES), Rgb::grey(0.6));
+    for decade in 0..=DECADES {
         let at = 10f32.powi(-decade);
-        canvas.line(place(at, 1e-9), place(at, 1.0), 0.5, Rgb::grey(0.05));
-        canvas.line(place(1e-9, at), place(1.0, at), 0.5, Rgb::grey(0.05));
+        canvas.line(place(at, low), place(at, 1.0), 0.5, Rgb::grey(0.05));
+        canvas.line(place(low, at), place(1.0, at), 0.5, Rgb::grey(0.05));
+        if decade % 2 == 0 {
+            let (name, half) = (number(at), 0.5 * letter);
+            let x = place(at, low).x.min(w as f32 - 0.5 * text_width(&name, letter) - 1.0);
+            canvas.text_centred(Vec2::new(x, h as f32 - half), letter, grey, &name);
+            let y = (place(low, at).y + half).max(letter + 1.0);
+            canvas.text(Vec2::new(half, y), letter, grey, &name);
+        }
     }
-    canvas.line(place(1e-9, 1e-9), place(1.0, 1.0), 1.0, Rgb::WHITE);
+    canvas.line(place(low, low), place(1.0, 1.0), 1.0, Rgb::WHITE);
     let threshold = subject.view.params.cut.error;
-    canvas.line(place(1e-9, threshold), place(1.0, threshold), 1.0, colour(3));
+    canvas.line(place(low, threshold), place(1.0, threshold), 1.0, THRESHOLD);
     for c in check(subject, [w, h]) {
         let relative = |v: f32| v / c.total.max(f32::MIN_POSITIVE);
         let at = place(relative((c.estimate - c.truth).abs()), relative(c.bound));
-        canvas.disc(at, 0.7, Rgb::new(1.0, 0.6, 0.1));
+        canvas.disc(at, 0.7, CLUSTER);
     }
-    Picture { name: "bounds".into(), channels: Vec::new(), view: canvas.into_pixels() }
+    let (name, view) = ("bounds".into(), canvas.into_pixels());
+    let allowed = format!("largest bound allowed ({})", number(threshold));
+    let colours =
+        [(CLUSTER, "a cluster"), (Rgb::WHITE, "bound = error"), (THRESHOLD, allowed.as_str())];
+    let title =
+        "Bound (upward) against true error (to the right), as fractions of the total light:";
+    Picture { name, channels: Vec::new(), view, legend: Some(Legend::named(title, colours)) }
 }

@@ -1,6 +1,6 @@
 //! Trees and their clusters.
 
-use gi_core::canvas::{Canvas, seen_at};
+use gi_core::canvas::{Canvas, Legend, seen_at};
 use gi_core::film::Film;
 use gi_core::math::Rgb;
 use gi_core::technique::Picture;
@@ -36,7 +36,14 @@ fn level(subject: &Subject, film: &Film, count: usize) -> Picture {
         }
         first += clusters.len();
     }
-    Picture { name: format!("clusters-{count}"), channels: Vec::new(), view: canvas.into_pixels() }
+    let title =
+        format!("{count} clusters per tree, {first} in all. Lights of one colour are one cluster");
+    Picture {
+        name: format!("clusters-{count}"),
+        channels: Vec::new(),
+        view: canvas.into_pixels(),
+        legend: Some(Legend::named(&title, [])),
+    }
 }
 
 /// The position of a light in the picture; `None` if it is not visible.
@@ -71,6 +78,9 @@ fn largest(tree: &Tree, count: usize) -> Vec<u32> {
     nodes
 }
 
+/// Orange nodes of the cut.
+const ON_CUT: Rgb = Rgb::new(1.0, 0.5, 0.05);
+
 /// Largest number of leaves that are drawn; larger trees are cut off below.
 const MOST_LEAVES: usize = 64;
 
@@ -90,7 +100,17 @@ pub(super) fn tree<'a>(subject: &Subject<'_, 'a>, film: &Film) -> Picture {
             Drawing { tree, ends: &ends, on_cut: &on_cut, placed: 0, canvas: &mut canvas };
         drawing.branch(0);
     }
-    Picture { name: "tree".into(), channels: Vec::new(), view: canvas.into_pixels() }
+    let colours =
+        [(ON_CUT, "node of the cut"), (Rgb::WHITE, "other node; lights are at the bottom")];
+    Picture {
+        name: "tree".into(),
+        channels: Vec::new(),
+        view: canvas.into_pixels(),
+        legend: Some(Legend::named(
+            &format!("The cut of pixel {}, {}:", pixel[0], pixel[1]),
+            colours,
+        )),
+    }
 }
 
 struct Drawing<'d> {
@@ -124,7 +144,7 @@ impl Drawing<'_> {
         };
         let at = self.place(x, height);
         if self.on_cut.contains(&k) {
-            self.canvas.disc(at, 5.0, Rgb::new(1.0, 0.5, 0.05));
+            self.canvas.disc(at, 5.0, ON_CUT);
         }
         self.canvas.disc(at, 2.5, Rgb::WHITE);
         (x, height)

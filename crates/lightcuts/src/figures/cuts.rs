@@ -87,7 +87,7 @@ pub(super) fn pictures(subject: &Subject) -> Vec<Picture> {
             channels.push((name.into(), view.iter().map(|c| c.to_array()[k]).collect()));
         }
         channels.push(("Error".into(), errors));
-        Picture { name: format!("cut-{i}"), channels, view }
+        Picture { name: format!("cut-{i}"), channels, view, legend: None }
     };
     cuts.iter().enumerate().map(draw).collect()
 }

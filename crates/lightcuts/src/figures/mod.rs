@@ -7,7 +7,7 @@ mod cuts;
 
 use std::path::Path;
 
-use gi_core::canvas::viridis;
+use gi_core::canvas::{Legend, viridis};
 use gi_core::film::Film;
 use gi_core::technique::Picture;
 use rayon::prelude::*;
@@ -62,5 +62,6 @@ fn cut_size<'a>(subject: &Subject<'_, 'a>, film: &Film) -> Picture {
         name: "cut-size".into(),
         channels: vec![("Clusters".into(), channel(0)), ("Rays".into(), channel(1))],
         view: sizes.iter().map(|s| viridis(s[0] / largest)).collect(),
+        legend: Some(Legend::linear("Cut size (clusters per pixel)", 0.0, largest)),
     }
 }

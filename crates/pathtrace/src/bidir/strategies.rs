@@ -1,5 +1,6 @@
 //! The pyramid of all ways to find light, each as a picture of its own [Veach97, fig. 10.2].
 
+use gi_core::canvas::Legend;
 use gi_core::film::{Components, Film, PerPixel};
 use gi_core::math::Rgb;
 use gi_core::technique::Picture;
@@ -80,7 +81,7 @@ impl Pyramid {
             let mean = |ways: &Ways| ways.found[k][which] / samples(ways).max(1) as f32;
             self.pixels.rows().map(mean).collect::<Vec<Rgb>>()
         };
-        let picture = |name, view| Picture { name, channels: Vec::new(), view };
+        let picture = |name, view| Picture { name, channels: Vec::new(), view, legend: None };
         let mut pictures = Vec::new();
         for (which, suffix) in ["-unweighted", ""].into_iter().enumerate() {
             let mut all = vec![Rgb::BLACK; w * h];
@@ -92,7 +93,11 @@ impl Pyramid {
                     pictures.push(picture(format!("s{s}t{t}{suffix}"), view));
                 }
             }
-            pictures.push(picture(format!("pyramid{suffix}"), all));
+            let title = format!(
+                "Rows: 1 to {LONGEST} segments. Left to right: s = 0, 1, 2, ... light vertices"
+            );
+            let legend = Some(Legend::named(&title, []));
+            pictures.push(Picture { legend, ..picture(format!("pyramid{suffix}"), all) });
         }
         pictures
     }
