@@ -1,9 +1,16 @@
 # Targets for building, testing and documenting the project.
 CARGO ?= cargo
 
-.PHONY: all build test test-slow fuzz asan lint ci scenes test-cluster references bench figures compare install man
+.PHONY: all help build test test-slow fuzz asan lint ci scenes test-cluster references bench figures compare install man
 
 all: build
+
+# List the targets, one line each.
+help:
+	@awk '/^$$/ { text = "" } /^# / { text = text (text == "" ? "" : " ") substr($$0, 3) } \
+	  /^[a-z][a-z-]*:/ { sub(/:.*/, ""); if (text != "") { sub(/\. .*/, ".", text); printf "%-14s %s\n", $$0, text } text = "" }' \
+	  $(MAKEFILE_LIST)
+	@echo "figure-N       The figure of slide N, such as figure-12."
 
 # The programs, in target/release.
 build:
@@ -54,6 +61,7 @@ lint:
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --document-private-items
 	scripts/check-arrows.sh
 
+# What must pass before a change lands: tests and lints.
 ci: test lint
 
 # Write scenes/ again with the generator.
@@ -68,7 +76,7 @@ test-cluster: build
 references: build
 	$(CARGO) run --release -p make-references -- target/release/pathtrace target/references
 
-# Benchmarks: path segments per second, and the time of each phase; rays per second against obvhs, and against Embree if EMBREE_LIB is the path of its library; photon
+# Benchmarks, printed as ratios. Path segments per second, and the time of each phase; rays per second against obvhs, and against Embree if EMBREE_LIB is the path of its library; photon
 # searches per second against the lecture's layout and kiddo; photons and pixels per second of progressive passes;
 # connections per second with virtual point lights against only their shadow rays; cuts against all lights, from 10 to a
 # million.

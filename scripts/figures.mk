@@ -1,44 +1,57 @@
-# The lecture's figures, one rule per slide. Each recipe documents its figure: what is run, on which scene, and what to
-# look for.
+# The lecture's figures, one rule per slide. Each recipe documents its figure: what is run, on which scene, what to look for, and
+# which claims of its caption are checked.
 #
-#   make figures [QUALITY=quick|full] [FIGURES_OUT=out/figures]     all of them, and out/figures/index.html
-#   make figure-12                                                  one of them
+#   make figures [QUALITY=quick|default|full] [FIGURES_OUT=out/figures]     all of them, with index.html and deck.html
+#   make figure-12                                                          the figure of a slide
+#   make mistakes                                                           classic mistakes, beside the right way
 #
 # Every rule writes a folder: pictures (.png, with the .exr they were made from), drawings (.svg, with their tables), and
-# figure.json. Runs end after a number of passes, never after a time, so that a second run gives the same files.
+# figure.json. A figure fails if a claim of its caption is false in its data. Runs end after a number of passes, never after a
+# time, so that a second run gives the same pictures.
 
-QUALITY ?= full
+# quick: two minutes, noisy, for a look and for tests. default: 15 minutes, for reading. full: for a projector.
+QUALITY ?= default
 FIGURES_OUT ?= out/figures
 BIN := target/release
 DRAW := $(BIN)/figures
+ifeq ($(filter quick default full,$(QUALITY)),)
+$(error QUALITY=$(QUALITY) is unknown: use quick, default or full)
+endif
 # Each quality has its own references, because their sizes differ.
 REFERENCES := $(FIGURES_OUT)/reference-$(QUALITY)
 # With -e, a loop ends at the first run that fails. Otherwise it would continue, and use an older picture instead of the
 # missing one.
 .SHELLFLAGS := -ec
 
-# $(call q,QUICK,FULL): a value that depends on the quality.
-q = $(if $(filter quick,$(QUALITY)),$(1),$(2))
-SIZE := $(call q,128x128,512x512)
-WIDE := $(call q,160x90,640x360)
+# $(call q,QUICK,DEFAULT,FULL): a value that depends on the quality.
+q = $(if $(filter quick,$(QUALITY)),$(1),$(if $(filter full,$(QUALITY)),$(3),$(2)))
+SIZE := $(call q,128x128,320x320,1024x1024)
+WIDE := $(call q,160x90,480x270,1280x720)
 , := ,
 # The folder of the current figure.
 D = $(FIGURES_OUT)/$(@:figure-%=%)
 RUN = --size $(SIZE) --quiet
 # Drawings over pictures need a large picture, but few samples.
-OVER = --size $(call q,384x384,512x512) --quiet
-OVER_WIDE = $(call q,320x240,512x384)
+OVER_SIZE := $(call q,320,640,1024)
+OVER = --size $(OVER_SIZE)x$(OVER_SIZE) --quiet
+OVER_WIDE := $(call q,320x240,640x480,1024x768)
+# Curves over many runs need small pictures.
+SMALL = --size $(call q,96x96,160x160,256x256) --quiet
 
 BOX := scenes/cornell-box.xml
 SPHERES := scenes/cornell-spheres.xml
 GLOSSY := scenes/cornell-glossy.xml
 
 SLIDES := 3 8 9 12 13 14 15 16 17 18 19 22 23 24 25 26 27 29 31 32 33 34 35 36 39 41 43 47 49 51 53 55 57 59 61 62
-.PHONY: figures programs $(SLIDES:%=figure-%)
+# Further slides of figures: SLIDE:FIGURE.
+ALSO := 4:3 10:9 11:9 20:16 28:27 30:29 37:36 38:35 40:39 42:41 44:43 45:43 46:43 48:47 50:49 52:51 54:53 56:55 58:57 60:59
+.PHONY: figures figures-pages programs mistakes $(SLIDES:%=figure-%) $(foreach a,$(ALSO),figure-$(firstword $(subst :, ,$(a))))
 
+# Draw all figures of the lecture: out/figures/index.html, and deck.html for the projector. QUALITY=quick|default|full.
 figures: $(SLIDES:%=figure-%)
 	$(DRAW) index $(FIGURES_OUT)/index.html $(SLIDES:%=$(FIGURES_OUT)/%)
-	@echo "$(FIGURES_OUT)/index.html"
+	$(DRAW) deck $(FIGURES_OUT)/deck.html $(SLIDES:%=$(FIGURES_OUT)/%)
+	@echo "$(FIGURES_OUT)/index.html $(FIGURES_OUT)/deck.html"
 
 programs:
 	$(CARGO) build --release --workspace --quiet
@@ -46,247 +59,284 @@ programs:
 $(SLIDES:%=figure-%): | programs
 $(SLIDES:%=figure-%): export RUST_BACKTRACE = 0
 
-# ------------------------------------------------------------------ references: long runs of the path tracer
-# reference-QUALITY/SCENE.exr, or reference-QUALITY/SCENE.LAYER.exr for one component.
-REFERENCE_SPP := $(call q,256,2048)
+# The figure of a slide that shares it with another slide.
+define also
+figure-$(firstword $(subst :, ,$(1))): figure-$(lastword $(subst :, ,$(1)))
+endef
+$(foreach a,$(ALSO),$(eval $(call also,$(a))))
+
+# A slide without a figure is refused by its number.
+figure-%:
+	@echo "make: slide $* has no figure; slides with figures: $(shell echo $(SLIDES) $(foreach a,$(ALSO),$(firstword $(subst :, ,$(a)))) | tr ' ' '\n' | sort -n | tr '\n' ' ')" >&2
+	@exit 2
+
+# ------------------------------------------------------------------ references: long runs of the path tracer, shared by figures
+# reference-QUALITY/SCENE.exr, or reference-QUALITY/SCENE.LAYER.exr for one component; in reference-QUALITY-small, pictures of the
+# size SMALL.
+REFERENCE_SPP := $(call q,256,1024,512)
+REFER = $(BIN)/pathtrace scenes/$(firstword $(subst ., ,$*)).xml --spp $(REFERENCE_SPP) $(patsubst %,--component %,$(word 2,$(subst ., ,$*))) -o $@ --seed 99
 $(REFERENCES)/%.exr: | programs
 	@mkdir -p $(REFERENCES)
-	$(BIN)/pathtrace scenes/$(firstword $(subst ., ,$*)).xml $(RUN) --spp $(REFERENCE_SPP) $(patsubst %,--component %,$(word 2,$(subst ., ,$*))) -o $@ --seed 99
+	$(REFER) $(RUN)
+$(REFERENCES)-small/%.exr: | programs
+	@mkdir -p $(REFERENCES)-small
+	$(REFER) $(SMALL)
 
 # ------------------------------------------------------------------ 3, 4: what global illumination is
-figure-3:
+figure-3: $(REFERENCES)/cornell-spheres.exr
 	mkdir -p $D
-	$(BIN)/pathtrace $(SPHERES) $(RUN) --spp $(call q,64,1024) -o $D/all.exr
-	$(BIN)/pathtrace $(SPHERES) $(RUN) --spp $(call q,64,1024) --component direct -o $D/direct.exr
-	$(BIN)/pathtrace $(SPHERES) $(RUN) --spp $(call q,64,1024) --component indirect -o $D/indirect.exr
-	$(BIN)/pathtrace $(SPHERES) $(RUN) --spp $(call q,64,1024) --component caustic -o $D/caustic.exr
+	cp $< $D/all.exr
+	$(DRAW) view $D/all.png $D/all.exr
+	for layer in Direct Indirect Caustic; do $(DRAW) view $D/all.$$layer.png $D/all.exr --layer $$layer; done
 	$(DRAW) figure $D --slide 3-4 --columns 4 --title "Global illumination, and indirect light alone" \
-	  --caption "All light is the sum of its components. Indirect light, scattered at least twice, changes slowly over diffuse surfaces; irradiance caching relies on this. Light focused by the glass sphere changes quickly." \
-	  all.png="everything" direct.png="direct" indirect.png="indirect" caustic.png="caustic"
+	  --caption "All light is the sum of its components. Indirect light, scattered at least twice, changes slowly over diffuse surfaces; irradiance caching relies on this. Light focused by the glass sphere changes quickly. All four pictures have the same exposure." \
+	  --claim "(mean(all:Direct) + mean(all:Indirect) + mean(all:Caustic)) / mean(all) in 0.98..1.02" \
+	  --claim "spread(all:Indirect[0.3 0.35 0.4 0.25]) < 0.3" --claim "spread(all:Caustic[0.6 0.86 0.18 0.08]) > 1" \
+	  all.png="everything" all.Direct.png="direct: {mean(all:Direct) / mean(all) %} of the light" all.Indirect.png="indirect: {mean(all:Indirect) / mean(all) %}" all.Caustic.png="caustic: {mean(all:Caustic) / mean(all) %}"
 
 # ------------------------------------------------------------------ 8 to 14: irradiance caching
-IRR = $(BIN)/irrcache $(BOX) $(RUN) --component indirect --spp $(call q,4,16)
-IRR_OVER = $(BIN)/irrcache $(BOX) $(OVER) --component indirect --spp $(call q,1,4)
+IRR = $(BIN)/irrcache $(BOX) $(RUN) --component indirect --spp $(call q,4,16,16)
+IRR_OVER = $(BIN)/irrcache $(BOX) $(OVER) --component indirect --spp $(call q,1,4,4)
+# The lecture's weights and split sphere.
+LECTURE := --error split-sphere --weights lecture
 figure-8:
 	mkdir -p $D
-	$(IRR_OVER) --rays $(call q,100,1000) --error split-sphere --show octree,octree-slice -o $D/cache.exr
+	$(IRR_OVER) --rays $(call q,100,400,1000) $(LECTURE) --accuracy 0.3 --show octree-slice,records --stats $D/cache.json -o $D/cache.exr
 	$(DRAW) figure $D --slide 8 --columns 2 --title "The octree of records" \
-	  --caption "A cell is divided until it contains fewer than 3 records. Records are dense where surfaces are close: in corners and around the blocks." \
-	  cache.octree-slice.png="a slice through the octree, its records as dots" cache.octree.png="its cells over the picture"
+	  --caption "A cell is divided until it contains fewer than 3 records, so one can count: no cell has more than two. Records are dense where surfaces are close, in corners and around the blocks. {stat(cache.json:technique.records)} records in all." \
+	  --claim "stat(cache.json:technique.records) > 100" \
+	  cache.octree-slice.png="a horizontal slice through the octree at half the room's height, seen from above" cache.records.png="the same records over the picture"
 
 figure-9:
 	mkdir -p $D
-	$(IRR_OVER) --rays $(call q,100,1000) --error split-sphere --weights lecture --show weights,validity -o $D/cache.exr
+	$(IRR_OVER) --rays $(call q,100,400,1000) $(LECTURE) --accuracy 0.3 --show validity --stats $D/cache.json -o $D/cache.exr
+	$(IRR_OVER) --rays $(call q,100,400,1000) $(LECTURE) --show weights -o $D/one.exr
 	$(DRAW) figure $D --slide 9-11 --columns 2 --title "Where a record is valid" \
-	  --caption "The weight w of one record falls with distance, in units of its harmonic mean distance, and with the angle between normals. Where w exceeds 10 (an error of 0.1) the record is used." \
-	  cache.weights.png="weight w of the record nearest to the middle; the line is w = 10" cache.validity.png="the discs in which records are used"
+	  --caption "The weight w of a record falls with the distance from it, in units of its harmonic mean distance, and with the angle between normals. Where w exceeds 1/a (10 for an allowed error a of 0.1), the record is used." \
+	  --claim "percentile(one:Weights.w, 99.9) > 10" --claim "percentile(one:Weights.w, 5) < 10" \
+	  one.weights.png="weight w of the record nearest to the middle; inside the white line w > 10" cache.validity.png="discs in which records are used, for w > 3.3 ({stat(cache.json:technique.records)} records)"
 
 figure-12: $(REFERENCES)/cornell-box.indirect.exr
 	mkdir -p $D
-	$(IRR) --rays $(call q,200,1000) --error split-sphere --weights lecture --gradients off -o $D/without.exr
-	$(IRR) --rays $(call q,200,1000) --error split-sphere --weights lecture --gradients both -o $D/with.exr
-	$(DRAW) difference $D/without-error.svg $D/without.exr --reference $< --most 0.2
-	$(DRAW) difference $D/with-error.svg $D/with.exr --reference $< --most 0.2
-	$(DRAW) figure $D --slide 12 --columns 2 --exposure 1.5 --title "Irradiance gradients" --reference $< \
-	  --caption "The same records, interpolated without and with gradients (1000 rays per record at full quality, w > 10). Without gradients, every record shows as a step." \
+	$(IRR) --rays 1000 $(LECTURE) --accuracy 0.5 --gradients off --stats $D/without.json -o $D/without.exr
+	$(IRR) --rays 1000 $(LECTURE) --accuracy 0.5 --gradients both --stats $D/with.json -o $D/with.exr
+	for g in off both; do $(IRR) --rays 1000 $(LECTURE) --gradients $$g --stats $D/$$g.json -o $D/fine-$$g.exr; done
+	for p in without with; do $(DRAW) difference $D/$$p-error.svg $D/$$p.exr --reference $< --most 0.5; done
+	$(DRAW) figure $D --slide 12 --columns 2 --exposure 2 --inset 0.62,0.05,0.22,0.22,2 --title "Irradiance gradients" --reference $< \
+	  --caption "The same {stat(with.json:technique.records)} records (1000 rays each, w > 2), interpolated without and with gradients. Without them, every record shows as a disc with a step at its rim; with them the error is {relmse(without) / relmse(with)} times smaller. With w > 10 as on the slide, {stat(both.json:technique.records)} records are so dense that gradients change little: relMSE {relmse(fine-off)} without, {relmse(fine-both)} with." \
+	  --claim "relmse(with) < 0.5 * relmse(without)" --claim "relmse(fine-both) < relmse(fine-off)" --claim "relmse(fine-both) > 0.25 * relmse(fine-off)" \
+	  --claim "stat(with.json:technique.records) / stat(without.json:technique.records) in 1..1" \
 	  without.png="without gradients" with.png="with gradients" without-error.svg="relative error, without" with-error.svg="relative error, with"
 
 figure-13:
 	mkdir -p $D
-	$(IRR_OVER) --rays $(call q,200,1000) --error split-sphere --show records -o $D/records.exr
-	$(IRR_OVER) --rays $(call q,200,1000) --show records -o $D/hessian.exr
+	$(IRR_OVER) --rays 1000 $(LECTURE) --show records --stats $D/lecture.json -o $D/lecture.exr
+	$(IRR_OVER) --rays 1000 --show records --stats $D/hessian.json -o $D/hessian.exr
 	$(DRAW) figure $D --slide 13 --columns 2 --title "Cache positions" \
-	  --caption "Positions of the records, coloured by the radius within which they are valid (dark: small, bright: large)." \
-	  records.records.png="the slides' split sphere, w > 10" hessian.records.png="error by Hessians with occlusion (the default)"
+	  --caption "Positions of the records with 1000 rays each. Dark blue records are valid within a small radius, yellow ones within a large one: radii are small in corners and near the blocks. An error estimate with Hessians puts records where irradiance bends, and needs {stat(lecture.json:technique.records) / stat(hessian.json:technique.records)} times fewer." \
+	  --claim "stat(lecture.json:technique.records) > 1.2 * stat(hessian.json:technique.records)" \
+	  lecture.records.png="the slide's rule, w > 10: {stat(lecture.json:technique.records)} records" hessian.records.png="error from Hessians with occlusion (the default): {stat(hessian.json:technique.records)} records"
 
-RAYS := $(call q,30 100 300,100 300 1000 3000 5000)
-ACCURACIES := $(call q,0.1 0.3 0.5,0.05 0.1 0.2 0.35 0.5)
-figure-14: $(REFERENCES)/cornell-box.indirect.exr
+RAYS := 30 100 300 1000 3000 5000
+ACCURACIES := 0.05 0.1 0.2 0.35 0.5
+IRR_SMALL = $(BIN)/irrcache $(BOX) $(SMALL) --component indirect --spp 16 $(LECTURE)
+figure-14: $(REFERENCES)-small/cornell-box.indirect.exr
 	mkdir -p $D
-	for n in $(RAYS); do $(IRR) --rays $$n --error split-sphere -o $D/rays-$$n.exr; done
-	for a in $(ACCURACIES); do $(IRR) --rays $(call q,100,1000) --error split-sphere --accuracy $$a -o $D/accuracy-$$a.exr; done
+	for n in $(RAYS); do $(IRR_SMALL) --rays $$n -o $D/rays-$$n.exr; done
+	for a in $(ACCURACIES); do $(IRR_SMALL) --rays 1000 --accuracy $$a -o $D/accuracy-$$a.exr; done
+	$(IRR) --rays 30 $(LECTURE) -o $D/few.exr
+	$(IRR) --rays $(call q,1000,5000,5000) $(LECTURE) -o $D/many.exr
 	$(DRAW) measure $D/rays.csv --reference $< $(foreach n,$(RAYS),$n=$D/rays-$n.exr)
 	$(DRAW) measure $D/accuracy.csv --reference $< $(foreach a,$(ACCURACIES),$a=$D/accuracy-$a.exr)
-	$(DRAW) plot $D/rays.svg --title "Error against rays per record" --x "rays" --y "relMSE" --log xy "split sphere, w > 10"=$D/rays.csv:x:relmse
-	$(DRAW) plot $D/accuracy.svg --title "Error against accuracy" --x "accuracy a (w > 1/a)" --y "relMSE" --log xy "split sphere"=$D/accuracy.csv:x:relmse
-	$(DRAW) figure $D --slide 14 --columns 3 --exposure 1.5 --title "More rays" --reference $< \
-	  --caption "More rays make better records. The remaining error is that of interpolation, which the accuracy bounds." \
-	  rays-$(lastword $(RAYS)).png="$(lastword $(RAYS)) rays" rays.svg="error against rays" accuracy.svg="error against accuracy"
+	$(DRAW) plot $D/rays.svg --title "Error against rays per record" --x "rays per record" --y "relMSE" --log xy --power "noise of the records: slope -1=-1@1" "w > 10"=$D/rays.csv:x:relmse
+	$(DRAW) plot $D/accuracy.svg --title "Error against allowed error" --x "allowed error a (records are used where w > 1/a)" --y "relMSE" --log xy "1000 rays"=$D/accuracy.csv:x:relmse
+	$(DRAW) figure $D --slide 14 --columns 2 --exposure 2 --title "More rays" \
+	  --caption "More rays make better records: from 30 to 5000 rays per record the error falls by a factor of {first(rays.csv:relmse) / last(rays.csv:relmse)}, at first as 1/rays, like noise. What remains is the error of interpolation, which the allowed error a controls." \
+	  --claim "last(rays.csv:relmse) < 0.2 * first(rays.csv:relmse)" --claim "first(accuracy.csv:relmse) < 0.5 * last(accuracy.csv:relmse)" \
+	  --claim "at(rays.csv:x:relmse, 5000) / at(rays.csv:x:relmse, 3000) > 0.6" \
+	  few.png="30 rays per record" many.png="$(call q,1000,5000,5000) rays per record" rays.svg="error against rays" accuracy.svg="error against allowed error"
 
 # ------------------------------------------------------------------ 15 to 20: radiance caching
-RAD = $(BIN)/radcache $(GLOSSY) $(RUN) --component indirect --rays $(call q,200,1000) --glossy-rays $(call q,500,2000)
+RAD = $(BIN)/radcache $(GLOSSY) $(RUN) --component indirect --rays $(call q,200,1000,1000) --glossy-rays $(call q,500,2000,2000)
 figure-15: $(REFERENCES)/cornell-glossy.indirect.exr
 	mkdir -p $D
-	$(RAD) --mode rho-e --spp $(call q,8,64) -o $D/naive.exr
-	$(RAD) --spp $(call q,8,64) -o $D/cached.exr
+	$(RAD) --mode rho-e --spp $(call q,8,32,32) -o $D/naive.exr
+	$(RAD) --spp $(call q,8,32,32) -o $D/cached.exr
 	cp $< $D/reference.exr && cp $(<:.exr=.png) $D/reference.png
-	$(DRAW) figure $D --slide 15 --columns 3 --exposure 1.5 --title "Glossy surfaces are not a product" --reference $< \
+	$(DRAW) figure $D --slide 15 --columns 3 --exposure 1.5 --inset 0.1,0.72,0.3,0.2,2 --title "Glossy surfaces are not a product" --reference $< \
 	  --caption "Indirect light on a plastic floor and a copper block. The product of hemispherical reflectance and irradiance ignores the direction of the light: highlights are missing." \
+	  --claim "relmse(cached) < 0.5 * relmse(naive)" \
 	  naive.png="rho_hd(w) E, the naive product" cached.png="radiance caching" reference.png="path tracing, the reference"
 
 figure-16: $(REFERENCES)/cornell-glossy.indirect.exr
 	mkdir -p $D
-	$(RAD) --spp $(call q,8,32) -o $D/cached.exr
-	$(BIN)/pathtrace $(GLOSSY) $(RUN) --component indirect --spp $(call q,64,128) -o $D/paths.exr
-	$(DRAW) difference $D/cached-error.svg $D/cached.exr --reference $< --most 0.5
-	$(DRAW) difference $D/paths-error.svg $D/paths.exr --reference $< --most 0.5
+	$(RAD) --spp $(call q,8,32,32) -o $D/cached.exr
+	$(BIN)/pathtrace $(GLOSSY) $(RUN) --component indirect --spp $(call q,64,128,128) -o $D/paths.exr
+	for p in cached paths; do $(DRAW) difference $D/$$p-error.svg $D/$$p.exr --reference $< --most 0.5; done
 	$(DRAW) figure $D --slide 16,20 --columns 2 --exposure 1.5 --title "Radiance caching against path tracing" --reference $< \
-	  --caption "Indirect light in about the same time (below each picture). The reflection of the silver ball is too sharp for the cache, so the ball is path-traced in both." \
+	  --caption "Indirect light. Caching has smooth, small errors; path tracing has noise. Times and errors are below each picture. The reflection of the silver ball is too sharp for the cache, so the ball is path-traced in both." \
+	  --claim "relmse(cached) < relmse(paths)" \
 	  cached.png="radiance caching" paths.png="path tracing" cached-error.svg="relative error, cached" paths-error.svg="relative error, paths"
 
 figure-17:
 	mkdir -p $D
-	$(RAD) --spp $(call q,8,32) --cache-out $D/box.cache -o $D/first.exr
-	$(RAD) --spp $(call q,8,32) --cache-in $D/box.cache --origin=120,380,-680 --target=310,190,280 -o $D/second.exr
+	$(RAD) --spp $(call q,8,32,32) --cache-out $D/box.cache --stats $D/first.json -o $D/first.exr
+	$(RAD) --spp $(call q,8,32,32) --cache-in $D/box.cache --origin=120,380,-680 --target=310,190,280 --stats $D/second.json -o $D/second.exr
 	$(DRAW) figure $D --slide 17 --columns 2 --exposure 1.5 --title "View dependence" \
-	  --caption "One cache, two views: records store incoming light by direction, and each view evaluates the BRDF for its own direction. The second view adds records only where the first had none." \
-	  first.png="the view that filled the cache" second.png="another view from the same cache"
+	  --caption "One cache, two views: records store incoming light by direction, and each view evaluates the BRDF for its own direction, so highlights move. The second view adds records only where the first had none." \
+	  first.png="the view that filled the cache" second.png="another view, from the same cache"
 
-ORDERS := $(call q,1 2 4 8,1 2 3 4 6 8 10 12)
-figure-18: $(REFERENCES)/cornell-glossy.indirect.exr
+ORDERS := $(call q,1 2 4 8,1 2 3 4 6 8 10 12,1 2 3 4 6 8 10 12)
+RAD_SMALL = $(BIN)/radcache $(GLOSSY) $(SMALL) --component indirect --rays 500 --glossy-rays $(call q,500,2000,4000) --spp 16
+figure-18: $(REFERENCES)-small/cornell-glossy.indirect.exr
 	mkdir -p $D
-	$(BIN)/radcache $(GLOSSY) $(OVER) --rays 100 --glossy-rays 200 --spp 1 --show basis,brdf -o $D/sh.exr
-	for n in $(ORDERS); do $(RAD) --order $$n --spp $(call q,8,32) -o $D/order-$$n.exr; done
+	$(BIN)/radcache $(GLOSSY) --size $(OVER_WIDE) --quiet --rays 100 --glossy-rays 200 --spp 1 --show basis,brdf -o $D/sh.exr
+	for n in $(ORDERS); do $(RAD_SMALL) --order $$n -o $D/order-$$n.exr; done
 	$(DRAW) measure $D/order.csv --reference $< $(foreach n,$(ORDERS),$n=$D/order-$n.exr)
 	$(DRAW) plot $D/order.svg --title "Error against order" --x "order n (n^2 functions)" --y "relMSE" --log y "spherical harmonics"=$D/order.csv:x:relmse
 	$(DRAW) figure $D --slide 18 --columns 3 --title "Incoming radiance in spherical harmonics" \
-	  --caption "The basis to l = 4; a rough BRDF times cosine and its expansions of orders 1 to 10; the error of the picture against the order. At high orders, the noise of the records remains." \
+	  --caption "The basis to l = 4; a rough BRDF times cosine (black) and its expansions of orders 1 to 10 (blue, orange where negative); the error of the picture against the order." \
+	  --claim "last(order.csv:relmse) < 0.7 * first(order.csv:relmse)" \
 	  sh.basis.png="the basis functions" sh.brdf.png="a BRDF and its expansions" order.svg="error against order"
 
 figure-19: $(REFERENCES)/cornell-glossy.indirect.exr
 	mkdir -p $D
-	$(BIN)/radcache $(GLOSSY) $(OVER) --rays 100 --glossy-rays 200 --spp 1 --show samples -o $D/lobe.exr
+	$(BIN)/radcache $(GLOSSY) --size $(OVER_WIDE) --quiet --rays 100 --glossy-rays 200 --spp 1 --show samples -o $D/lobe.exr
 	for n in 4 64; do $(BIN)/pathtrace $(GLOSSY) $(RUN) --component indirect --spp $$n -o $D/paths-$$n.exr; done
 	$(DRAW) figure $D --slide 19 --columns 3 --title "Monte Carlo with importance sampling" --exposure 1.5 --reference $< \
-	  --caption "Directions sampled by the BRDF times the cosine are dense where it is large (blue); those sampled by the cosine alone are not (orange). Each path still samples one direction per bounce: noise falls as one over the square root of the number of samples." \
-	  lobe.samples.png="300 directions by cosine, and 300 by BRDF" paths-4.png="4 paths per pixel" paths-64.png="64"
+	  --caption "Directions sampled by the BRDF times the cosine are dense where it is large (blue); those sampled by the cosine alone are not (orange). Each path still samples one direction per bounce: 16 times as many paths have about a quarter of the noise (a sixteenth of the relMSE)." \
+	  --claim "relmse(paths-4) / relmse(paths-64) in 8..22" \
+	  lobe.samples.png="300 directions by the cosine, and 300 by the BRDF" paths-4.png="4 paths per pixel" paths-64.png="64 paths per pixel"
 
 # ------------------------------------------------------------------ 22 to 32: photon mapping
-PHOTONS := $(call q,20000,100000)
-# Pixels of the floor in the glass sphere's caustic, and in the ring's crescent.
-RING_OVER := $(if $(filter quick,$(QUALITY)),115$(,)174,154$(,)232)
-FLOOR_OVER := $(if $(filter quick,$(QUALITY)),150$(,)352,200$(,)470)
-SPOT := $(if $(filter quick,$(QUALITY)),88$(,)114,352$(,)456)
-CRESCENT := $(if $(filter quick,$(QUALITY)),38$(,)58,154$(,)232)
+PHOTONS := $(call q,20000,100000,100000)
+# $(call pixel,X,Y,SIDE): a pixel from thousandths of a square picture.
+pixel = $(shell echo $$(($(1) * $(3) / 1000)),$$(($(2) * $(3) / 1000)))
+SIDE := $(firstword $(subst x, ,$(SIZE)))
+# Pixels of the ring's crescent, and of the floor in the glass sphere's caustic.
+RING_OVER := $(call pixel,301,453,$(OVER_SIZE))
+FLOOR_OVER := $(call pixel,391,917,$(OVER_SIZE))
+SPOT := $(call pixel,687,890,$(SIDE))
 PM = $(BIN)/photonmap $(SPHERES) $(RUN) --photons $(PHOTONS) --caustic-photons $(PHOTONS)
-PM_OVER = $(BIN)/photonmap $(SPHERES) $(OVER) --photons $(PHOTONS) --caustic-photons $(PHOTONS) --spp $(call q,1,16)
+PM_OVER = $(BIN)/photonmap $(SPHERES) $(OVER) --photons $(PHOTONS) --caustic-photons $(PHOTONS) --spp $(call q,1,4,4)
 figure-22:
 	mkdir -p $D
 	$(PM_OVER) --gather direct --show paths -o $D/photons.exr
 	$(DRAW) figure $D --slide 22 --columns 1 --title "Photon tracing" \
-	  --caption "The first photon paths from the lamp, over the picture: reflected by walls and mirror, refracted by glass, absorbed." photons.paths.png="photon paths"
+	  --caption "The first photon paths from the lamp, over the picture: scattered by walls, reflected by the mirror ball, refracted by the glass ball, absorbed. Yellow segments come straight from the lamp, red ones went through glass or mirror only, blue ones were scattered by a wall before." photons.paths.png="200 photon paths"
 
 figure-23:
 	mkdir -p $D
-	$(PM_OVER) --gather direct --show photons -o $D/photons.exr
+	$(PM_OVER) --gather direct --show photons --stats $D/photons.json -o $D/photons.exr
 	$(DRAW) figure $D --slide 23 --columns 1 --title "Photon density" \
-	  --caption "Every photon of the global map as a dot: their density gives the irradiance." photons.photons.png="$(PHOTONS) photons"
+	  --caption "Every photon of the global map as a dot: their density gives the irradiance. Yellow photons came straight from the lamp, red ones through glass or mirror only, blue ones were scattered by a wall before." \
+	  --claim "stat(photons.json:technique.global_photons) / $(PHOTONS) in 0.95..1.1" photons.photons.png="{stat(photons.json:technique.global_photons)} photons"
 
+# The probe reads the irradiance of a map at a point of the floor. The truth is pi L / albedo, from the reference.
+TRUTH := 3.14159265 * green(reference[0.677 0.88 0.02 0.02]) / green(reference:Albedo[0.677 0.88 0.02 0.02])
 figure-24: $(REFERENCES)/cornell-spheres.exr
 	mkdir -p $D
-	for s in 1 2 3 4; do $(PM) --spp 1 --seed $$s --probe $(SPOT) --probe-out $D/probe-$$s.csv -o $D/probe-$$s.exr; done
-	$(DRAW) plot $D/estimate.svg --title "The estimate at a point against k" --x "photons of the estimate, k" --y "irradiance, green" --log x \
+	cp $< $D/reference.exr
+	for s in 1 2 3 4; do $(BIN)/photonmap $(SPHERES) $(RUN) --photons 100000 --caustic-photons 100000 --gather direct --spp 1 --seed $$s --probe $(SPOT) --probe-out $D/probe-$$s.csv -o $D/probe-$$s.exr; done
+	$(DRAW) plot $D/estimate.svg --title "The estimate at a point against k" --x "photons of the estimate, k" --y "irradiance, green" --log x --level "truth (path tracing)=$(TRUTH)" \
 	  $(foreach s,1 2 3 4,"map $s"=$D/probe-$s.csv:k:green)
 	$(DRAW) figure $D --slide 24 --columns 1 --title "Radiance estimate" \
-	  --caption "Estimates from few photons are noisy: maps with different seeds disagree. Estimates from many photons average over a large area and over edges: all maps agree on a wrong value." estimate.svg="four photon maps, one point of the floor"
+	  --caption "Four photon maps with different seeds, one point of the floor. Estimates from few photons are noisy: the maps disagree. Estimates from many photons average over a large area: the maps agree, but on a wrong value." \
+	  --claim "least(probe-1.csv:k) < 50" \
+	  estimate.svg="irradiance against the number of photons; dashed: the true value"
 
 figure-25:
 	mkdir -p $D
-	$(PM_OVER) --gather direct --show cells -o $D/tree.exr
+	$(BIN)/photonmap $(SPHERES) $(OVER) --photons $(call q,4000,4000,4000) --caustic-photons 0 --spp 1 --gather direct --show cells --stats $D/tree.json -o $D/tree.exr
 	$(DRAW) figure $D --slide 25 --columns 1 --title "The balanced kd-tree" \
-	  --caption "Cells of the tree over real photons. A photon takes 20 bytes: float position, power as RGBE, direction as two bytes, the split plane." tree.cells.png="cells of the tree"
+	  --caption "The cells of the tree on the floor, seen from above, with their photons. Each split halves the number of photons, so all cells have about as many, whatever their size. A photon takes 20 bytes on the slide: float position, power as RGBE, direction as two bytes, the split axis; here {stat(tree.json:technique.global_bytes) / stat(tree.json:technique.global_photons)} with the tree." \
+	  --claim "stat(tree.json:technique.global_bytes) / stat(tree.json:technique.global_photons) < 40" tree.cells.png="eight levels of splits over {stat(tree.json:technique.global_photons)} photons"
 
+# The mirror ball would spread caustic photons over the whole room, so it is diffuse here.
 figure-26:
 	mkdir -p $D
-	$(PM_OVER) --show photons -o $D/photons.exr
+	sed -e 's|<ref id="mirror"/>|<ref id="white"/>|' -e 's|"meshes/|"$(CURDIR)/scenes/meshes/|' $(SPHERES) > $D/scene.xml
+	$(BIN)/photonmap $D/scene.xml $(OVER) --photons $(PHOTONS) --caustic-photons $(PHOTONS) --spp 1 --gather direct --show photons --stats $D/photons.json -o $D/photons.exr
 	$(DRAW) figure $D --slide 26 --columns 2 --title "Two photon maps" \
-	  --caption "The global map contains the light that any surface received. The caustic map contains only light that came through mirrors and glass: many more photons in few places." \
-	  photons.photons.png="global map" photons.caustic-photons.png="caustic map"
+	  --caption "The global map contains the light that any surface received (the left ball is diffuse here). The caustic map contains only light that came through the glass ball: as many photons, in few places." \
+	  --claim "stat(photons.json:technique.caustic_photons) > 0.9 * $(PHOTONS)" \
+	  photons.photons.png="global map: {stat(photons.json:technique.global_photons)} photons" photons.caustic-photons.png="caustic map: {stat(photons.json:technique.caustic_photons)} photons"
 
 figure-27:
 	mkdir -p $D
-	$(BIN)/photonmap scenes/ring.xml $(OVER) --photons $(PHOTONS) --caustic-photons $(PHOTONS) --spp $(call q,1,16) --show gathering --probe $(RING_OVER) -o $D/ring.exr
-	$(PM_OVER) --gather-rays 48 --show gathering --probe $(FLOOR_OVER) -o $D/box.exr
+	$(BIN)/photonmap scenes/ring.xml $(OVER) --photons $(PHOTONS) --caustic-photons $(PHOTONS) --spp $(call q,1,8,16) --show gathering --probe $(RING_OVER) -o $D/ring.exr
+	$(PM_OVER) --gather direct --gather-rays 48 --show gathering --probe $(FLOOR_OVER) -o $D/box.exr
 	$(DRAW) figure $D --slide 27-28 --columns 2 --title "Caustics at the first bounce, indirect light at the second" \
-	  --caption "At the first diffuse surface of an eye path, the caustic map is read (left: the last segments of its photons, which come from the ring to the white dot). For the other light, gather rays start there, and the global map is read where they end (right)." \
+	  --caption "At the first diffuse surface of an eye path, the caustic map is read (left; red: the last segments of its photons, which come from the ring to the white dot). For the other light, gather rays start there (right; blue), and the global map is read where they end (white dots)." \
 	  ring.caustic-gather.png="photons of a caustic estimate" box.final-gather.png="gather rays to the second bounce"
 
 figure-29: $(REFERENCES)/cornell-spheres.exr
 	mkdir -p $D
-	$(PM) --gather none --lookup 50 --kernel lecture --spp $(call q,4,16) -o $D/density.exr
-	$(PM) --gather direct --lookup 50 --kernel lecture --spp $(call q,16,64) -o $D/direct.exr
-	$(DRAW) figure $D --slide 29-30 --columns 2 --title "Photon maps seen directly" --reference $< \
-	  --caption "$(PHOTONS) photons, 50 per estimate, evaluated at the first diffuse surface of an eye path: blotches, and dark rims where the disc of the estimate extends beyond the surface." \
+	$(PM) --gather none --lookup 50 --kernel lecture --spp $(call q,4,16,16) -o $D/density.exr
+	$(PM) --gather direct --lookup 50 --kernel lecture --spp $(call q,16,64,64) -o $D/direct.exr
+	$(DRAW) figure $D --slide 29-30 --columns 2 --inset 0.02,0.6,0.2,0.2,2 --title "Photon maps seen directly" --reference $< \
+	  --caption "$(PHOTONS) photons, 50 per estimate, evaluated at the first diffuse surface of an eye path: blotches, and dark rims where the disc of the estimate extends beyond the surface. With direct light by shadow rays, the error is {relmse(density) / relmse(direct)} times smaller." \
+	  --claim "relmse(direct) < 0.7 * relmse(density)" \
 	  density.png="all light from the map" direct.png="direct light by shadow rays, the rest from the map"
 
 figure-31: $(REFERENCES)/cornell-spheres.exr
 	mkdir -p $D
-	$(PM) --spp $(call q,16,64) -o $D/gather.exr
-	$(BIN)/pathtrace $(SPHERES) $(RUN) --spp $(call q,64,512) -o $D/paths.exr
-	$(DRAW) difference $D/gather-error.svg $D/gather.exr --reference $< --most 0.2
-	$(DRAW) figure $D --slide 31 --columns 3 --title "Final gather" --reference $< \
-	  --caption "The density is estimated one bounce later: rays from the first diffuse surface average many estimates, so the blotches disappear." \
-	  gather.png="photon mapping with final gather" gather-error.svg="relative error" paths.png="path tracing"
+	$(PM) --spp $(call q,16,64,64) -o $D/gather.exr
+	$(BIN)/pathtrace $(SPHERES) $(RUN) --spp $(call q,64,64,64) -o $D/paths.exr
+	for p in gather paths; do $(DRAW) difference $D/$$p-error.svg $D/$$p.exr --reference $< --most 0.5; done
+	$(DRAW) figure $D --slide 31 --columns 2 --inset 0.02,0.6,0.2,0.2,2 --title "Final gather" --reference $< \
+	  --caption "The density is estimated one bounce later: rays from the first diffuse surface average many estimates, so the blotches disappear. Path tracing with as many samples per pixel has {relmse(paths) / relmse(gather)} times the error, most of it in caustics." \
+	  --claim "relmse(gather) < 0.7 * relmse(paths)" \
+	  gather.png="photon mapping with final gather" paths.png="path tracing" gather-error.svg="relative error, photon mapping" paths-error.svg="relative error, path tracing"
 
 figure-32:
 	mkdir -p $D
-	$(BIN)/photonmap scenes/cognac.xml -D tint=1,1,1 -D absorption=0.36,2.08,6.37 $(RUN) --photons $(PHOTONS) --caustic-photons $(call q,100000,1000000) --spp $(call q,16,128) -o $D/cognac.exr
+	$(BIN)/photonmap scenes/cognac.xml -D tint=1,1,1 -D absorption=0.36,2.08,6.37 $(RUN) --photons $(PHOTONS) --caustic-photons $(call q,100000,1000000,1000000) --spp $(call q,16,64,64) -o $D/cognac.exr
 	$(DRAW) figure $D --slide 32 --columns 1 --title "A glass of cognac" \
-	  --caption "Light through glass and an amber liquid that absorbs: the liquid colours the caustic on the table, and is darker where it is deep." cognac.png="photon mapping, caustic map"
+	  --caption "Light through glass and an amber liquid that absorbs: the liquid colours the caustic on the table, and is darker where it is deep." \
+	  --claim "red(cognac) > 1.2 * blue(cognac)" cognac.png="photon mapping, caustic map"
 
 figure-33:
 	mkdir -p $D
-	$(BIN)/photonmap scenes/pavilion.xml --size $(WIDE) --quiet --photons $(call q,50000,1000000) --caustic-photons $(PHOTONS) --spp $(call q,16,256) -o $D/pavilion.exr
+	$(BIN)/photonmap scenes/pavilion.xml --size $(WIDE) --quiet --photons $(call q,50000,500000,1000000) --caustic-photons $(PHOTONS) --spp $(call q,16,64,64) -o $D/pavilion.exr
 	$(DRAW) figure $D --slide 33 --columns 1 --title "A house under the sky" \
 	  --caption "Slabs, glass walls, a pool, and a wall of onyx, under sun and sky. The light under the roof was reflected by the pavement and the ceiling." pavilion.png="photon mapping with final gather"
 
 # Light inside media: most of the light from the stone was scattered many times inside it.
-SOLID = $(BIN)/photonmap --volume-photons $(call q,100000,1000000) --volume-lookup 60 --photons $(PHOTONS) --spp $(call q,16,128)
+SOLID = $(BIN)/photonmap --volume-photons $(call q,100000,500000,1000000) --volume-lookup 60 --photons $(PHOTONS) --spp $(call q,16,32,32)
 figure-34:
 	mkdir -p $D
 	$(SOLID) scenes/marble.xml $(RUN) -o $D/marble.exr
 	$(SOLID) scenes/marble.xml $(RUN) --subsurface dipole -o $D/marble-dipole.exr
-	$(BIN)/pathtrace scenes/marble.xml $(RUN) --mode volpath --spp $(call q,64,1024) -o $D/volpath.exr
+	$(BIN)/pathtrace scenes/marble.xml $(RUN) --mode volpath --spp $(call q,64,256,256) -o $D/volpath.exr
 	$(SOLID) scenes/milk.xml $(RUN) -o $D/milk.exr
 	$(SOLID) scenes/milk.xml $(RUN) --subsurface dipole -o $D/milk-dipole.exr
-	$(BIN)/photonmap scenes/fog.xml $(RUN) --volume-photons $(call q,100000,500000) --photons $(PHOTONS) --spp $(call q,4,32) -o $D/fog.exr
+	$(BIN)/photonmap scenes/fog.xml $(RUN) --volume-photons $(call q,100000,500000,500000) --photons $(PHOTONS) --spp $(call q,4,16,16) -o $D/fog.exr
 	$(DRAW) figure $D --slide 34 --columns 3 --title "Subsurface scattering" \
 	  --caption "Marble lit from behind, milk, and a caustic in mist, from photons stored where the medium scatters them. The dipole treats every point as if it were on a flat half-space: its picture is smooth, but too dark where the stone is thin and lit from behind. The path tracer's rays leave the polished stone toward the lamp only by luck: its picture is right on average, but noisy." \
-	  marble.png="photons in the medium" marble-dipole.png="dipole" volpath.png="volumetric path tracing" \
+	  --claim "mean(marble-dipole[0.35 0.25 0.3 0.4]) < 0.9 * mean(marble[0.35 0.25 0.3 0.4])" --claim "ratio(marble, volpath) in 0.9..1.1" \
+	  marble.png="marble, photons in the medium" marble-dipole.png="marble, dipole" volpath.png="marble, volumetric path tracing" \
 	  milk.png="milk, photons" milk-dipole.png="milk, dipole" fog.png="mist around a glass ball"
 
 # ------------------------------------------------------------------ 35 to 46: progressive photon mapping
 figure-35:
 	mkdir -p $D
-	$(BIN)/pathtrace scenes/bulb.xml $(RUN) --spp $(call q,128,1024) -o $D/paths.exr
-	$(BIN)/pathtrace scenes/bulb.xml $(RUN) --mode bdpt --spp $(call q,32,256) -o $D/bdpt.exr
-	$(BIN)/pathtrace scenes/bulb.xml $(RUN) --mode vcm --spp $(call q,32,256) -o $D/vcm.exr
-	$(BIN)/photonmap scenes/bulb.xml $(RUN) --photons $(PHOTONS) --caustic-photons $(call q,100000,1000000) --spp $(call q,16,64) -o $D/photonmap.exr
-	$(BIN)/ppm scenes/bulb.xml $(RUN) --passes $(call q,64,512) -o $D/ppm.exr
-	$(BIN)/pathtrace $(SPHERES) $(OVER) --mode bdpt --show strategies --spp $(call q,16,128) -o $D/ways.exr
-	$(DRAW) figure $D --slide 35,38 --columns 3 --title "All light is caustic" \
+	$(BIN)/pathtrace scenes/bulb.xml $(RUN) --spp $(call q,128,512,512) -o $D/paths.exr
+	$(BIN)/pathtrace scenes/bulb.xml $(RUN) --mode bdpt --spp $(call q,32,96,96) -o $D/bdpt.exr
+	$(BIN)/pathtrace scenes/bulb.xml $(RUN) --mode vcm --spp $(call q,32,96,96) -o $D/vcm.exr
+	$(BIN)/photonmap scenes/bulb.xml $(RUN) --photons $(PHOTONS) --caustic-photons $(call q,100000,1000000,1000000) --spp $(call q,16,32,32) -o $D/photonmap.exr
+	$(BIN)/ppm scenes/bulb.xml $(RUN) --passes $(call q,64,192,256) -o $D/ppm.exr
+	$(BIN)/pathtrace $(SPHERES) --size $(OVER_WIDE) --quiet --mode bdpt --show strategies --spp $(call q,8,32,64) -o $D/ways.exr
+	$(DRAW) figure $D --slide 35,38 --columns 4 --title "All light is caustic" \
 	  --caption "A lamp inside a glass shell: paths from the eye find it only by chance. Through the shell, bidirectional path tracing sees the walls only by chance too; merging finds that light. Times are shown below the pictures. Last: what each way to connect a path finds in a Cornell box. A row per number of segments, 1 to 5; from left to right, 0, 1, 2, ... vertices on the light's side." \
+	  --claim "spread(paths[0.1 0.1 0.3 0.3]) > 2 * spread(vcm[0.1 0.1 0.3 0.3])" --claim "spread(paths[0.1 0.1 0.3 0.3]) > 2 * spread(ppm[0.1 0.1 0.3 0.3])" \
 	  paths.png="path tracing" bdpt.png="bidirectional path tracing" vcm.png="vertex connection and merging" photonmap.png="photon mapping" ppm.png="progressive photon mapping" \
 	  ways.pyramid-unweighted.png="all ways of bidirectional path tracing, not weighted" ways.pyramid.png="weighted: they sum to the picture"
 
-# N^beta of N photons: with ppa, the radius shrinks so that a fraction alpha of each pass's photons stays; beta = alpha.
-BETAS := 0.5 0.67 0.8 1
-LADDER := $(call q,1 4 16 64,1 4 16 64 256)
-RING = $(BIN)/ppm scenes/ring.xml $(RUN) --method ppa --component caustic --initial-radius 0.006 --photons $(call q,20000,50000)
-figure-39:
-	mkdir -p $D
-	$(RING) --alpha 0.67 --seed 7 --passes $(call q,512,4096) -o $D/reference.exr
-	for b in $(BETAS); do for n in $(LADDER); do $(RING) --alpha $$b --passes $$n -o $D/beta-$$b-$$n.exr; done; done
-	$(foreach b,$(BETAS),$(DRAW) measure $D/beta-$b.csv --layer Caustic --reference $D/reference.exr $(foreach n,$(LADDER),$n=$D/beta-$b-$n.exr) &&) true
-	$(DRAW) plot $D/error.svg --title "Error against passes" --x "passes (N grows with them)" --y "relMSE of the caustic" --log xy --slopes $(foreach b,$(BETAS),"beta $b"=$D/beta-$b.csv:x:relmse)
-	$(DRAW) figure $D --slide 39-40 --columns 3 --title "Noise and bias must shrink together" --reference $D/reference.exr --layer Caustic \
-	  --caption "Of N photons, N^beta are used. With beta = 1 the radius stays constant, and the bias remains in the error; smaller values give less bias but more noise. The reference is a long run with beta 2/3." \
-	  error.svg="error against passes" $(foreach b,0.5 1,beta-$b-$(lastword $(LADDER)).png="beta $b$(,) $(lastword $(LADDER)) passes")
-
 figure-36:
 	mkdir -p $D
-	$(PM) --spp $(call q,4,16) --stats $D/photonmap.json -o $D/photonmap.exr
-	$(BIN)/ppm $(SPHERES) $(RUN) --method ppm --passes $(call q,16,64) --stats $D/ppm.json -o $D/ppm.exr
+	$(PM) --spp $(call q,4,16,16) --stats $D/photonmap.json -o $D/photonmap.exr
+	$(BIN)/ppm $(SPHERES) $(RUN) --method ppm --passes $(call q,16,64,64) --stats $D/ppm.json -o $D/ppm.exr
 	$(DRAW) flow $D/photonmap.svg --title "Photon mapping" --stats $D/photonmap.json \
 	  "{technique.global_paths} photon paths,|{technique.caustic_paths} more aimed|at glass and mirror" \
 	  "{technique.global_photons} photons stored|and {technique.caustic_photons} for caustics" "kd-trees|{technique.global_bytes} and|{technique.caustic_bytes} bytes" \
@@ -298,23 +348,53 @@ figure-36:
 	  --caption "Photon mapping stores all photons, then traces eye paths. Progressive photon mapping traces eye paths once, keeps their hit points, and does not store photons, so there is no limit to their number. The numbers are from real runs." \
 	  photonmap.svg="photon mapping" ppm.svg="progressive photon mapping"
 
-PASSES := $(call q,64,512)
+# N^beta of N photons: with ppa, the radius shrinks so that a fraction alpha of each pass's photons stays; beta = alpha. Two seeds tell
+# noise and bias apart. The caustic below the glass ball, from near by: smooth enough that its bias follows the theory,
+# noise^2 ~ n^-beta and bias^2 ~ r^4 ~ n^-2(1 - beta).
+BETAS := 0.5 0.67 0.8 1
+LADDER := $(call q,1 4 16 64,1 4 16 64 256,1 4 16 64 256 1024)
+BLOB := $(BIN)/ppm $(SPHERES) --origin 110,150,-60 --target 145,0,160 --fov 30 --size 64x64 --quiet --method ppa --component caustic --photons 10000
+BLOB_PART := 0.2,0.36,0.58,0.24
+figure-39:
+	mkdir -p $D
+	$(BLOB) --initial-radius 0.01 --alpha 0.67 --seed 7 --passes $(call q,512,2048,8192) -o $D/reference.exr
+	for s in 1 2; do for b in $(BETAS); do for n in $(LADDER); do $(BLOB) --initial-radius 0.015 --alpha $$b --seed $$s --passes $$n -o $D/beta-$$b-$$n-$$s.exr; done; done; done
+	$(foreach b,$(BETAS),$(DRAW) measure $D/beta-$b.csv --layer Caustic --part $(BLOB_PART) --reference $D/reference.exr $(foreach n,$(LADDER),$n=$D/beta-$b-$n-1.exr$(,)$D/beta-$b-$n-2.exr) &&) true
+	$(DRAW) plot $D/noise.svg --title "Noise" --x "passes n (N grows with them)" --y "noise^2, relative" --log xy --slopes $(foreach b,$(BETAS),"beta $b"=$D/beta-$b.csv:x:noise) \
+	  --power "theory: n^-1/2=-0.5@1" --power "theory: n^-1=-1@4"
+	$(DRAW) plot $D/bias.svg --title "Bias" --x "passes n" --y "bias^2, relative" --log xy --slopes $(foreach b,$(BETAS),"beta $b"=$D/beta-$b.csv:x:bias) \
+	  --power "theory: n^-1=-1@1" --power "theory: n^-0.4=-0.4@3" --power "theory: constant=0@4"
+	$(DRAW) plot $D/error.svg --title "Error: noise and bias" --x "passes n" --y "relMSE of the caustic" --log xy $(foreach b,$(BETAS),"beta $b"=$D/beta-$b.csv:x:relmse)
+	$(DRAW) figure $D --slide 39-40 --columns 2 --title "Noise and bias must shrink together" --layer Caustic \
+	  --caption "Of N photons, N^beta are used. Theory: noise^2 falls as n^-beta, bias^2 as r^4 = n^-2(1-beta). With beta = 1 the radius stays constant: noise falls fastest, so this curve is first below the others, but its bias remains, and the error ends there. With beta = 1/2 the bias falls fastest, but noise remains." \
+	  --claim "slope(beta-1.csv:x:noise) in -1.15..-0.85" --claim "slope(beta-0.5.csv:x:noise) in -0.65..-0.35" \
+	  --claim "last(beta-1.csv:bias) > 0.7 * first(beta-1.csv:bias)" --claim "last(beta-0.5.csv:bias) < 0.3 * first(beta-0.5.csv:bias)" \
+	  error.svg="noise and bias together" noise.svg="noise alone" bias.svg="bias alone" beta-1-$(lastword $(LADDER))-1.png="the caustic below the glass ball, beta 1, $(lastword $(LADDER)) passes"
+
+PASSES := $(call q,200,1000,3000)
 ALPHAS := 0.5 0.7 0.9
+CRESCENT := $(call pixel,301,453,$(call q,96,160,256))
 figure-41:
 	mkdir -p $D
-	for a in $(ALPHAS); do $(BIN)/ppm scenes/ring.xml $(RUN) --photons $(call q,60000,100000) --passes $(PASSES) --alpha $$a --trace-pixel $(CRESCENT) --trace-out $D/alpha-$$a.csv --show radius -o $D/alpha-$$a.exr; done
-	$(DRAW) plot $D/radius.svg --title "Radius of a hit point" --x "passes" --y "R (world units)" --log xy --slopes $(foreach a,$(ALPHAS),"alpha $a"=$D/alpha-$a.csv:pass:radius)
-	$(DRAW) plot $D/photons.svg --title "Number of photons N" --x "passes" --y "N" --log xy --slopes $(foreach a,$(ALPHAS),"alpha $a"=$D/alpha-$a.csv:pass:N)
+	for a in $(ALPHAS); do $(BIN)/ppm scenes/ring.xml $(SMALL) --photons $(call q,20000,20000,20000) --passes $(PASSES) --alpha $$a --trace-pixel $(CRESCENT) --trace-out $D/alpha-$$a.csv --show radius -o $D/alpha-$$a.exr; done
+	$(DRAW) plot $D/radius.svg --title "Radius of a hit point" --x "passes n" --y "R (radii of the scene)" --log xy --slopes $(foreach a,$(ALPHAS),"alpha $a"=$D/alpha-$a.csv:pass:radius) \
+	  --power "theory: n^-1/4=-0.25@1" --power "theory: n^-0.05=-0.05@3"
+	$(DRAW) plot $D/photons.svg --title "Number of photons N" --x "passes n" --y "N" --log xy --slopes $(foreach a,$(ALPHAS),"alpha $a"=$D/alpha-$a.csv:pass:N) \
+	  --power "theory: n^1/2=0.5@1" --power "theory: n^0.9=0.9@3"
 	$(DRAW) figure $D --slide 41-42 --columns 3 --title "Radius reduction" \
-	  --caption "R' = R sqrt((N + alpha M) / (N + M)) after every pass: the radius shrinks as a power of the number of passes, and N still grows." \
-	  radius.svg="R" photons.svg="N" alpha-0.7.radius.png="the map of R for alpha 0.7"
+	  --caption "R' = R sqrt((N + alpha M) / (N + M)) after every pass: the radius shrinks as n^((alpha - 1) / 2), and N still grows as n^alpha." \
+	  --claim "slope(alpha-0.7.csv:pass:radius) in -0.2..-0.1" --claim "slope(alpha-0.7.csv:pass:N) in 0.6..0.8" \
+	  --claim "last(alpha-0.5.csv:radius) < last(alpha-0.9.csv:radius)" \
+	  radius.svg="R of one hit point in the crescent" photons.svg="N of the same hit point" alpha-0.7.radius.png="the map of R for alpha 0.7, after $(PASSES) passes: dark blue is small, where photons are dense"
 
+STAGES := $(call q,1 10 50,1 10 100 400,1 10 100 1000)
 figure-43:
 	mkdir -p $D
-	for n in 1 10 $(call q,50,100 1000); do $(BIN)/ppm scenes/torus-in-glass.xml $(RUN) --passes $$n -o $D/torus-$$n.exr; $(BIN)/ppm scenes/pool.xml $(RUN) --passes $$n -o $D/pool-$$n.exr; done
-	$(DRAW) figure $D --slide 43-46 --columns $(call q,3,4) --title "The picture over the passes" \
+	for n in $(STAGES); do $(BIN)/ppm scenes/torus-in-glass.xml $(RUN) --passes $$n -o $D/torus-$$n.exr; $(BIN)/ppm scenes/pool.xml $(RUN) --passes $$n -o $D/pool-$$n.exr; done
+	$(DRAW) figure $D --slide 43-46 --columns $(words $(STAGES)) --title "The picture over the passes" \
 	  --caption "A torus inside glass, and the floor of a pool: all light goes through glass or water on its way there and on its way to the eye. Noise and blur shrink together." \
-	  $(foreach n,1 10 $(call q,50,100 1000),torus-$n.png="$n passes") $(foreach n,1 10 $(call q,50,100 1000),pool-$n.png="$n passes")
+	  --claim "relmse(pool-10, pool-$(lastword $(STAGES))) < relmse(pool-1, pool-$(lastword $(STAGES)))" --claim "relmse(torus-10, torus-$(lastword $(STAGES))) < relmse(torus-1, torus-$(lastword $(STAGES)))" \
+	  $(foreach n,$(STAGES),torus-$n.png="$n passes") $(foreach n,$(STAGES),pool-$n.png="$n passes")
 
 # ------------------------------------------------------------------ 47 to 52: instant radiosity
 VPL = $(BIN)/instant-radiosity $(BOX) $(RUN)
@@ -323,58 +403,66 @@ figure-47:
 	for s in 0 1 2 3; do $(VPL) --direct vpl --component direct --vpls 1 --spp 1 --first-pass $$s -o $D/light-$$s.exr; done
 	for n in 4 16 64; do $(VPL) --direct vpl --component direct --vpls 1 --spp $$n -o $D/mean-$$n.exr; done
 	$(VPL) --component direct --spp 256 -o $D/sampled.exr
-	$(DRAW) figure $D --slide 47-48 --columns 4 --title "Soft shadows as the mean of hard shadows" --reference $D/sampled.exr \
-	  --caption "Each picture uses one point on the area light. Averaging many pictures gives soft shadows, as in the accumulation buffer." \
-	  $(foreach s,0 1 2 3,light-$s.png="one light") $(foreach n,4 16 64,mean-$n.png="mean of $n") sampled.png="the light sampled"
+	$(DRAW) figure $D --slide 47-48 --columns 4 --inset 0.56,0.78,0.2,0.2,2 --title "Soft shadows as the mean of hard shadows" --reference $D/sampled.exr \
+	  --caption "Each picture of the upper row uses one point on the area light, and has hard shadows. Averaging many pictures gives soft shadows, as in the accumulation buffer." \
+	  --claim "relmse(mean-64) < 0.3 * relmse(mean-4)" --claim "relmse(mean-4) < relmse(light-0)" \
+	  $(foreach s,0 1 2 3,light-$s.png="one light") $(foreach n,4 16 64,mean-$n.png="mean of $n") sampled.png="the lamp's area sampled 256 times"
 
 figure-49:
 	mkdir -p $D
-	$(BIN)/instant-radiosity $(BOX) $(OVER) --vpls 64 --spp $(call q,2,16) --show vpls,connections -o $D/vpls.exr
+	$(BIN)/instant-radiosity $(BOX) $(OVER) --vpls 64 --spp $(call q,2,8,16) --show vpls,connections -o $D/vpls.exr
 	$(DRAW) figure $D --slide 49-50 --columns 2 --title "Virtual point lights" \
-	  --caption "Every vertex of a light path becomes a point light; shadow rays connect each visible point with all of them." \
-	  vpls.vpls.png="where the lights are" vpls.connections.png="shadow rays of one point: red ones are occluded"
+	  --caption "Every vertex of a light path becomes a point light; shadow rays connect each visible point with all of them. Green rays reach their light, red ones are occluded." \
+	  vpls.vpls.png="where the lights of 64 paths are" vpls.connections.png="shadow rays of one point"
 
 # 16 passes with N/16 lights each give N lights.
-COUNTS := $(call q,64 1024,64 1024 16384)
+COUNTS := 64 1024 $(call q,,16384,16384)
 CLAMPS := 0.1 0.3 1 3 10 30 100 1000
-ONE_SET = $(VPL) --component indirect --spp $(call q,4,16)
+KINDS := unclamped clamped compensated spheres
+SETS := $(call q,4,16,16)
+ONE_SET = $(VPL) --component indirect --spp $(SETS)
 figure-51: $(REFERENCES)/cornell-box.indirect.exr
 	mkdir -p $D
 	for n in $(COUNTS); do \
-	  $(ONE_SET) --vpls $$((n / $(call q,4,16))) --clamp inf -o $D/unclamped-$$n.exr; \
-	  $(ONE_SET) --vpls $$((n / $(call q,4,16))) --compensation none -o $D/clamped-$$n.exr; \
-	  $(ONE_SET) --vpls $$((n / $(call q,4,16))) -o $D/compensated-$$n.exr; \
-	  $(ONE_SET) --vpls $$((n / $(call q,4,16))) --vsl -o $D/spheres-$$n.exr; \
-	  for k in unclamped clamped compensated spheres; do $(DRAW) difference $D/$$k-$$n.svg $D/$$k-$$n.exr --reference $< --most 0.5; done; \
+	  $(ONE_SET) --vpls $$((n / $(SETS))) --clamp inf -o $D/unclamped-$$n.exr; \
+	  $(ONE_SET) --vpls $$((n / $(SETS))) --compensation none -o $D/clamped-$$n.exr; \
+	  $(ONE_SET) --vpls $$((n / $(SETS))) -o $D/compensated-$$n.exr; \
+	  $(ONE_SET) --vpls $$((n / $(SETS))) --vsl -o $D/spheres-$$n.exr; \
+	  for k in $(KINDS); do $(DRAW) difference $D/$$k-$$n.svg $D/$$k-$$n.exr --reference $< --most 0.5; done; \
 	done
-	for c in $(CLAMPS); do $(VPL) --component indirect --vpls 1024 --spp 1 --clamp $$c --compensation none -o $D/clamp-$$c.exr; done
-	$(VPL) --component indirect --vpls 1024 --spp 1 --clamp inf -o $D/whole.exr
+	for c in $(CLAMPS); do $(BIN)/instant-radiosity $(BOX) $(SMALL) --component indirect --vpls 1024 --spp 1 --clamp $$c --compensation none -o $D/clamp-$$c.exr; done
+	$(BIN)/instant-radiosity $(BOX) $(SMALL) --component indirect --vpls 1024 --spp 1 --clamp inf -o $D/whole.exr
 	$(DRAW) measure $D/clamp.csv --reference $D/whole.exr $(foreach c,$(CLAMPS),$c=$D/clamp-$c.exr)
 	$(DRAW) plot $D/clamp.svg --title "Remaining light" --x "bound of the geometry term (1 / squared scene radius)" --y "mean of the clamped picture / unclamped" --log x "red"=$D/clamp.csv:x:ratio_r "green"=$D/clamp.csv:x:ratio_g "blue"=$D/clamp.csv:x:ratio_b
-	$(DRAW) figure $D --slide 51-52 --columns 4 --exposure 1.5 --title "Instant radiosity: bright spots, dark corners, and remedies" --reference $< \
-	  --caption "Indirect light from more and more lights. Without a bound, every light causes a bright spot near itself. With a bound, corners are too dark. Paths restore the light that was cut off; lights as spheres blur instead." \
-	  $(foreach n,$(COUNTS),$(foreach k,unclamped clamped compensated spheres,$k-$n.png="$n lights: $k" )) \
-	  $(foreach n,$(lastword $(COUNTS)),$(foreach k,unclamped clamped compensated spheres,$k-$n.svg="$n lights: error, $k" )) \
-	  clamp.svg="energy lost against the bound"
+	$(DRAW) figure $D --slide 51-52 --columns 4 --exposure 2 --title "Instant radiosity: bright spots, dark corners, and remedies" --reference $< \
+	  --caption "Indirect light from more and more lights. Without a bound, every light causes a bright spot near itself. With a bound, corners are too dark. Paths restore the light that was cut off (compensated). Lights as spheres blur instead; with only 64 lights they are so large that the picture is dark ({ratio(spheres-64) %} of the light), which more lights cure ({ratio(spheres-$(lastword $(COUNTS))) %})." \
+	  --claim "ratio(clamped-1024) < 0.99" --claim "ratio(compensated-1024) in 0.95..1.05" --claim "ratio(spheres-64) < 0.97" --claim "ratio(spheres-$(lastword $(COUNTS))) > ratio(spheres-64)" \
+	  --claim "max(unclamped-64) > 3 * max(compensated-64)" --claim "last(clamp.csv:ratio_g) > first(clamp.csv:ratio_g)" \
+	  $(foreach n,$(COUNTS),$(foreach k,$(KINDS),$k-$n.png="$n lights: $k" )) \
+	  $(foreach n,$(lastword $(COUNTS)),$(foreach k,$(KINDS),$k-$n.svg="$n lights: error, $k" )) \
+	  clamp.svg="light that remains, against the bound"
 
 # ------------------------------------------------------------------ 53 to 62: lightcuts
 CUTS = $(BIN)/lightcuts
 # Numbers of points on light sources; as many again are on surfaces.
-MANY := $(call q,16 128 1024,16 64 256 1024 4096 16384 65536)
+MANY := $(call q,10 100 1000 10000,10 100 1000 10000 100000,10 100 1000 10000 100000)
+OUTDOORS = --size $(call q,128x96,320x240,1024x768) --quiet --rule cluster --lights $(call q,1000,20000,50000) --vpls $(call q,1000,20000,50000) --spp $(call q,2,8,16)
 figure-53:
 	mkdir -p $D
-	$(CUTS) scenes/patio.xml --size $(call q,128x96,512x384) --quiet --rule cluster --lights $(call q,1000,50000) --vpls $(call q,1000,50000) --spp $(call q,2,16) -o $D/patio.exr
-	$(CUTS) scenes/patio.xml -D sun=0 --size $(call q,128x96,512x384) --quiet --rule cluster --lights $(call q,1000,50000) --vpls $(call q,1000,50000) --spp $(call q,2,16) -o $D/sky.exr
+	$(CUTS) scenes/patio.xml $(OUTDOORS) -o $D/patio.exr
+	$(CUTS) scenes/patio.xml -D sun=0 $(OUTDOORS) -o $D/sky.exr
 	for n in $(MANY); do for m in cuts all; do \
-	  $(CUTS) scenes/gallery.xml --size 64x48 --quiet --rule cluster --max-cut 100000 --method $$m --lights $$n --vpls $$n --compensation none --spp 1 -o $D/$$m-$$n.exr; \
+	  $(CUTS) scenes/gallery.xml --size 32x24 --quiet --rule cluster --max-cut 100000 --method $$m --lights $$n --vpls $$n --compensation none --spp 1 -o $D/$$m-$$n.exr; \
 	done; done
 	for m in cuts all; do $(DRAW) measure $D/$$m.csv --reference $D/all-$(lastword $(MANY)).exr $(foreach n,$(MANY),$n=$D/$$m-$n.exr); done
-	$(DRAW) plot $D/cost.svg --title "Cost against the number of lights" --x "points on light sources, and as many on surfaces" --y "seconds for a picture of 64 x 48" --log xy --slopes "lightcuts"=$D/cuts.csv:x:seconds "all lights"=$D/all.csv:x:seconds
-	$(DRAW) figure $D --slide 53-54 --columns 3 --title "Many lights of all kinds" --exposure 1 \
-	  --caption "Sun, sky and indirect light as one set of point lights. The cost of using all of them is linear in their number; the cost of cuts grows more slowly." \
+	$(DRAW) plot $D/cost.svg --title "Cost against the number of lights" --x "points on light sources, and as many on surfaces" --y "seconds for a picture of 32 x 24" --log xy --slopes \
+	  --vertical "crossover=crossing(cuts.csv:x:seconds, all.csv:x:seconds)" "lightcuts"=$D/cuts.csv:x:seconds "all lights"=$D/all.csv:x:seconds
+	$(DRAW) figure $D --slide 53-54 --columns 3 --title "Many lights of all kinds" \
+	  --caption "Sun, sky and indirect light as one set of point lights. The cost of using all of them becomes linear in their number; the cost of cuts grows more slowly. Cuts pay off from about {crossing(cuts.csv:x:seconds, all.csv:x:seconds)} lights." \
+	  --claim "last(all.csv:seconds) > 3 * last(cuts.csv:seconds)" --claim "slope(cuts.csv:x:seconds) < slope(all.csv:x:seconds)" \
 	  patio.png="sun, sky and indirect light" sky.png="sky and indirect light" cost.svg="seconds against lights"
 
-GALLERY = $(CUTS) scenes/gallery.xml --size $(call q,320x240,512x384) --quiet --rule cluster --lights $(call q,256,1024) --vpls $(call q,1000,16384) --spp 1
+GALLERY = $(CUTS) scenes/gallery.xml --size $(call q,320x240,640x480,1024x768) --quiet --rule cluster --lights $(call q,256,1024,1024) --vpls $(call q,1000,8192,16384) --spp 1
 figure-55:
 	mkdir -p $D
 	$(GALLERY) --show clusters -o $D/gallery.exr
@@ -384,27 +472,130 @@ figure-55:
 
 figure-57:
 	mkdir -p $D
-	$(CUTS) scenes/gallery.xml -D lights=4 --size $(OVER_WIDE) --quiet --rule cluster --error 0.1 --lights 16 --component direct --spp 4 --show tree -o $D/tree.exr
+	$(CUTS) scenes/gallery.xml -D lights=4 --size $(OVER_WIDE) --quiet --rule cluster --error 0.1 --lights 16 --component direct --spp $(call q,4,16,16) --show tree -o $D/tree.exr
 	$(DRAW) figure $D --slide 57-58 --columns 2 --title "A light tree, and a cut" \
-	  --caption "A tree of 16 lights, and the cut that was chosen for the pixel in the middle: every light is in exactly one of its clusters." \
+	  --caption "A tree of 16 lights, and the cut that was chosen for the pixel in the middle (orange): every light is in exactly one of its clusters." \
 	  tree.tree.png="the tree with its cut" tree.png="the scene"
 
 figure-59:
 	mkdir -p $D
-	$(CUTS) scenes/gallery.xml -D lights=4 --size $(OVER_WIDE) --quiet --lights 4 --fixed-lights --component direct --spp $(call q,4,16) --show cuts --cuts-out $D/cuts.csv -o $D/four.exr
-	$(DRAW) figure $D --slide 59-60 --columns 4 --title "Four lights, and their cuts" \
-	  --caption "The exact picture, and pictures in which some lights represent others. Each cut is accurate at some points and inaccurate at others, so each point gets its own cut." \
-	  four.cut-0.png="all four lights" $(foreach k,1 2 3,four.cut-$k.png="cut $k")
+	$(CUTS) scenes/gallery.xml -D lights=4 --size $(OVER_WIDE) --quiet --lights 4 --fixed-lights --component direct --spp 4 --show cuts --cuts-out $D/cuts.csv -o $D/four.exr
+	$(DRAW) cuts $D/cuts.svg --table $D/cuts.csv --prefix $D/four.cut 0 1 2 3
+	$(DRAW) figure $D --slide 59-60 --columns 1 --title "Four lights, and their cuts" \
+	  --caption "The exact picture, and pictures of three cuts, in which a light represents others. Each cut is accurate at some points and inaccurate at others, so each point gets its own cut." \
+	  --claim "first(cuts.csv:mean_error) in 0..0" --claim "last(cuts.csv:mean_error) > at(cuts.csv:cut:mean_error, 1)" --claim "at(cuts.csv:cut:error_99, 1) > at(cuts.csv:cut:mean_error, 1)" \
+	  cuts.svg="four lights, three cuts, their trees and errors"
 
 figure-61:
 	mkdir -p $D
-	$(GALLERY) --show cut-size,bounds --bounds-out $D/bounds.csv -o $D/gallery.exr
+	$(GALLERY) --show cut-size --bounds-out $D/bounds.csv -o $D/gallery.exr
+	$(DRAW) plot $D/bounds.svg --title "Bound against true error, per cluster" --x "true error / total light" --y "bound / total light" --log xy --scatter --level "largest bound allowed, 2 %=0.02" --power "bound = error=1*1" "a cluster of some pixel's cut"=$D/bounds.csv:error/total:bound/total
 	$(DRAW) figure $D --slide 61 --columns 3 --title "Bound the error, refine to 2 %" \
-	  --caption "Clusters are refined until the error bound of each one is below 2 % of the total light. The bounds (vertical) are above the true errors (horizontal); where the bounds are loose, cuts are larger than necessary." \
-	  gallery.png="the picture" gallery.cut-size.png="clusters per cut, dark: few, bright: many" gallery.bounds.png="bound against error, both logarithmic"
+	  --caption "Clusters are refined until the error bound of each one is below 2 % of the total light. The true errors are below their bounds, in the median {median(bounds.csv:bound/error)} times; where bounds are loose, cuts are larger than necessary." \
+	  --claim "holds(bounds.csv:error:bound) > 0.999" --claim "most(bounds.csv:bound/total) < 0.0201" --claim "median(bounds.csv:bound/error) > 2" \
+	  gallery.png="the picture" gallery.cut-size.png="cut size: dark blue few clusters, yellow many" bounds.svg="bound against error"
 
 figure-62:
 	mkdir -p $D
-	$(CUTS) scenes/colonnade.xml --size $(WIDE) --quiet --rule cluster --lights $(call q,1000,20000) --vpls $(call q,1000,20000) --spp $(call q,2,32) -o $D/colonnade.exr
+	$(CUTS) scenes/colonnade.xml --size $(WIDE) --quiet --rule cluster --lights $(call q,1000,10000,20000) --vpls $(call q,1000,10000,20000) --spp $(call q,2,8,16) -o $D/colonnade.exr
 	$(DRAW) figure $D --slide 62 --columns 1 --title "An atrium by lightcuts" \
 	  --caption "Sun and sky fall into an atrium; nearly all light under the galleries was reflected by walls, floor and drapes." colonnade.png="lightcuts"
+
+# ------------------------------------------------------------------ classic mistakes
+# The programs do not have these mistakes; the crate scripts/mistakes makes them on purpose. The right way is checked against the
+# path tracer, and each mistake against the factor that theory gives, where there is one.
+MISTAKES := factor cosine stored behind radius spots roulette adjoint
+WRONG := scripts/mistakes/scenes
+M = $(FIGURES_OUT)/mistakes/$(@:mistake-%=%)
+SHAM = $(BIN)/mistakes
+SHAM_SIZE := $(call q,96,256,512)
+SHAM_RUN = --size $(SHAM_SIZE)
+TRUTH_RUN = --size $(SHAM_SIZE)x$(SHAM_SIZE) --quiet --spp $(call q,256,1024,1024)
+.PHONY: $(MISTAKES:%=mistake-%)
+$(MISTAKES:%=mistake-%): | programs
+
+# Draw classic mistakes beside the right way, with their ratios to the truth: out/figures/mistakes/index.html.
+mistakes: $(MISTAKES:%=mistake-%)
+	$(DRAW) index $(FIGURES_OUT)/mistakes/index.html --title "Classic mistakes" $(MISTAKES:%=$(FIGURES_OUT)/mistakes/%)
+	$(DRAW) deck $(FIGURES_OUT)/mistakes/deck.html --title "Classic mistakes" $(MISTAKES:%=$(FIGURES_OUT)/mistakes/%)
+	@echo "$(FIGURES_OUT)/mistakes/index.html $(FIGURES_OUT)/mistakes/deck.html"
+
+mistake-factor:
+	mkdir -p $M
+	for w in direct no-pi pi-twice; do $(SHAM) $$w $(BOX) $(SHAM_RUN) --spp $(call q,16,64,64) -o $M/$$w.exr; done
+	$(BIN)/pathtrace $(BOX) $(TRUTH_RUN) --component direct -o $M/reference.exr
+	$(DRAW) figure $M --slide Mistake-1 --columns 3 --exposure -1 --title "1/pi forgotten, or counted twice" --reference $M/reference.exr \
+	  --caption "A diffuse BRDF is albedo / pi. Without 1/pi, direct light is pi times too bright at every point; with it twice, as when a cosine-weighted direction has already divided by it, pi times too dark. The picture looks plausible: only a comparison shows it." \
+	  --claim "ratio(direct[0 0.3 1 0.7]) in 0.98..1.02" --claim "ratio(no-pi[0 0.3 1 0.7], direct[0 0.3 1 0.7]) in 3.1415..3.1417" --claim "ratio(pi-twice[0 0.3 1 0.7], direct[0 0.3 1 0.7]) in 0.3182..0.3184" \
+	  direct.png="right: albedo / pi" no-pi.png="1/pi forgotten: {ratio(no-pi[0 0.3 1 0.7], direct[0 0.3 1 0.7])} times the truth" pi-twice.png="1/pi twice: {ratio(pi-twice[0 0.3 1 0.7], direct[0 0.3 1 0.7])} times the truth"
+
+mistake-cosine:
+	mkdir -p $M
+	for w in direct no-cosine cosine-twice; do $(SHAM) $$w $(BOX) $(SHAM_RUN) --spp $(call q,16,64,64) -o $M/$$w.exr; done
+	for w in no-cosine cosine-twice; do $(DRAW) difference $M/$$w-error.svg $M/$$w.exr --reference $M/direct.exr --most 1; done
+	$(DRAW) figure $M --slide Mistake-2 --columns 3 --title "The cosine forgotten, or counted twice" --reference $M/direct.exr \
+	  --caption "Light that arrives at an angle is spread over more surface, so it counts with the cosine, once. The error depends on the angle: it is smallest where light falls straight onto the floor, and largest where it grazes the walls near the ceiling." \
+	  --claim "ratio(no-cosine[0.3 0.75 0.4 0.2]) < ratio(no-cosine[0 0.1 0.15 0.2])" --claim "ratio(no-cosine) > 1.05" --claim "ratio(cosine-twice) < 0.95" \
+	  --claim "ratio(cosine-twice[0 0.1 0.15 0.2]) < ratio(cosine-twice[0.3 0.75 0.4 0.2])" \
+	  direct.png="right" no-cosine.png="forgotten: {ratio(no-cosine)} times the truth" cosine-twice.png="twice: {ratio(cosine-twice)} times the truth" no-cosine-error.svg="relative error, forgotten" cosine-twice-error.svg="relative error, twice"
+
+PHOTON_RUN = $(SHAM_RUN) --light-paths $(call q,100000,1000000,1000000) --radius $(call q,0.05,0.025,0.025) --spp $(call q,1,4,4)
+mistake-stored:
+	mkdir -p $M
+	for w in density per-stored; do $(SHAM) $$w $(BOX) $(PHOTON_RUN) -o $M/$$w.exr; done
+	$(BIN)/pathtrace $(BOX) $(TRUTH_RUN) -o $M/reference.exr
+	cp $M/reference.png $M/truth.png && cp $M/reference.exr $M/truth.exr
+	$(DRAW) figure $M --slide Mistake-3 --columns 3 --title "Photon power divided by stored photons" --reference $M/reference.exr \
+	  --caption "The power of the lamp is shared by the paths that were emitted, {said(density, emitted)}. Each path is stored at every diffuse surface that it meets, {said(density, stored)} times in all. Who divides by the number of stored photons gets {ratio(per-stored, density)} of the light, and another factor in every scene." \
+	  --claim "ratio(density[0.3 0.7 0.4 0.1]) in 0.93..1.07" --claim "ratio(per-stored[0 0.3 1 0.7], density[0 0.3 1 0.7]) * said(density, stored) / said(density, emitted) in 0.99..1.01" \
+	  truth.png="truth" density.png="right: divided by emitted paths" per-stored.png="divided by stored photons: {ratio(per-stored[0 0.3 1 0.7], density[0 0.3 1 0.7])} times"
+
+mistake-behind:
+	mkdir -p $M
+	for w in density from-behind; do $(SHAM) $$w $(WRONG)/thin-wall.xml $(PHOTON_RUN) -o $M/$$w.exr; done
+	$(BIN)/pathtrace $(WRONG)/thin-wall.xml $(TRUTH_RUN) -o $M/reference.exr
+	cp $M/reference.png $M/truth.png && cp $M/reference.exr $M/truth.exr
+	$(DRAW) figure $M --slide Mistake-4 --columns 3 --title "Photons from behind" --reference $M/reference.exr \
+	  --caption "A thin wall with a lamp behind it. Its photons lie as near to the dark side as to the lit one. Without comparing normals, the dark side shines: {ratio(from-behind[0.4 0.35 0.15 0.2])} times the truth." \
+	  --claim "ratio(density[0.4 0.35 0.15 0.2]) in 0.7..1.3" --claim "ratio(from-behind[0.4 0.35 0.15 0.2]) > 5" \
+	  truth.png="truth" density.png="right: photons of the own side only" from-behind.png="photons of both sides"
+
+mistake-radius:
+	mkdir -p $M
+	for w in shrinking flux-stays; do $(SHAM) $$w $(BOX) $(SHAM_RUN) --light-paths $(call q,20000,100000,100000) --radius 0.04 --spp $(call q,16,64,64) -o $M/$$w.exr; done
+	$(BIN)/pathtrace $(BOX) $(TRUTH_RUN) -o $M/reference.exr
+	cp $M/reference.png $M/truth.png && cp $M/reference.exr $M/truth.exr
+	$(DRAW) figure $M --slide Mistake-5 --columns 3 --title "The radius shrinks, its flux does not" --reference $M/reference.exr \
+	  --caption "When a progressive radius shrinks, photons of the larger disc lie outside the smaller one: the flux must shrink by the same factor. If it stays, the picture becomes 1/alpha times too bright (alpha = 0.7: 1.43), however many passes are made." \
+	  --claim "ratio(shrinking[0.3 0.7 0.4 0.1]) in 0.93..1.07" --claim "ratio(flux-stays[0.3 0.7 0.4 0.1], shrinking[0.3 0.7 0.4 0.1]) in 1.3..1.5" \
+	  truth.png="truth" shrinking.png="right: flux times R'^2 / R^2" flux-stays.png="flux stays: {ratio(flux-stays[0.3 0.7 0.4 0.1], shrinking[0.3 0.7 0.4 0.1])} times"
+
+mistake-spots:
+	mkdir -p $M
+	for w in clamped unclamped; do $(SHAM) $$w $(BOX) $(SHAM_RUN) --light-paths $(call q,64,200,400) --spp $(call q,1,4,4) -o $M/$$w.exr; done
+	$(BIN)/pathtrace $(BOX) $(TRUTH_RUN) --component indirect -o $M/reference.exr
+	cp $M/reference.png $M/truth.png && cp $M/reference.exr $M/truth.exr
+	$(DRAW) figure $M --slide Mistake-6 --columns 3 --exposure 2 --title "Virtual lights without a bound" --reference $M/reference.exr \
+	  --caption "The geometry term grows without limit near a virtual light, so each light is a bright spot. A bound removes the spots; the light that it cuts off is missing in corners, and must be found in another way." \
+	  --claim "max(unclamped) > 3 * max(clamped)" --claim "ratio(clamped) < ratio(unclamped)" \
+	  truth.png="truth (indirect light)" clamped.png="bounded: {ratio(clamped)} times the truth" unclamped.png="not bounded: {ratio(unclamped)} times the truth, largest value {max(unclamped) / max(truth)} times"
+
+mistake-roulette:
+	mkdir -p $M
+	for w in paths biased-roulette; do $(SHAM) $$w $(BOX) $(SHAM_RUN) --spp $(call q,64,512,512) -o $M/$$w.exr; done
+	$(BIN)/pathtrace $(BOX) $(TRUTH_RUN) -o $M/reference.exr
+	cp $M/reference.png $M/truth.png && cp $M/reference.exr $M/truth.exr
+	$(DRAW) figure $M --slide Mistake-7 --columns 3 --title "Biased roulette" --reference $M/reference.exr \
+	  --caption "Russian roulette ends half of the paths at each bounce after the first. The survivors must count double. If they do not, every further bounce is halved again: the picture is smooth and plausible, but indirect light is missing." \
+	  --claim "ratio(paths[0 0.3 1 0.7]) in 0.98..1.02" --claim "ratio(biased-roulette[0 0.3 1 0.7]) < 0.97" \
+	  truth.png="truth" paths.png="right: survivors are divided by their probability" biased-roulette.png="not divided: {ratio(biased-roulette[0 0.3 1 0.7])} times the truth"
+
+mistake-adjoint:
+	mkdir -p $M
+	for w in density no-adjoint; do $(SHAM) $$w $(WRONG)/ball.xml $(PHOTON_RUN) -o $M/$$w.exr; done
+	$(BIN)/pathtrace $(WRONG)/ball.xml $(TRUTH_RUN) -o $M/reference.exr
+	cp $M/reference.png $M/truth.png && cp $M/reference.exr $M/truth.exr
+	$(DRAW) figure $M --slide Mistake-8 --columns 3 --inset 0.4,0.3,0.25,0.25,2 --title "Photons without the correction for shading normals" --reference $M/reference.exr \
+	  --caption "A ball of few triangles with the normals of a sphere. Photons arrive in proportion to the cosine with the real, flat surface. Without the factor |cos(wi, ns)| / |cos(wi, ng)| the triangles show, although the eye's shading is smooth." \
+	  --claim "relmse(no-adjoint[0.35 0.25 0.3 0.35]) > 1.3 * relmse(density[0.35 0.25 0.3 0.35])" \
+	  truth.png="truth" density.png="right: with the correction" no-adjoint.png="without the correction"

@@ -1,4 +1,5 @@
-//! Writes one figure as `figure.json`: its panels, its caption, and where its pictures came from.
+//! Writes one figure as `figure.json`: its panels, its caption, where its pictures came from, and the claims that its data
+//! was checked for.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -6,6 +7,9 @@ use std::str::FromStr;
 use anyhow::{Context, bail};
 use serde_json::{Map, Value, json};
 
+use crate::data::Data;
+use crate::expr::{check as check_claim, filled};
+use crate::inset::Inset;
 use crate::picture::Picture;
 
 #[derive(clap::Args)]
@@ -17,7 +21,7 @@ pub(crate) struct Args {
     slide: String,
     #[arg(long)]
     title: String,
-    /// The caption: what to see, and why
+    /// The caption: what to see, and why. {EXPRESSION} becomes a number, as in the captions of panels
     #[arg(long)]
     caption: String,
     /// Number of columns of panels
@@ -32,6 +36,13 @@ pub(crate) struct Args {
     /// Brighten the pictures, compared to the programs' display images, by this power of two
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     exposure: f32,
+    /// What must be true for the caption to be right: a comparison of two expressions by < or >, or "EXPRESSION in LOW..HIGH".
+    /// The figure fails if it is false
+    #[arg(long = "claim")]
+    claims: Vec<String>,
+    /// Enlarge a part of every picture in its corner: left, top, width and height as fractions of the picture, and the factor
+    #[arg(long = "inset", value_name = "X,Y,W,H,ZOOM")]
+    insets: Vec<Inset>,
     /// Pictures (.png) and drawings (.svg), with the captions below them
     #[arg(value_name = "FILE=CAPTION", required = true)]
     panels: Vec<Panel>,
@@ -54,24 +65,45 @@ impl FromStr for Panel {
 }
 
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
+    let told = || format!("slide {}", args.slide);
     let layer = args.layer.as_deref();
+    let data = Data { folder: &args.folder, reference: args.reference.as_deref(), layer };
     let reference = args.reference.as_ref().map(|path| Picture::read(path, layer)).transpose()?;
     let mut panels = Vec::new();
     for panel in &args.panels {
-        let told = describe(args, panel, reference.as_ref())
+        let caption = filled(&panel.caption, &data).with_context(told)?;
+        let panel = Panel { caption, ..panel.clone() };
+        let described = describe(args, &panel, reference.as_ref())
             .with_context(|| format!("slide {}: {}", args.slide, panel.file))?;
-        panels.push(told);
+        panels.push(described);
     }
     let figure = json!({
         "slide": args.slide,
         "title": args.title,
-        "caption": args.caption,
+        "caption": filled(&args.caption, &data).with_context(told)?,
         "columns": args.columns,
         "reference": args.reference.as_ref().map(|p| p.display().to_string()),
+        "claims": claims(args, &data).with_context(told)?,
         "panels": panels,
     });
     let out = args.folder.join("figure.json");
     std::fs::write(&out, format!("{figure:#}\n")).with_context(|| out.display().to_string())
+}
+
+/// Check all claims; the error lists all that are false.
+fn claims(args: &Args, data: &Data) -> anyhow::Result<Vec<Value>> {
+    let (mut claims, mut wrong) = (Vec::new(), Vec::new());
+    for claim in &args.claims {
+        let checked = check_claim(claim, data)?;
+        if !checked.holds {
+            wrong.push(format!("the claim \"{claim}\" is false: {}", checked.numbers));
+        }
+        claims.push(json!({ "claim": claim, "numbers": checked.numbers }));
+    }
+    if !wrong.is_empty() {
+        bail!("{}", wrong.join("; "));
+    }
+    Ok(claims)
 }
 
 /// Check a panel, and describe how it was made, from the data of its picture.
@@ -100,8 +132,10 @@ fn describe(args: &Args, panel: &Panel, reference: Option<&Picture>) -> anyhow::
             }
         }
         let own = file.file_stem() == data.file_stem();
+        if own && (args.exposure != 0.0 || !args.insets.is_empty()) {
+            picture.save_view(&file, args.exposure, &args.insets)?;
+        }
         if own && args.exposure != 0.0 {
-            picture.save_view(&file, args.exposure)?;
             told.insert("exposure".into(), json!(args.exposure));
         }
         if let Some(reference) = reference.filter(|r| own && r.size == picture.size) {

@@ -12,6 +12,9 @@ use crate::svg::{data_uri, escaped};
 pub(crate) struct Args {
     /// The page to write (.html)
     out: PathBuf,
+    /// Heading of the page
+    #[arg(long, default_value = "The lecture's figures")]
+    title: String,
     /// Folders of the figures, in the order of their slides
     #[arg(required = true)]
     folders: Vec<PathBuf>,
@@ -29,16 +32,21 @@ pub(crate) struct ThumbArgs {
 const STYLE: &str = include_str!("page.css");
 
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
-    let figures = read(&args.folders)?;
+    let (figures, title) = (read(&args.folders)?, escaped(&args.title));
     let mut page = format!(
         "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>Global illumination: the lecture's figures</title>\n<style>\n{STYLE}</style>\n\
-         <header><h1>The lecture's figures</h1>\n<nav><ol>\n"
+         <title>Global illumination: {title}</title>\n<style>\n{STYLE}</style>\n\
+         <header><h1>{title}</h1>\n<nav><ol>\n"
     );
     for (_, figure) in &figures {
         let (slide, title) = (text(figure, "slide"), text(figure, "title"));
-        writeln!(page, "<li><a href=\"#slide-{slide}\">{slide} · {}</a></li>", escaped(title))?;
+        writeln!(
+            page,
+            "<li><a href=\"#slide-{slide}\">{} · {}</a></li>",
+            heading(slide),
+            escaped(title)
+        )?;
     }
     page += "</ol></nav></header>\n<main>\n";
     let home = args.out.parent().unwrap_or(Path::new("."));
@@ -51,7 +59,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 /// Read all figure.json files; if several are missing, the error lists all of them.
-fn read(folders: &[PathBuf]) -> anyhow::Result<Vec<(&PathBuf, Value)>> {
+pub(crate) fn read(folders: &[PathBuf]) -> anyhow::Result<Vec<(&PathBuf, Value)>> {
     let (mut figures, mut missing) = (Vec::new(), Vec::new());
     for folder in folders {
         let sidecar = std::fs::read_to_string(folder.join("figure.json"));
@@ -66,11 +74,20 @@ fn read(folders: &[PathBuf]) -> anyhow::Result<Vec<(&PathBuf, Value)>> {
     Ok(figures)
 }
 
-fn text<'v>(value: &'v Value, key: &str) -> &'v str {
+/// "Slide 12", "Slides 29-30"; a figure that belongs to no slide has a name instead of a number.
+pub(crate) fn heading(slide: &str) -> String {
+    match slide.chars().next() {
+        Some(c) if c.is_ascii_digit() && slide.contains(['-', ',']) => format!("Slides {slide}"),
+        Some(c) if c.is_ascii_digit() => format!("Slide {slide}"),
+        _ => escaped(slide),
+    }
+}
+
+pub(crate) fn text<'v>(value: &'v Value, key: &str) -> &'v str {
     value[key].as_str().unwrap_or_default()
 }
 
-fn panels(figure: &Value) -> &[Value] {
+pub(crate) fn panels(figure: &Value) -> &[Value] {
     figure["panels"].as_array().map_or(&[], Vec::as_slice)
 }
 
@@ -80,21 +97,15 @@ fn section(page: &mut String, home: &Path, folder: &Path, figure: &Value) -> any
     let columns = figure["columns"].as_u64().unwrap_or(3);
     writeln!(
         page,
-        "<section id=\"slide-{slide}\">\n<h2><span>Slide {slide}</span> {title}</h2>\n\
+        "<section id=\"slide-{slide}\">\n<h2><span>{}</span> {title}</h2>\n\
          <p>{}</p>\n<div class=\"panels\" style=\"--columns:{columns}\">",
+        heading(slide),
         escaped(text(figure, "caption"))
     )?;
     let place = folder.strip_prefix(home).unwrap_or(folder).display().to_string();
     for panel in panels(figure) {
-        let file = text(panel, "file");
-        let bytes = std::fs::read(folder.join(file)).with_context(|| file.to_string())?;
-        let kind = if file.ends_with(".svg") { "image/svg+xml" } else { "image/png" };
-        let caption = escaped(text(panel, "caption"));
-        write!(
-            page,
-            "<figure><img src=\"{}\" alt=\"{caption}\"><figcaption>{caption}",
-            data_uri(kind, &bytes)
-        )?;
+        let (image, caption) = (image(folder, panel)?, escaped(text(panel, "caption")));
+        write!(page, "<figure>{image}<figcaption>{caption}")?;
         let facts = facts(panel);
         if !facts.is_empty() {
             write!(page, "<br><small>{facts}</small>")?;
@@ -105,6 +116,7 @@ fn section(page: &mut String, home: &Path, folder: &Path, figure: &Value) -> any
         writeln!(page, "</figcaption></figure>")?;
     }
     page.push_str("</div>\n");
+    claims(page, figure)?;
     let commands: Vec<String> =
         panels(figure).iter().filter_map(|p| p["command"].as_str()).map(escaped).collect();
     if !commands.is_empty() {
@@ -125,8 +137,32 @@ fn section(page: &mut String, home: &Path, folder: &Path, figure: &Value) -> any
     Ok(())
 }
 
+/// The claims that the figure's data was checked for.
+fn claims(page: &mut String, figure: &Value) -> anyhow::Result<()> {
+    let claims = figure["claims"].as_array().map_or(&[][..], Vec::as_slice);
+    if claims.is_empty() {
+        return Ok(());
+    }
+    page.push_str("<details><summary>Checked claims</summary><pre>");
+    for claim in claims {
+        let (claim, numbers) = (escaped(text(claim, "claim")), escaped(text(claim, "numbers")));
+        writeln!(page, "{claim}   ({numbers})")?;
+    }
+    page.push_str("</pre></details>\n");
+    Ok(())
+}
+
+/// A panel as an image that needs no other file.
+pub(crate) fn image(folder: &Path, panel: &Value) -> anyhow::Result<String> {
+    let file = text(panel, "file");
+    let bytes = std::fs::read(folder.join(file)).with_context(|| file.to_string())?;
+    let kind = if file.ends_with(".svg") { "image/svg+xml" } else { "image/png" };
+    let alt = escaped(text(panel, "caption"));
+    Ok(format!("<img src=\"{}\" alt=\"{alt}\">", data_uri(kind, &bytes)))
+}
+
 /// Time and errors of a panel, on one line.
-fn facts(panel: &Value) -> String {
+pub(crate) fn facts(panel: &Value) -> String {
     let mut facts = Vec::new();
     if let Some(seconds) = panel["seconds"].as_str().and_then(|s| s.parse::<f64>().ok()) {
         facts.push(format!("{seconds:.1} s"));

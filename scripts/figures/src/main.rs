@@ -4,14 +4,21 @@
 //! All tools use only files that the programs wrote. The same files give the same output, byte for byte.
 #![forbid(unsafe_code)]
 
+mod cuts;
+mod data;
+mod deck;
 mod difference;
+mod expr;
 mod figure;
 mod flow;
 mod index;
+mod inset;
 mod measure;
 mod picture;
 mod plot;
 mod svg;
+mod table;
+mod view;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -28,18 +35,24 @@ struct Args {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Write the errors of pictures against a reference as a table: x, seconds, relmse, rmse, ratio_r, ratio_g, ratio_b
+    /// Write the errors of pictures against a reference as a table: x, seconds, relmse, rmse, ratio_r, ratio_g, ratio_b, noise, bias
     Measure(measure::Args),
     /// Draw curves from the columns of tables
     Plot(plot::Args),
     /// Draw where a picture is too bright or too dark, in false colours with a legend
     Difference(difference::Args),
+    /// Write the display image of a picture or of one of its layers
+    View(view::Args),
     /// Draw the steps of a program, with numbers from a real run
     Flow(flow::Args),
-    /// Check the panels of one figure, and write its figure.json
+    /// Draw the cuts of a few lights: for each its picture, its tree and its errors
+    Cuts(cuts::Args),
+    /// Check the panels and the claims of one figure, and write its figure.json
     Figure(figure::Args),
     /// Write all figures to one self-contained page
     Index(index::Args),
+    /// Write all figures as slides, one per page, to one self-contained page
+    Deck(deck::Args),
     /// Write the first panel of each figure as a small picture, for a contact sheet
     Thumbs(index::ThumbArgs),
 }
@@ -66,9 +79,12 @@ fn main() -> ExitCode {
         Command::Measure(args) => measure::run(&args),
         Command::Plot(args) => plot::run(&args),
         Command::Difference(args) => difference::run(&args),
+        Command::View(args) => view::run(&args),
         Command::Flow(args) => flow::run(&args),
+        Command::Cuts(args) => cuts::run(&args),
         Command::Figure(args) => figure::run(&args),
         Command::Index(args) => index::run(&args),
+        Command::Deck(args) => deck::run(&args),
         Command::Thumbs(args) => index::thumbs(&args),
     };
     match done {

@@ -6,39 +6,62 @@ use anyhow::{Context, anyhow, bail};
 use gi_core::image_io::{ImageFile, Layers, read_exr, write_file};
 use gi_stats::metrics::{Metrics, compare};
 
+use crate::inset::Inset;
+
 /// A layer of an EXR.
 pub(crate) struct Picture {
     pub(crate) size: [usize; 2],
     /// Interleaved RGB, row by row.
     pub(crate) rgb: Vec<f32>,
-    layers: Layers,
+    metadata: Vec<(String, String)>,
 }
 
 impl Picture {
-    /// Read the channels R, G, B, or those of a named layer.
+    /// Read the channels R, G, B, or those of a named layer. A layer with one channel is grey.
     pub(crate) fn read(path: &Path, layer: Option<&str>) -> anyhow::Result<Self> {
         let layers = read_exr(path).map_err(|e| anyhow!("{}: {e}", path.display()))?;
         let names = ["R", "G", "B"].map(|c| layer.map_or(c.into(), |l| format!("{l}.{c}")));
-        let rgb = layers
+        let grey = || layers.channel(layer?).map(|v| v.iter().flat_map(|v| [*v; 3]).collect());
+        let rgb: Vec<f32> = layers
             .interleaved(names.each_ref().map(String::as_str))
+            .or_else(grey)
             .with_context(|| format!("{}: no channels {}", path.display(), names.join(", ")))?;
         if let Some(i) = rgb.iter().position(|v| !v.is_finite()) {
             bail!("{}: pixel {} is {}", path.display(), i / 3, rgb[i]);
         }
-        Ok(Picture { size: [layers.width, layers.height], rgb, layers })
+        Ok(Picture { size: [layers.width, layers.height], rgb, metadata: layers.metadata })
     }
 
     /// The metadata with the key `gi.NAME`.
     pub(crate) fn said(&self, name: &str) -> Option<&str> {
-        let (_, value) = self.layers.metadata.iter().find(|(n, _)| *n == format!("gi.{name}"))?;
+        let (_, value) = self.metadata.iter().find(|(n, _)| *n == format!("gi.{name}"))?;
         Some(value)
     }
 
-    /// Write a display image, brightened by a power of two.
-    pub(crate) fn save_view(&self, path: &Path, exposure: f32) -> anyhow::Result<()> {
+    /// A part of the picture: left, top, width and height as fractions of the picture. At least one pixel.
+    pub(crate) fn part(self, part: [f64; 4]) -> anyhow::Result<Self> {
+        let [[left, right], [top, bottom]] = pixels_of(part, self.size)?;
+        let row =
+            |y: usize| &self.rgb[3 * (y * self.size[0] + left)..3 * (y * self.size[0] + right)];
+        let rgb = (top..bottom).flat_map(row).copied().collect();
+        Ok(Picture { size: [right - left, bottom - top], rgb, metadata: self.metadata })
+    }
+
+    /// Write a display image, brightened by a power of two, with enlarged parts.
+    pub(crate) fn save_view(
+        &self,
+        path: &Path,
+        exposure: f32,
+        insets: &[Inset],
+    ) -> anyhow::Result<()> {
         let scale = exposure.exp2();
         let (pixels, _) = self.rgb.as_chunks::<3>();
-        let layers = Layers::of_rgb(self.size, pixels.iter().map(|c| c.map(|v| v * scale)));
+        let mut pixels: Vec<[f32; 3]> =
+            pixels.iter().map(|c| c.map(|v| (v * scale).min(1.0))).collect();
+        for inset in insets {
+            inset.draw(self.size, &mut pixels)?;
+        }
+        let layers = Layers::of_rgb(self.size, pixels);
         write_file(path, ImageFile::Png, &layers).map_err(|e| anyhow!("{}: {e}", path.display()))
     }
 
@@ -50,4 +73,22 @@ impl Picture {
         }
         compare(&self.rgb, &reference.rgb).map_err(|e| anyhow!(e))
     }
+}
+
+/// The columns and rows of a part of a picture, from its left, top, width and height as fractions.
+pub(crate) fn pixels_of(
+    [x, y, w, h]: [f64; 4],
+    size: [usize; 2],
+) -> anyhow::Result<[[usize; 2]; 2]> {
+    let inside = |a: f64, n: f64| a >= 0.0 && n > 0.0 && a + n <= 1.0 + 1e-9;
+    if !(inside(x, w) && inside(y, h)) {
+        bail!(
+            "{x} {y} {w} {h} is not a part of the picture: left, top, width and height are fractions"
+        );
+    }
+    let range = |a: f64, n: f64, size: usize| {
+        let first = ((a * size as f64) as usize).min(size - 1);
+        [first, (((a + n) * size as f64).round() as usize).clamp(first + 1, size)]
+    };
+    Ok([range(x, w, size[0]), range(y, h, size[1])])
 }

@@ -1,16 +1,18 @@
 //! Draws curves from the columns of tables.
 
-mod table;
+mod source;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
 use gi_stats::log_log_line;
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::prelude::*;
 
+use crate::data::Data;
+use crate::expr;
 use crate::svg::FONT;
-use table::{Curve, Source, curve};
+use source::{Curve, Source, curve};
 
 #[derive(clap::Args)]
 pub(crate) struct Args {
@@ -31,9 +33,15 @@ pub(crate) struct Args {
     /// Add the fitted slope of log y over log x to each curve's name
     #[arg(long)]
     slopes: bool,
-    /// A horizontal line: NAME=Y
+    /// A horizontal line: a name, and an expression over the files beside the drawing
     #[arg(long, value_name = "NAME=Y")]
     level: Vec<String>,
+    /// A vertical line
+    #[arg(long, value_name = "NAME=X")]
+    vertical: Vec<String>,
+    /// A line of theory: y ~ x^POWER through the middle of curve K (from 1), or y = FACTOR x^POWER
+    #[arg(long, value_name = "NAME=POWER@K|NAME=POWER*FACTOR")]
+    power: Vec<String>,
     /// Draw points without lines between them
     #[arg(long)]
     scatter: bool,
@@ -55,7 +63,13 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         [[Log::X, Log::Xy], [Log::Y, Log::Xy]].map(|logs| logs.contains(&args.log));
     let curves: Vec<Curve> =
         args.curves.iter().map(|s| curve(s, [log_x, log_y])).collect::<Result<_, _>>()?;
-    let levels = args.level.iter().map(|text| level(text)).collect::<anyhow::Result<Vec<_>>>()?;
+    let folder = args.out.parent().unwrap_or(Path::new("."));
+    let lines = |all: &[String]| -> anyhow::Result<Vec<(String, f64)>> {
+        all.iter().map(|text| line(text, folder)).collect()
+    };
+    let (levels, verticals) = (lines(&args.level)?, lines(&args.vertical)?);
+    let powers = args.power.iter().map(|text| power(text, &curves));
+    let powers = powers.collect::<anyhow::Result<Vec<_>>>()?;
     // A logarithmic axis of less than a decade would have no tick marks, so such an axis is linear.
     let x_range = range(&curves, &[], log_x, 0);
     let y_range = range(&curves, &levels, log_y, 1);
@@ -66,6 +80,9 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         args,
         curves: &curves,
         levels: &levels,
+        verticals: &verticals,
+        powers: &powers,
+        y_range: [y_range.start, y_range.end],
         corner: corner(&curves, [x(), y()], [log_x, log_y]),
     };
     let picture = match (log_x, log_y) {
@@ -78,10 +95,44 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     std::fs::write(&args.out, picture).with_context(|| args.out.display().to_string())
 }
 
-fn level(text: &str) -> anyhow::Result<(String, f64)> {
+/// A line: its name, and the value of its expression.
+fn line(text: &str, folder: &Path) -> anyhow::Result<(String, f64)> {
     let (name, y) =
-        text.rsplit_once('=').with_context(|| format!("--level {text}: expected NAME=Y"))?;
-    Ok((name.into(), y.parse().with_context(|| format!("--level {text}"))?))
+        text.rsplit_once('=').with_context(|| format!("{text}: expected NAME=NUMBER"))?;
+    let data = Data { folder, reference: None, layer: None };
+    Ok((name.into(), expr::value(y, &data)?))
+}
+
+/// A line of theory. It belongs to a curve, and runs over its range through the middle of its points on logarithmic axes, or stands
+/// for itself.
+struct Power {
+    name: String,
+    curve: Option<usize>,
+    points: Vec<(f64, f64)>,
+}
+
+fn power(text: &str, curves: &[Curve]) -> anyhow::Result<Power> {
+    let told = || format!("--power {text}: expected NAME=POWER@K or NAME=POWER*FACTOR");
+    let (name, law) = text.rsplit_once('=').with_context(told)?;
+    let on_curve = law.contains('@');
+    let (power, last) = law.split_once(['@', '*']).with_context(told)?;
+    let power: f64 = power.parse().with_context(told)?;
+    let all = curves.iter().flat_map(|c| &c.points);
+    if !on_curve {
+        let factor: f64 = last.parse().with_context(told)?;
+        let ends = all.fold([f64::MAX, 0.0f64], |[l, h], p| [l.min(p.0), h.max(p.0)]);
+        let points = ends.map(|x| (x, factor * x.powf(power))).to_vec();
+        return Ok(Power { name: name.into(), curve: None, points });
+    }
+    let k: usize = last.parse().with_context(told)?;
+    let curve = k.checked_sub(1).and_then(|k| curves.get(k));
+    let points = &curve.with_context(|| format!("--power {text}: there is no curve {k}"))?.points;
+    let mean = |of: fn(&(f64, f64)) -> f64| {
+        (points.iter().map(|p| of(p).ln()).sum::<f64>() / points.len() as f64).exp()
+    };
+    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+    let points = points.iter().map(|p| (p.0, y * (p.0 / x).powf(power))).collect();
+    Ok(Power { name: name.into(), curve: Some(k - 1), points })
 }
 
 /// The range of an axis: from the smallest to the largest number, with a margin.
@@ -176,6 +227,9 @@ struct Shown<'a> {
     args: &'a Args,
     curves: &'a [Curve],
     levels: &'a [(String, f64)],
+    verticals: &'a [(String, f64)],
+    powers: &'a [Power],
+    y_range: [f64; 2],
     corner: SeriesLabelPosition,
 }
 
@@ -189,7 +243,7 @@ impl Shown<'_> {
     {
         let mut out = String::new();
         {
-            let root = SVGBackend::with_string(&mut out, (640, 440)).into_drawing_area();
+            let root = SVGBackend::with_string(&mut out, (720, 480)).into_drawing_area();
             root.fill(&WHITE)?;
             let mut chart = ChartBuilder::on(&root)
                 .caption(&self.args.title, (FONT, 20))
@@ -213,8 +267,18 @@ impl Shown<'_> {
             for k in 0..self.curves.len() {
                 self.draw_curve(&mut chart, k)?;
             }
-            for level in self.levels {
-                self.draw_level(&mut chart, level)?;
+            for power in self.powers {
+                let colour = power.curve.map_or(BLACK, |k| COLOURS[k % COLOURS.len()]);
+                self.draw_line(&mut chart, (&power.name, colour), &power.points)?;
+            }
+            let xs = self.curves.iter().flat_map(|c| c.points.iter().map(|p| p.0));
+            let [low, high] = xs.fold([f64::MAX, -f64::MAX], |[l, h], x| [l.min(x), h.max(x)]);
+            for (name, y) in self.levels {
+                self.draw_line(&mut chart, (name, BLACK), &[(low, *y), (high, *y)])?;
+            }
+            let [low, high] = self.y_range;
+            for (name, x) in self.verticals {
+                self.draw_line(&mut chart, (name, BLACK), &[(*x, low), (*x, high)])?;
             }
             chart
                 .configure_series_labels()
@@ -254,20 +318,22 @@ impl Shown<'_> {
         Ok(())
     }
 
-    /// Draw a horizontal line over the range of all curves, with its entry in the legend.
-    fn draw_level<'b, X, Y>(&self, chart: &mut Chart<'b, X, Y>, (name, y): &(String, f64)) -> Drawn
+    /// Draw a dashed line, with its entry in the legend.
+    fn draw_line<'b, X, Y>(
+        &self,
+        chart: &mut Chart<'b, X, Y>,
+        (name, colour): (&str, RGBColor),
+        points: &[(f64, f64)],
+    ) -> Drawn
     where
         X: Ranged<ValueType = f64>,
         Y: Ranged<ValueType = f64>,
     {
-        let ends = [f64::MIN_POSITIVE, f64::MAX];
-        let xs = self.curves.iter().flat_map(|c| c.points.iter().map(|p| p.0));
-        let [low, high] = xs.fold([ends[1], -ends[1]], |[l, h], x| [l.min(x), h.max(x)]);
-        let line = DashedLineSeries::new([(low, *y), (high, *y)], 6, 4, BLACK.stroke_width(1));
-        chart
-            .draw_series(line)?
-            .label(name.clone())
-            .legend(|(x, y)| PathElement::new([(x, y), (x + 20, y)], BLACK));
+        let line = DashedLineSeries::new(points.iter().copied(), 7, 4, colour.stroke_width(2));
+        let dash = move |from: i32, (x, y): (i32, i32)| [(x + from, y), (x + from + 7, y)];
+        chart.draw_series(line)?.label(name).legend(move |at| {
+            PathElement::new([dash(1, at), dash(12, at)].concat(), colour.stroke_width(2))
+        });
         Ok(())
     }
 }

@@ -57,10 +57,13 @@ fn pictures_become_tables_drawings_figures_and_a_page_that_needs_nothing_else() 
     assert!(read(&f, "error.svg").contains("+20 %"));
     let told =
         ["--slide", "41-42", "--title", "A & B", "--caption", "Seen", "--reference", &reference];
-    let panels = ["alpha-0.5.png=half", "errors.svg=a curve", "error.svg=a map"];
+    let panels =
+        ["alpha-0.5.png={ratio(alpha-0.5)} times", "errors.svg=a curve", "error.svg=a map"];
+    let claims = ["--claim", "relmse(alpha-0.9) < relmse(alpha-0.5)", "--inset", "0,0,0.25,0.25,2"];
     let folder = f.at("");
-    succeed(&[&["figure", &folder][..], &told, &panels].concat());
+    succeed(&[&["figure", &folder][..], &told, &claims, &panels].concat());
     let sidecar = read(&f, "figure.json");
+    assert!(sidecar.contains("\"1.2 times\"") && sidecar.contains("0.00990 < 0.0396"), "{sidecar}");
     assert!(sidecar.contains("\"relmse\": 0.0396") && sidecar.contains("--spp <4>"), "{sidecar}");
     let page = f.at("index.html");
     succeed(&["index", &page, &folder]);
@@ -70,6 +73,10 @@ fn pictures_become_tables_drawings_figures_and_a_page_that_needs_nothing_else() 
     assert_eq!(first.matches("data:image/").count(), 3);
     succeed(&["index", &page, &folder]);
     assert_eq!(first, read(&f, "index.html"), "the same files make the same page");
+    let deck = f.at("deck.html");
+    succeed(&["deck", &deck, &folder]);
+    let deck = read(&f, "deck.html");
+    assert!(deck.contains("Slides 41-42") && deck.matches("data:image/").count() == 3);
 }
 
 #[test]
@@ -96,4 +103,40 @@ fn missing_black_and_incomplete_panels_are_refused_by_name() {
     let curve = format!("a={}:x:z", f.at("t.csv"));
     let plot = ["plot", &f.at("a.svg"), "--title", "t", "--x", "x", "--y", "y", &curve];
     refuse(&plot, &["no column z"]);
+}
+
+#[test]
+fn a_false_claim_fails_the_figure_and_shows_both_sides() {
+    let f = Folder::make();
+    picture(&f, "a", 1.0, "1");
+    picture(&f, "b", 0.5, "1");
+    let folder = f.at("");
+    let told = ["--slide", "12", "--title", "t", "--caption", "c", "a.png=x"];
+    for (claim, says) in [
+        ("mean(a) < mean(b)", "is false: 1 < 0.5"),
+        ("mean(a) / mean(b) in 0.9..1.1", "is false: 2 in 0.9..1.1"),
+        ("mean(a)", "expected <, > or in"),
+        ("mean(c) < 1", "c.exr"),
+        ("median(a) < 1", "median(a)"),
+        ("size(a) < 1", "no function size"),
+        ("relmse(a) < 1", "no --reference"),
+        ("mean(a[0 0 2 1]) < 1", "not a part of the picture"),
+    ] {
+        let arguments = [&["figure", &folder, "--claim", claim][..], &told].concat();
+        refuse(&arguments, &["slide 12", says]);
+    }
+    assert!(!Path::new(&f.at("figure.json")).exists(), "nothing is written for a false claim");
+}
+
+#[test]
+fn noise_and_bias_of_two_pictures_are_told_apart() {
+    let f = Folder::make();
+    for (name, grey) in [("reference", 1.0), ("a", 1.3), ("b", 1.1)] {
+        picture(&f, name, grey, "1");
+    }
+    let pair = format!("4={},{}", f.at("a.exr"), f.at("b.exr"));
+    succeed(&["measure", &f.at("t.csv"), "--reference", &f.at("reference.exr"), &pair]);
+    // Noise: 0.2^2 / 2; bias: 0.3 * 0.1; both over 1.01.
+    let table = read(&f, "t.csv");
+    assert!(table.contains(",1.980") && table.contains(",2.970"), "{table}");
 }

@@ -57,9 +57,9 @@ fn a_run_that_fails_in_a_loop_fails_the_figure_though_an_older_picture_is_there(
 }
 
 #[test]
-fn references_of_quick_figures_are_not_used_for_full_ones() {
+fn references_of_quick_figures_are_not_used_for_others() {
     let folder = Folder::make();
-    for quality in ["QUALITY=quick", "QUALITY=full", "QUALITY=full"] {
+    for quality in ["QUALITY=quick", "QUALITY=default", "QUALITY=default"] {
         let Some(output) = make(folder.path(), NOTHING, &["figure-12", quality]) else { return };
         assert!(output.status.success(), "{output:?}");
     }
@@ -67,5 +67,39 @@ fn references_of_quick_figures_are_not_used_for_full_ones() {
     let references: Vec<&str> = log.lines().filter(|l| l.starts_with("pathtrace")).collect();
     // One reference of each size; the second run reuses them.
     assert_eq!(references.len(), 2, "{references:#?}");
-    assert!(references[0].contains("128x128") && references[1].contains("512x512"));
+    assert!(references[0].contains("128x128") && references[1].contains("320x320"));
+}
+
+/// What make says and returns, without running any recipe's programs.
+fn refusal(arguments: &[&str]) -> Option<(Option<i32>, String)> {
+    let output = make(Folder::make().path(), NOTHING, arguments)?;
+    Some((output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned()))
+}
+
+#[test]
+fn unknown_qualities_and_slides_without_a_figure_are_refused_by_name() {
+    for (arguments, says) in [
+        (["figure-12", "QUALITY=medium"], ["QUALITY=medium", "quick, default or full"]),
+        (["figure-21", "QUALITY=quick"], ["slide 21 has no figure", " 22 23 24 "]),
+    ] {
+        let Some((code, text)) = refusal(&arguments) else { return };
+        assert_eq!(code, Some(2), "{text}");
+        assert!(says.iter().all(|s| text.contains(s)), "{text}");
+    }
+}
+
+#[test]
+fn a_slide_that_shares_its_figure_has_a_target_and_help_lists_targets() {
+    let folder = Folder::make();
+    let Some(output) = make(folder.path(), NOTHING, &["figure-45", "QUALITY=quick"]) else {
+        return;
+    };
+    assert!(output.status.success(), "{output:?}");
+    assert!(log(folder.path()).contains("figures figure") && log(folder.path()).contains("43-46"));
+    let help = make(folder.path(), NOTHING, &["help"]).expect("make is installed");
+    let help = String::from_utf8_lossy(&help.stdout).into_owned();
+    for target in ["build", "test", "figures", "mistakes", "figure-N"] {
+        let line = help.lines().find(|l| l.split_whitespace().next() == Some(target));
+        assert!(line.is_some_and(|l| l.len() > 24), "{target}:\n{help}");
+    }
 }

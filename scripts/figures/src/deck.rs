@@ -1,0 +1,69 @@
+//! Writes all figures as slides for a projector: one per page, each with its slide's number. The page needs no other file, and
+//! prints one figure per sheet.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use serde_json::Value;
+
+use crate::index::{facts, heading, image, panels, read, text};
+use crate::svg::escaped;
+
+#[derive(clap::Args)]
+pub(crate) struct Args {
+    /// The page to write (.html)
+    out: PathBuf,
+    /// Heading of the first page
+    #[arg(long, default_value = "The lecture's figures")]
+    title: String,
+    /// Folders of the figures, in the order of their slides
+    #[arg(required = true)]
+    folders: Vec<PathBuf>,
+}
+
+const STYLE: &str = include_str!("deck.css");
+const SCRIPT: &str = include_str!("deck.js");
+
+pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
+    let (figures, title) = (read(&args.folders)?, escaped(&args.title));
+    let mut page = format!(
+        "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n\
+         <section class=\"cover\"><h1>{title}</h1>\n<p>One figure per page. Arrow keys or Page Down and Page Up turn pages; printing gives one page per figure.</p>\n<ol>\n"
+    );
+    for (_, figure) in &figures {
+        let (slide, title) = (text(figure, "slide"), escaped(text(figure, "title")));
+        writeln!(
+            page,
+            "<li><a href=\"#slide-{slide}\"><b>{}</b> {title}</a></li>",
+            escaped(slide)
+        )?;
+    }
+    page += "</ol></section>\n";
+    for (folder, figure) in &figures {
+        slide(&mut page, folder, figure).with_context(|| heading(text(figure, "slide")))?;
+    }
+    writeln!(page, "<script>\n{SCRIPT}</script>\n</html>")?;
+    std::fs::write(&args.out, page).with_context(|| args.out.display().to_string())
+}
+
+/// One figure as a page.
+fn slide(page: &mut String, folder: &Path, figure: &Value) -> anyhow::Result<()> {
+    let (slide, title) = (text(figure, "slide"), escaped(text(figure, "title")));
+    let columns = figure["columns"].as_u64().unwrap_or(3).max(1) as usize;
+    let rows = panels(figure).len().div_ceil(columns);
+    writeln!(
+        page,
+        "<section id=\"slide-{slide}\">\n<h2><span>{}</span> {title}</h2>\n\
+         <div class=\"panels\" style=\"--columns:{columns};--rows:{rows}\">",
+        heading(slide)
+    )?;
+    for panel in panels(figure) {
+        let (image, caption) = (image(folder, panel)?, escaped(text(panel, "caption")));
+        let facts = facts(panel);
+        let facts = if facts.is_empty() { facts } else { format!("<small>{facts}</small>") };
+        writeln!(page, "<figure>{image}<figcaption>{caption} {facts}</figcaption></figure>")?;
+    }
+    writeln!(page, "</div>\n<p>{}</p>\n</section>", escaped(text(figure, "caption")))?;
+    Ok(())
+}
