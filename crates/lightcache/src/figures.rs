@@ -128,15 +128,14 @@ fn octree(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> (Vec<Rgb
 /// Yellow edges of cells over a picture.
 const CELL: Rgb = Rgb::new(0.9, 0.75, 0.3);
 
-/// The cells and records in a horizontal slice: the cells that the plane contains, and the records in them, seen from above. Few
-/// enough cells are drawn that one can count the records of each.
+/// The cells and records at the bottom of the scene, seen from above. One can count the records of each cell.
 fn octree_slice(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> (Vec<Rgb>, Legend) {
     let [w, h] = film.size();
     let mut canvas = Canvas::over([w, h], vec![Rgb::WHITE; w * h]);
-    let Bounds { min, max } = setting.scene.bounds();
-    let extent = (max - min).max(Vec3::splat(f32::MIN_POSITIVE));
-    let pixels_per_unit = 0.95 * (w as f32 / extent.x).min(h as f32 / extent.z);
-    let middle = 0.5 * (min + max);
+    let bounds = Bounds::of(cache.records().iter().map(|r| r.site().p));
+    let extent = (bounds.max - bounds.min).max(Vec3::splat(f32::MIN_POSITIVE));
+    let pixels_per_unit = 0.92 * (w as f32 / extent.x).min(h as f32 / extent.z);
+    let (middle, ground) = (0.5 * (bounds.min + bounds.max), bounds.min.y + 1e-3 * extent.y);
     let at = |p: Vec3| {
         let d = (p - middle) * pixels_per_unit;
         Vec2::new(0.5 * w as f32 + d.x, 0.5 * h as f32 + d.z)
@@ -144,11 +143,11 @@ fn octree_slice(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> (V
     let (mut cells, mut fullest) = (0, 0);
     for cell in cache.tree().cells() {
         let Bounds { min, max } = cell.cube;
-        if min.y > middle.y || max.y <= middle.y {
+        if min.y > ground || max.y <= ground {
             continue;
         }
         let corners = [(min.x, min.z), (max.x, min.z), (max.x, max.z), (min.x, max.z)];
-        let corners = corners.map(|(x, z)| at(Vec3::new(x, middle.y, z)));
+        let corners = corners.map(|(x, z)| at(Vec3::new(x, ground, z)));
         for k in 0..4 {
             canvas.line(corners[k], corners[(k + 1) % 4], 0.6 * dot(film), Rgb::grey(0.35));
         }
@@ -158,7 +157,8 @@ fn octree_slice(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> (V
         cells += 1;
         fullest = fullest.max(records().count());
     }
-    let title = format!("{cells} cells at half height, at most {fullest} records in one.");
+    let title =
+        format!("{cells} cells at the bottom of the scene, at most {fullest} records in one.");
     (canvas.into_pixels(), Legend::named(&title, [(RECORD, "record")]))
 }
 

@@ -60,7 +60,7 @@ pub enum CacheFigure {
     Validity,
     /// Cells of the octree as wires [slide 8]
     Octree,
-    /// Cells of the octree in the horizontal plane through the middle of the scene [slide 8]
+    /// Cells and records of the octree at the bottom of the scene, seen from above [slide 8]
     OctreeSlice,
     /// Weight of the record nearest to the middle of the picture, with a line where the record ends [slide 11]
     Weights,

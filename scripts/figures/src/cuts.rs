@@ -72,7 +72,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
             out,
             "<image x=\"{left}\" y=\"34\" width=\"{w}\" height=\"{h}\" href=\"{uri}\"/>"
         )?;
-        text(&mut out, 34 + h + 20, 15, &errors(cut));
+        text(&mut out, 34 + h + 20, 14, &errors(cut));
         tree(&mut out, &nodes, cut, [left, 34 + h + 30]);
     }
     legend(&mut out, height - 12);
@@ -95,7 +95,7 @@ fn errors(cut: &Cut) -> String {
     let [mean, most] = [cut.mean_error, cut.error_99].map(|e| format!("{:.1} %", 100.0 * e));
     match cut.mean_error {
         0.0 => "no error".into(),
-        _ => format!("mean error {mean}; 99 % of the pixels below {most}"),
+        _ => format!("mean error {mean}, 99th percentile {most}"),
     }
 }
 

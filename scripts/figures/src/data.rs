@@ -51,6 +51,12 @@ fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     values.sum::<f64>() / n
 }
 
+/// The points that logarithmic axes can show.
+fn positive(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    points.retain(|(x, y)| *x > 0.0 && *y > 0.0);
+    points
+}
+
 impl Data<'_> {
     fn compute(&self, function: &str, arguments: &[&str]) -> anyhow::Result<f64> {
         let first = *arguments.first().unwrap_or(&"");
@@ -159,7 +165,9 @@ impl Data<'_> {
             _ => bail!("expected TABLE:X:Y"),
         };
         match function {
-            "slope" => Ok(log_log_line(&both()?).context("fewer than two positive points")?.0),
+            "slope" => {
+                Ok(log_log_line(&positive(both()?)).context("fewer than two positive points")?.0)
+            }
             "holds" => {
                 let rows = both()?;
                 let within = rows.iter().filter(|(a, b)| *a <= b * (1.0 + 1e-4) + 1e-12).count();

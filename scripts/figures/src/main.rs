@@ -16,6 +16,7 @@ mod inset;
 mod measure;
 mod picture;
 mod plot;
+mod strip;
 mod svg;
 mod table;
 mod view;
@@ -43,6 +44,8 @@ enum Command {
     Difference(difference::Args),
     /// Write the display image of a picture or of one of its layers
     View(view::Args),
+    /// Join pictures to a strip, with a name and a time below each
+    Strip(strip::Args),
     /// Draw the steps of a program, with numbers from a real run
     Flow(flow::Args),
     /// Draw the cuts of a few lights: for each its picture, its tree and its errors
@@ -80,6 +83,7 @@ fn main() -> ExitCode {
         Command::Plot(args) => plot::run(&args),
         Command::Difference(args) => difference::run(&args),
         Command::View(args) => view::run(&args),
+        Command::Strip(args) => strip::run(&args),
         Command::Flow(args) => flow::run(&args),
         Command::Cuts(args) => cuts::run(&args),
         Command::Figure(args) => figure::run(&args),

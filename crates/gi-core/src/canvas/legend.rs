@@ -25,6 +25,11 @@ pub enum Colours {
     Named(Vec<(Rgb, String)>),
 }
 
+/// Width of a space, of a colour with its gap, and of the gap behind a name, in heights of a letter.
+const SPACE: f32 = 1.2;
+const SWATCH: f32 = 1.7;
+const GAP: f32 = 1.5;
+
 /// Colours of the strip: paper and ink.
 const PAPER: Rgb = Rgb::WHITE;
 const INK: Rgb = Rgb::new(0.01, 0.01, 0.01);
@@ -62,10 +67,10 @@ impl Legend {
                     let middle = Vec2::new(x + 0.5 * letter, y - 0.5 * letter);
                     canvas.disc(middle, 0.62 * letter, INK);
                     canvas.disc(middle, 0.5 * letter, colour);
-                    x += 1.7 * letter;
+                    x += SWATCH * letter;
                 }
                 canvas.text(Vec2::new(x, y), letter, INK, &name);
-                x += text_width(&name, letter) + 1.6 * letter;
+                x += text_width(&name, letter) + GAP * letter;
             }
             y += 2.0 * letter;
         }
@@ -73,27 +78,28 @@ impl Legend {
         ([w, h + strip], canvas.into_pixels())
     }
 
-    /// Title and names of colours, broken into lines that fit `width`.
+    /// The words of the title and the names of colours, broken into lines that fit `width`.
     fn lines(&self, width: f32, letter: f32) -> Vec<Vec<(Option<Rgb>, String)>> {
-        let mut words: Vec<(Option<Rgb>, String)> = Vec::new();
-        if !self.title.is_empty() {
-            words.push((None, self.title.clone()));
+        let mut lines: Vec<Vec<(Option<Rgb>, String)>> = vec![Vec::new()];
+        let mut used = letter;
+        let mut add = |word: (Option<Rgb>, String), needs: f32, joins: bool| {
+            let full = used + needs > width;
+            let last = lines.len() - 1;
+            match lines[last].last_mut() {
+                Some(_) if full => lines.push(vec![word]),
+                // Words of the title that fit are one text.
+                Some((None, text)) if joins => *text = format!("{text} {}", word.1),
+                _ => lines[last].push(word),
+            }
+            used = needs + if full { letter } else { used };
+        };
+        for word in self.title.split(' ').filter(|w| !w.is_empty()) {
+            add((None, word.into()), text_width(word, letter) + SPACE * letter, true);
         }
         if let Colours::Named(colours) = &self.colours {
-            words.extend(colours.iter().map(|(c, name)| (Some(*c), name.clone())));
-        }
-        let mut lines = vec![Vec::new()];
-        let mut used = letter;
-        for word in words {
-            let swatch = if word.0.is_some() { 1.7 * letter } else { 0.0 };
-            let needs = swatch + text_width(&word.1, letter) + 1.6 * letter;
-            if used + needs > width + 0.6 * letter && used > letter {
-                lines.push(Vec::new());
-                used = letter;
-            }
-            used += needs;
-            if let Some(line) = lines.last_mut() {
-                line.push(word);
+            for (colour, name) in colours {
+                let needs = SWATCH * letter + text_width(name, letter) + GAP * letter;
+                add((Some(*colour), name.clone()), needs, false);
             }
         }
         lines
@@ -191,6 +197,22 @@ mod tests {
         assert_eq!(ticks(1.0, 100.0, true), [1.0, 3.0, 10.0, 30.0, 100.0]);
         assert_eq!(ticks(4.1, 4.4, true), [4.1, 4.4]);
         assert_eq!(ticks(2.0, 2.0, false), [2.0]);
+    }
+
+    #[test]
+    fn long_titles_are_broken_into_lines_that_fit() {
+        let title = "The first 200 photon paths. A segment has the colour of its end:";
+        let legend = Legend::named(title, [(Rgb::WHITE, "direct"), (Rgb::BLACK, "scattered")]);
+        let lines = legend.lines(300.0, 10.0);
+        assert!(lines.len() >= 3, "{lines:?}");
+        for line in &lines {
+            let of = |(c, t): &(Option<Rgb>, String)| {
+                text_width(t, 10.0) + if c.is_some() { 10.0 * SWATCH } else { 0.0 }
+            };
+            assert!(10.0 + line.iter().map(of).sum::<f32>() <= 300.0, "{line:?}");
+        }
+        let words: Vec<&str> = lines.iter().flatten().map(|(_, t)| t.as_str()).collect();
+        assert_eq!(words.join(" "), format!("{title} direct scattered"));
     }
 
     #[test]
