@@ -20,7 +20,7 @@ pub(crate) fn render(world: &World, args: &Args) -> Picture {
         let side = at.surface.ng * 1f32.copysign(at.surface.ng.dot(at.wo));
         let mut sum = world.emitted(&at);
         grid.within(at.surface.p, radius, |_, photon, _| {
-            if args.way != Way::FromBehind && photon.side.dot(side) < 0.9 {
+            if args.way != Way::FromBehind && photon.side.dot(side) < 0.5 {
                 return;
             }
             let adjoint = if args.way == Way::NoAdjoint { 1.0 } else { photon.adjoint };

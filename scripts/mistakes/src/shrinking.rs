@@ -36,7 +36,7 @@ pub(crate) fn render(world: &World, args: &Args) -> Picture {
             let side = at.surface.ng * 1f32.copysign(at.surface.ng.dot(at.wo));
             let (mut found, mut flux) = (0.0, Rgb::BLACK);
             grid.within(at.surface.p, point.radius, |_, photon, _| {
-                if photon.side.dot(side) > 0.9 {
+                if photon.side.dot(side) > 0.5 {
                     found += 1.0;
                     flux += world.f(at, photon.wi) * photon.power;
                 }

@@ -16,7 +16,7 @@ const STROKE: f32 = 1.05;
 
 /// Each letter with its strokes, separated by spaces. Two digits are a point: x from the left, y from below. Capital letters reach
 /// from 2 to 8.
-const STROKES: [(char, &str); 82] = [
+const STROKES: [(char, &str); 83] = [
     ('0', "120307183847433212"),
     ('1', "172822 1232"),
     ('2', "07183847460242"),
@@ -82,6 +82,7 @@ const STROKES: [(char, &str); 82] = [
     ('.', "0202"),
     (',', "1201"),
     (':', "0202 0505"),
+    (';', "1201 1515"),
     ('-', "0434"),
     ('+', "0545 2723"),
     ('*', "2723 0446 0644"),

@@ -101,7 +101,7 @@ pub(super) fn tree<'a>(subject: &Subject<'_, 'a>, film: &Film) -> Picture {
         drawing.branch(0);
     }
     let colours =
-        [(ON_CUT, "node of the cut"), (Rgb::WHITE, "other node; lights are at the bottom")];
+        [(ON_CUT, "node of the cut"), (Rgb::WHITE, "other node (lights are at the bottom)")];
     Picture {
         name: "tree".into(),
         channels: Vec::new(),
