@@ -31,6 +31,8 @@ mod options;
 mod pbrt_scenes;
 /// Checks photon mapping.
 mod photonmap;
+/// Irradiance at points.
+mod points;
 /// Checks progressive photon mapping.
 mod ppm_facts;
 /// Checks radiance caching.

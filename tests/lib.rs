@@ -241,3 +241,8 @@ pub fn furnace(a: f32) -> (SceneParts, CameraSpec) {
     );
     (parts, camera)
 }
+
+/// The page about adding a technique. Its code is compiled and run as a test of documentation.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/add-a-technique.md")]
+pub struct AddingATechnique;

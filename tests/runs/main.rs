@@ -12,6 +12,8 @@ mod inputs;
 mod instruction_sets;
 /// The live page in a browser.
 mod page;
+/// Irradiance at points.
+mod points;
 /// Previews.
 mod previews;
 /// The Python package.

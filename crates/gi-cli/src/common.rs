@@ -23,7 +23,8 @@ pub struct Common {
     /// Scene: Mitsuba XML (0.5, 0.6, 3.x), pbrt (v4, v3), or a plain OBJ file with its MTL
     #[arg(help_heading = SCENE)]
     pub scene: PathBuf,
-    /// Picture to write: .exr (all layers), .pfm or .hdr; a .png view is written beside it [default: SCENE.PROGRAM.exr]
+    /// Picture to write: .exr (all layers), .pfm or .hdr; a .png view is written beside it [default: SCENE.PROGRAM.exr, with --points
+    /// SCENE.PROGRAM.csv]
     #[arg(help_heading = PICTURE, short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// Number of passes; most techniques take one sample per pixel in each pass
@@ -56,6 +57,10 @@ pub struct Common {
     /// Number of the sensor to render, from 0, in a scene that has several
     #[arg(help_heading = SCENE, long, value_name = "N")]
     pub sensor: Option<usize>,
+    /// Compute irradiance at the points of this file instead of a picture: lines of x,y,z,nx,ny,nz. The output is a table (.csv) of r, g, b
+    /// with standard errors, which leave out the error of records, photons and virtual lights that samples share
+    #[arg(help_heading = SCENE, long, value_name = "FILE.csv", conflicts_with_all = ["size", "sensor", "origin", "target", "up", "fov", "inspect", "export_mitsuba"])]
+    pub points: Option<PathBuf>,
     /// Position of the camera [default: as in the scene; for a plain OBJ file, one that shows the whole scene]
     #[arg(help_heading = SCENE, long, value_name = "X,Y,Z", value_parser = parse_vec3, allow_hyphen_values = true)]
     pub origin: Option<Vec3>,
@@ -133,7 +138,8 @@ impl Common {
     pub(crate) fn output(&self, program: &str) -> PathBuf {
         self.output.clone().unwrap_or_else(|| {
             let stem = self.scene.file_stem().unwrap_or_default().to_string_lossy();
-            PathBuf::from(format!("{stem}.{program}.exr"))
+            let extension = if self.points.is_some() { "csv" } else { "exr" };
+            PathBuf::from(format!("{stem}.{program}.{extension}"))
         })
     }
 

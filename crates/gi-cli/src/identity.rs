@@ -4,6 +4,7 @@
 use std::time::SystemTime;
 
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, ValueEnum};
+use gi_core::bytes::checksum;
 use gi_core::camera::Camera;
 use gi_core::filter::Filter;
 
@@ -48,6 +49,7 @@ pub(crate) fn of_run<P: Program>(
         ("scene".into(), format!("{world:016x}")),
         ("picture size".into(), format!("{w} x {h}")),
         ("camera".into(), words(&camera.numbers())),
+        ("set of points".into(), points(camera)),
         ("filter".into(), words(&filter.numbers())),
         ("seed".into(), common.seed.to_string()),
         ("component".into(), name(common.component.to_possible_value())),
@@ -91,6 +93,13 @@ fn value_of(option: &Arg, matches: &ArgMatches) -> String {
 /// A value, without what does not change it: `0.50` is 0.5.
 fn plain(value: &str) -> String {
     value.parse::<f64>().map_or_else(|_| value.to_string(), |number| number.to_string())
+}
+
+/// The sensors in place of a camera, as a checksum.
+fn points(camera: &Camera) -> String {
+    let Some(sensors) = camera.sensors() else { return "none".into() };
+    let numbers = sensors.iter().flat_map(|s| s.p.to_array().into_iter().chain(s.n.to_array()));
+    format!("{:016x}", checksum(&numbers.flat_map(f32::to_le_bytes).collect::<Vec<u8>>()))
 }
 
 /// Numbers in words; the same words are the same bits.

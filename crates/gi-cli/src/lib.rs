@@ -24,6 +24,7 @@ mod record;
 mod run;
 mod save;
 mod say;
+mod sensors;
 mod serve;
 mod stop;
 mod views;

@@ -39,12 +39,11 @@ impl Files {
         of_technique: &[PathBuf],
     ) -> Self {
         let mut inputs = vec![Named::new(&common.scene, "the scene")];
+        inputs.extend(common.points.iter().map(|path| Named::new(path, "the file of --points")));
         inputs.extend(common.merge.iter().map(|path| Named::new(path, "a file of --merge")));
         inputs.extend(read_by_technique(matches));
-        let mut outputs = vec![
-            Named::new(output.path(), "the picture"),
-            Named::new(&output.path().with_extension("png"), "the picture"),
-        ];
+        let mut outputs = vec![Named::new(output.path(), "the output")];
+        outputs.extend(output.view().map(|path| Named::new(&path, "the picture's view")));
         outputs.extend(common.stats.iter().map(|path| Named::new(path, "the file of --stats")));
         let checkpoint = common.checkpoint.iter();
         outputs.extend(checkpoint.map(|path| Named::new(path, "the file of --checkpoint")));

@@ -6,11 +6,12 @@ use std::time::{Duration, Instant};
 use clap::ArgMatches;
 use gi_core::camera::Camera;
 use gi_core::film::Film;
+use gi_core::filter::Filter;
 use gi_core::image_io::Layers;
 use gi_core::options::Parameters;
 use gi_core::scene::{Scene, SceneParts};
 use gi_core::technique::{Setting, Technique};
-use gi_scene::{AddedLight, ExportError, Loaded};
+use gi_scene::{ExportError, Loaded};
 use glam::Vec3A;
 
 use crate::checkpoint::Identity;
@@ -29,7 +30,7 @@ use crate::say::say;
 use crate::serve::Stage;
 use crate::stop::{self, Phase, Signal};
 use crate::views::Views;
-use crate::{Args, Common, Failure, Program, parse, warnings};
+use crate::{Args, Common, Failure, Program, parse, sensors, warnings};
 
 /// Run a program from its command line. Returns the signal that stopped it, if one did.
 pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<Option<Signal>, Failure> {
@@ -50,7 +51,10 @@ pub(crate) fn run<P: Program>(arguments: &[String]) -> Result<Option<Signal>, Fa
     if let Some(out) = &common.export_mitsuba {
         return export(common, out).map(|()| None);
     }
-    let output = Output::new(common.output(program))?;
+    let output = Output::new(common.output(program), common.points.as_deref())?;
+    if output.sensors().is_some() {
+        sensors::check_flags(&command, &matches)?;
+    }
     Files::of(common, &output, (&command, &matches), &params.outputs()).check()?;
     let name = output.path().display().to_string();
     let mut views = Views::open(common, program, name)?;
@@ -71,7 +75,10 @@ fn read_and_render<P: Program>(
     let program = command.get_name();
     let date = crate::identity::date();
     let clock = Instant::now();
-    let loaded = load(first)?;
+    let mut loaded = load(first)?;
+    if let Some(sensors) = output.sensors() {
+        (loaded.camera.size, loaded.filter) = (sensors.film_size(), Filter::Box);
+    }
     let load_time = clock.elapsed();
     let with_presets = with_presets::<P>(arguments, program, first.has_other_budget(), &loaded)?;
     let (all, matches) = parse::<P>(&with_presets);
@@ -108,12 +115,16 @@ fn render<P: Program>(
     about.warn(loaded.warnings);
     let depth = loaded.integrator_max_depth;
     about.warn(warnings::of_depth(params.max_depth(), about.arguments, depth));
-    camera.to_world.translation += Vec3A::from(parts.recentre());
+    let shift = parts.recentre();
+    camera.to_world.translation += Vec3A::from(shift);
     check_film(camera.size)?;
     let scene = build(&mut about, params, parts)?;
-    let camera = Camera::new(&camera);
+    let camera = match output.sensors() {
+        Some(sensors) => Camera::of_sensors(sensors.in_scene(shift), sensors.samples()),
+        None => Camera::new(&camera),
+    };
     views.set_size(camera.size());
-    say_scene(common, &scene, Film::memory(camera.size(), filter), camera.size());
+    warnings::say_scene(common, &scene, Film::memory(camera.size(), filter), camera.size());
     let setting = Setting {
         scene: &scene,
         world,
@@ -165,6 +176,9 @@ fn build(about: &mut About, params: &impl Parameters, parts: SceneParts) -> Resu
              simulate: use one of them, or make the medium `homogeneous`",
             common.scene.display()
         )));
+    }
+    if let Some(points) = &common.points {
+        sensors::check_scene(&scene, points)?;
     }
     about.warn(warnings::of_media(&scene, params.simulates_media()));
     if !params.finds_focused_light() {
@@ -238,7 +252,7 @@ fn export(common: &Common, out: &Path) -> Result<(), Failure> {
     check_export(&common.scene, out)?;
     match gi_scene::export_mitsuba(&common.scene, &common.scene_options(), out) {
         Ok(warnings) => {
-            say_warnings(common, &warnings);
+            warnings::say_all(common, &warnings);
             Ok(())
         }
         Err(ExportError::Scene(problems)) => Err(Failure::Input(problems.to_string())),
@@ -263,32 +277,7 @@ impl About<'_> {
     /// Print warnings, and keep them for the statistics.
     fn warn(&mut self, warnings: impl IntoIterator<Item = String>) {
         let warnings: Vec<String> = warnings.into_iter().collect();
-        say_warnings(self.common, &warnings);
+        warnings::say_all(self.common, &warnings);
         self.warnings.extend(warnings);
-    }
-}
-
-fn say_warnings(common: &Common, warnings: &[String]) {
-    if !common.quiet {
-        warnings.iter().for_each(|w| say(format!("warning: {w}")));
-    }
-}
-
-fn say_scene(common: &Common, scene: &Scene, film: u64, [w, h]: [usize; 2]) {
-    if !common.quiet {
-        let primitives: usize = scene.shapes().iter().map(|s| s.geometry.primitive_count()).sum();
-        let lights = scene.lights().all().len();
-        say(format!(
-            "{}: {} shapes, {primitives} primitives, {lights} lights; film of {w} x {h} pixels in {} MB",
-            common.scene.display(),
-            scene.shapes().len(),
-            film.div_ceil(1_000_000)
-        ));
-        if scene.lights().all().is_empty() {
-            let advice = AddedLight::NAMES.map(|name| format!("--light {name}")).join(" or ");
-            say(format!(
-                "warning: nothing shines in this scene; the picture will be black. {advice} adds a light"
-            ));
-        }
     }
 }

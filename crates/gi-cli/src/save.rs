@@ -1,4 +1,4 @@
-//! Saving: the picture with its layers and metadata, the view beside it, the statistics.
+//! Saving: the picture with its layers and metadata and the view beside it, or a table; the statistics.
 
 use std::path::{Path, PathBuf};
 
@@ -7,30 +7,64 @@ use gi_core::image_io::{ImageFile, Layers, write_file};
 use gi_core::technique::Picture;
 
 use crate::Failure;
+use crate::sensors::Sensors;
 
-/// Where a run's pictures go.
+/// Where the results of a run go.
 pub(crate) struct Output {
     path: PathBuf,
-    format: ImageFile,
+    kind: Kind,
+}
+
+enum Kind {
+    Picture(ImageFile),
+    /// Irradiance at points.
+    Table(Sensors),
 }
 
 impl Output {
-    /// Check a file name.
-    pub(crate) fn new(path: PathBuf) -> Result<Self, Failure> {
-        let format = ImageFile::from_path(&path).filter(|f| *f != ImageFile::Png).ok_or_else(|| {
-            let advice = "end the name in .exr (all layers), .pfm or .hdr; a .png view is written beside it";
+    /// Check the file name. With `points`, read them.
+    pub(crate) fn new(path: PathBuf, points: Option<&Path>) -> Result<Self, Failure> {
+        let cannot = |advice: &str| {
             Failure::Input(format!("error: cannot save to {}: {advice}", path.display()))
-        })?;
-        Ok(Output { path, format })
+        };
+        let Some(points) = points else {
+            let format = ImageFile::from_path(&path).filter(|f| *f != ImageFile::Png);
+            let advice =
+                "end the name in .exr (all layers), .pfm or .hdr; a .png view is written beside it";
+            let kind = Kind::Picture(format.ok_or_else(|| cannot(advice))?);
+            return Ok(Output { path, kind });
+        };
+        if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("csv")) {
+            return Err(cannot("with --points the name must end in .csv"));
+        }
+        let kind = Kind::Table(Sensors::read(points)?);
+        Ok(Output { path, kind })
     }
 
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Write the picture and its view. If one of them fails, the other is written all the same.
+    /// The view that is written beside a picture.
+    pub(crate) fn view(&self) -> Option<PathBuf> {
+        matches!(self.kind, Kind::Picture(_)).then(|| self.path.with_extension("png"))
+    }
+
+    /// The points of a table.
+    pub(crate) fn sensors(&self) -> Option<&Sensors> {
+        match &self.kind {
+            Kind::Picture(_) => None,
+            Kind::Table(sensors) => Some(sensors),
+        }
+    }
+
+    /// Write the picture and its view, or the table. If one of them fails, the other is written all the same.
     pub(crate) fn save(&self, layers: &Layers) -> Result<(), Failure> {
-        let picture = write(&self.path, self.format, layers);
+        let format = match &self.kind {
+            Kind::Picture(format) => *format,
+            Kind::Table(sensors) => return save_bytes(&self.path, &sensors.table(layers)),
+        };
+        let picture = write(&self.path, format, layers);
         let view = write(&self.path.with_extension("png"), ImageFile::Png, layers);
         picture.and(view)
     }

@@ -2,6 +2,10 @@
 
 use gi_core::scene::Scene;
 use gi_core::walk::{Focused, focused};
+use gi_scene::AddedLight;
+
+use crate::Common;
+use crate::say::say;
 
 /// A warning if the scene's integrator asks for another length of paths, unless the flag was typed.
 pub(crate) fn of_depth(
@@ -47,4 +51,31 @@ pub(crate) fn of_focused_light(scene: &Scene, seed: u32) -> Option<String> {
         "{:.0} % of the light reaches surfaces over mirrors or glass {what} (`ppm` and `photonmap` find it)",
         100.0 * share
     ))
+}
+
+/// Print warnings.
+pub(crate) fn say_all(common: &Common, warnings: &[String]) {
+    if !common.quiet {
+        warnings.iter().for_each(|w| say(format!("warning: {w}")));
+    }
+}
+
+/// Print what a scene contains, and the memory of the film.
+pub(crate) fn say_scene(common: &Common, scene: &Scene, film: u64, [w, h]: [usize; 2]) {
+    if !common.quiet {
+        let primitives: usize = scene.shapes().iter().map(|s| s.geometry.primitive_count()).sum();
+        let lights = scene.lights().all().len();
+        say(format!(
+            "{}: {} shapes, {primitives} primitives, {lights} lights; film of {w} x {h} pixels in {} MB",
+            common.scene.display(),
+            scene.shapes().len(),
+            film.div_ceil(1_000_000)
+        ));
+        if scene.lights().all().is_empty() {
+            let advice = AddedLight::NAMES.map(|name| format!("--light {name}")).join(" or ");
+            say(format!(
+                "warning: nothing shines in this scene; the picture will be black. {advice} adds a light"
+            ));
+        }
+    }
 }

@@ -1,10 +1,15 @@
 //! Cameras: map a point of the picture to a ray, and a point of the world to the picture.
 
+mod sensor;
+
+use std::sync::Arc;
+
 use glam::{Affine3A, Vec2, Vec3};
 
 use crate::math::sqr;
 use crate::ray::Ray;
 use crate::warp;
+pub use sensor::Sensor;
 
 /// A camera as the scene describes it. Local axes: it looks along +z, +y is up, **+x is to the left** (as in Mitsuba).
 #[derive(Clone, Debug)]
@@ -66,6 +71,8 @@ pub struct Camera {
     to_local: Affine3A,
     /// Area of a pixel on the film plane: at z = 1 for perspective, in world units for orthographic cameras.
     pixel_area: f32,
+    /// If there are any, each pixel measures the irradiance of one of them, and nothing is projected.
+    sensors: Option<Arc<[Sensor]>>,
 }
 
 /// The connection of a point of the world with the camera.
@@ -106,6 +113,7 @@ impl Camera {
             to_world: spec.to_world,
             to_local: spec.to_world.inverse(),
             pixel_area: 4.0 * half.x * half.y * stretch / (w * h),
+            sensors: None,
         }
     }
 
@@ -114,7 +122,7 @@ impl Camera {
         self.size
     }
 
-    /// The numbers that define the camera, apart from the picture's size.
+    /// The numbers that define the camera, apart from the picture's size and from [`Camera::sensors`].
     pub fn numbers(&self) -> Vec<f32> {
         let Camera { half, offset, near, aperture, focus, orthographic, to_world, .. } = self;
         let lens = [half.x, half.y, offset.x, offset.y, *near, *aperture, *focus];
@@ -128,9 +136,12 @@ impl Camera {
     }
 
     /// The ray with unit direction through the position `film` (pixels from the top left corner) and the point of the
-    /// lens that `u` selects.
+    /// lens that `u` selects. For sensors: a ray of the sensor of this pixel, with the density cos / pi.
     #[inline]
     pub fn ray(&self, film: [f32; 2], u: [f32; 2]) -> Ray {
+        if let Some(sensors) = &self.sensors {
+            return sensor::ray(sensors, film);
+        }
         let p = self.film_to_plane(Vec2::from_array(film));
         let (o, d) = if self.orthographic {
             (p.extend(0.0), Vec3::Z)
@@ -147,8 +158,11 @@ impl Camera {
     }
 
     /// Connect the world point `p` with the camera through the point of the lens that `u` selects. `None` if it is more
-    /// than `margin` pixels outside the picture.
+    /// than `margin` pixels outside the picture, or if sensors stand in place of the camera.
     pub fn connect(&self, p: Vec3, u: [f32; 2], margin: f32) -> Option<Connection> {
+        if self.sensors.is_some() {
+            return None;
+        }
         let local = self.to_local.transform_point3(p);
         if local.z <= self.near.max(0.0) {
             return None;
@@ -196,6 +210,9 @@ impl Camera {
 
     /// Width (world) of what the central pixel covers at a distance (world) along the axis, if it faces the camera.
     pub fn pixel_width_at(&self, distance: f32) -> f32 {
+        if self.sensors.is_some() {
+            return self.pixel_width() * distance;
+        }
         let [x, y] = self.size.map(|n| 0.5 * n as f32);
         let (a, b) = (self.ray([x - 0.5, y], [0.5; 2]), self.ray([x + 0.5, y], [0.5; 2]));
         (a.o - b.o + (a.d - b.d) * distance).length()
@@ -219,97 +236,4 @@ impl Camera {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::rng::Pcg;
-
-    fn cameras() -> [Camera; 3] {
-        let mut spec = CameraSpec::look_at(
-            Vec3::new(1.0, 2.0, -4.0),
-            Vec3::new(0.0, 1.0, 1.0),
-            Vec3::Y,
-            0.8,
-            [64, 48],
-        );
-        let pinhole = Camera::new(&spec);
-        spec.projection =
-            Projection::Perspective { fov_x: 0.8, aperture_radius: 0.1, focus_distance: 3.0 };
-        let lens = Camera::new(&spec);
-        spec.projection = Projection::Orthographic;
-        spec.to_world *= Affine3A::from_scale(Vec3::new(2.0, 2.0, 1.0));
-        [pinhole, lens, Camera::new(&spec)]
-    }
-
-    #[test]
-    fn a_point_seen_by_a_pixel_connects_back_to_it() {
-        let mut rng = Pcg::new(3, 0);
-        for camera in cameras() {
-            for _ in 0..1000 {
-                let film = [64.0 * rng.next_f32(), 48.0 * rng.next_f32()];
-                let u = rng.next_2d();
-                let ray = camera.ray(film, u);
-                let back = camera.connect(ray.at(5.0), u, 0.0).expect("in the picture");
-                assert!(
-                    (back.film[0] - film[0]).abs() < 1e-2 && (back.film[1] - film[1]).abs() < 1e-2,
-                    "{back:?}"
-                );
-                assert!((back.wi + ray.d).length() < 1e-4);
-                let importance = camera.importance(ray.d, 5.0);
-                assert!((back.importance / importance - 1.0).abs() < 1e-3, "{back:?} {importance}");
-            }
-            assert!(
-                camera
-                    .connect(camera.ray([32.0, 24.0], [0.5; 2]).at(-1.0), [0.5; 2], 0.0)
-                    .is_none()
-            );
-        }
-    }
-
-    #[test]
-    fn connections_end_at_the_start_of_the_cameras_ray() {
-        let mut rng = Pcg::new(4, 0);
-        for near in [0.0, 0.7] {
-            for camera in cameras().map(|camera| Camera { near, ..camera }) {
-                for _ in 0..100 {
-                    let (film, u) = ([64.0 * rng.next_f32(), 48.0 * rng.next_f32()], rng.next_2d());
-                    let ray = camera.ray(film, u);
-                    let back = camera.connect(ray.at(5.0), u, 0.0).expect("in the picture");
-                    assert!((back.end - ray.at(ray.tmin)).length() < 1e-5, "{back:?}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn the_picture_is_upright_and_not_mirrored() {
-        let spec =
-            CameraSpec::look_at(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO, Vec3::Y, 0.8, [64, 64]);
-        let camera = Camera::new(&spec);
-        // Looking along -z with +y up, +x is to the right.
-        let corner = camera.ray([64.0, 0.0], [0.5; 2]).d;
-        assert!(corner.x > 0.0 && corner.y > 0.0, "{corner}");
-    }
-
-    #[test]
-    fn importance_integrates_to_the_number_of_pixels() {
-        // A Lambertian plane of radiance 1 across the view, sampled uniformly by area: the sum of cos * importance *
-        // area over the pixels must be one per pixel.
-        for camera in cameras() {
-            let mid = camera.ray([32.0, 24.0], [0.5; 2]);
-            let (center, n) = (mid.at(6.0), -mid.d);
-            let frame = crate::math::Frame::from_normal(n);
-            let (mut rng, side, samples) = (Pcg::new(9, 1), 12.0f32, 200_000);
-            let mut sum = 0.0f64;
-            for _ in 0..samples {
-                let p = center
-                    + frame.s * (side * (rng.next_f32() - 0.5))
-                    + frame.t * (side * (rng.next_f32() - 0.5));
-                if let Some(c) = camera.connect(p, rng.next_2d(), 0.0) {
-                    sum += f64::from(c.wi.dot(n) * c.importance);
-                }
-            }
-            let pixels = sum * f64::from(side * side) / samples as f64;
-            assert!((pixels / (64.0 * 48.0) - 1.0).abs() < 0.02, "{pixels} pixels");
-        }
-    }
-}
+mod tests;

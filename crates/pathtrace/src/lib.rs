@@ -56,6 +56,9 @@ impl<'a> Technique<'a> for PathTracer<'a> {
                         `--mode path`"
                 .into());
         }
+        if from_lights && setting.camera.sensors().is_some() {
+            return Err("--points works with paths from the eye only: use `--mode path`".into());
+        }
         let light_tree = match params.light_selection {
             LightSelection::Auto => setting.scene.tree_of_many_lights(),
             LightSelection::Power => None,

@@ -80,6 +80,10 @@ impl Counts {
     }
 }
 
+/// Fewest light paths of a pass, unless `--photons` sets their number, if the irradiance of sensors is computed. One path per pixel would
+/// be too few.
+const FEWEST_PATHS_FOR_SENSORS: u32 = 1 << 16;
+
 impl<'a> Technique<'a> for Ppm<'a> {
     type Params = Params;
 
@@ -87,7 +91,8 @@ impl<'a> Technique<'a> for Ppm<'a> {
     fn prepare(setting: Setting<'a>, params: &Params) -> Result<Self, String> {
         let [w, h] = setting.camera.size();
         check_pixels(params, [w, h])?;
-        let paths = if params.photons > 0 { params.photons } else { (w * h) as u32 };
+        let least = if setting.camera.sensors().is_some() { FEWEST_PATHS_FOR_SENSORS } else { 1 };
+        let paths = if params.photons > 0 { params.photons } else { ((w * h) as u32).max(least) };
         let emission = Emission {
             seed: setting.seed,
             paths,

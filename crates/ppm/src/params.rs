@@ -41,7 +41,7 @@ pub struct Params {
     /// faster
     #[arg(long, value_name = "SHARE", default_value_t = 0.7, value_parser = number("a fraction above 0, at most 1", |a: &f64| *a > 0.0 && *a <= 1.0))]
     pub alpha: f64,
-    /// Number of light paths per pass; 0 takes as many as the picture has pixels
+    /// Number of light paths per pass; 0 takes as many as the picture has pixels, and at least 65,536 with --points
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub photons: u32,
     /// Initial radius as a fraction of the scene's radius; 0 derives it from --initial-photons

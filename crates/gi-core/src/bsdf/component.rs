@@ -41,6 +41,18 @@ pub(super) struct Way {
     pub(super) ng: Vec3,
 }
 
+impl Component<'static> {
+    /// A component that scatters nothing.
+    pub(super) const EMPTY: Self = Component {
+        lobe: Lobe::Diffuse { albedo: Rgb::BLACK },
+        frame: Frame { s: Vec3::X, t: Vec3::Y, n: Vec3::Z },
+        weight: 1.0,
+        material: 0,
+        bend: None,
+        part: None,
+    };
+}
+
 impl Component<'_> {
     /// f of the part of the lobe that counts. Directions are local.
     #[inline]

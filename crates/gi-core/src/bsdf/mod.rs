@@ -110,6 +110,13 @@ enum Parts<'a> {
 }
 
 impl<'a> Bsdf<'a> {
+    /// A Lambertian surface that no material describes, on paths from the eye.
+    pub(crate) fn of_lambertian(albedo: Rgb, frame: Frame) -> Self {
+        let parts =
+            Parts::One(Component { lobe: Lobe::Diffuse { albedo }, frame, ..Component::EMPTY });
+        Bsdf { parts, way: Way { transport: Transport::Radiance, ng: frame.n } }
+    }
+
     #[inline]
     fn components(&self) -> &[Component<'a>] {
         match &self.parts {

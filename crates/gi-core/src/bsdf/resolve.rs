@@ -7,7 +7,7 @@ use super::prepared::PreparedMaterial;
 use super::{Bsdf, Component, Lobe, MAX_COMPONENTS, Parts, Transport, Way};
 use crate::geometry::{Surface, Tangents};
 use crate::material::{BentNormals, Material};
-use crate::math::{Frame, Rgb};
+use crate::math::Frame;
 use crate::texture::Texture;
 
 /// The data that are needed to resolve a material.
@@ -53,11 +53,11 @@ impl<'a> Bsdf<'a> {
             });
             return Bsdf { parts, way };
         }
-        let mut collected = Collected { components: [EMPTY; MAX_COMPONENTS], count: 0 };
+        let mut collected = Collected { components: [Component::EMPTY; MAX_COMPONENTS], count: 0 };
         context.collect(id, Place { frame, weight: 1.0, bend: None }, &mut collected);
         let Collected { components, count } = collected;
         let parts = match count {
-            0 => Parts::One(EMPTY),
+            0 => Parts::One(Component::EMPTY),
             1 => Parts::One(components[0]),
             _ => Parts::Blend {
                 components: components[..count].into(),
@@ -67,16 +67,6 @@ impl<'a> Bsdf<'a> {
         Bsdf { parts, way }
     }
 }
-
-/// A component that scatters nothing.
-const EMPTY: Component<'static> = Component {
-    lobe: Lobe::Diffuse { albedo: Rgb::BLACK },
-    frame: Frame { s: Vec3::X, t: Vec3::Y, n: Vec3::Z },
-    weight: 1.0,
-    material: 0,
-    bend: None,
-    part: None,
-};
 
 /// The position of a lobe in the tree of a material.
 #[derive(Clone, Copy)]

@@ -26,6 +26,7 @@ mod layers;
 mod light;
 mod media;
 mod remainder;
+mod sensor;
 mod start;
 mod vertex;
 

@@ -23,7 +23,8 @@ pub struct GatherRay {
 }
 
 impl<'a> EyeWalk<'a> {
-    /// A path through a random point of a pixel: sample number `index` of that pixel.
+    /// A path through a random point of a pixel: sample number `index` of that pixel. If sensors stand in place of the camera, the
+    /// path begins at one of them, and the value of its sample is irradiance.
     #[inline(always)]
     pub fn through_pixel(
         setting: &Setting<'a>,
@@ -34,6 +35,9 @@ impl<'a> EyeWalk<'a> {
         let camera = setting.camera;
         let stream = (y * camera.size()[0] + x) as u32;
         let mut sampler = Sampler::new(setting.seed, stream, index);
+        if let Some(sensors) = camera.sensors() {
+            return Self::at_sensor(setting, limits, &sensors[x], sampler);
+        }
         let [u, v] = sampler.next_2d();
         let lens = if camera.has_lens() { sampler.next_2d() } else { [0.5; 2] };
         let ray = camera.ray([x as f32 + u, y as f32 + v], lens);
@@ -52,10 +56,14 @@ impl<'a> EyeWalk<'a> {
     /// matter for the picture. `stream` separates the random numbers of one use from those of another.
     pub fn through_picture(setting: &Setting<'a>, stream: u32, path: u32) -> Self {
         let mut sampler = Sampler::new(setting.seed ^ stream, 0, path);
+        let limits = PathLimits { max_depth: None, rr_depth: u32::MAX };
         let [w, h] = setting.camera.size().map(|n| n as f32);
         let [x, y] = sampler.next_2d();
+        if let Some(sensors) = setting.camera.sensors() {
+            let sensor = &sensors[(x * w) as usize % sensors.len()];
+            return Self::at_sensor(setting, limits, sensor, sampler);
+        }
         let ray = setting.camera.ray([x * w, y * h], sampler.next_2d());
-        let limits = PathLimits { max_depth: None, rr_depth: u32::MAX };
         Self::new(setting.scene, limits, ray, sampler)
     }
 
