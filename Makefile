@@ -1,7 +1,7 @@
 # Targets for building, testing and documenting the project.
 CARGO ?= cargo
 
-.PHONY: all help build test test-slow fuzz asan lint ci scenes test-cluster references bench figures compare install man
+.PHONY: all help build test test-slow fuzz asan lint ci book check-readme scenes test-cluster references bench figures compare install man
 
 all: build
 
@@ -63,6 +63,15 @@ lint:
 
 # What must pass before a change lands: tests and lints.
 ci: test lint
+
+# The pages of docs/ as a book: target/book/index.html. Needs mdBook (`cargo install mdbook`).
+book:
+	mdbook build docs
+	@echo "target/book/index.html"
+
+# Run every command of the README as typed, in a fresh clone: about an hour.
+check-readme:
+	scripts/check-readme.sh
 
 # Write scenes/ again with the generator.
 scenes:

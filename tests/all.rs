@@ -8,6 +8,8 @@ mod analytic;
 mod determinism;
 /// Checks the dipole of translucent solids.
 mod dipole;
+/// Documents: their links, and the files that they name.
+mod documents;
 /// Values at the end of a range.
 mod ends_of_ranges;
 /// Checks instant radiosity.

@@ -18,6 +18,8 @@ mod points;
 mod previews;
 /// The Python package.
 mod python;
+/// The commands of the README and of the pages.
+mod readme;
 /// The programs, and helpers for running programs.
 mod running;
 /// The live page's server.
