@@ -106,3 +106,6 @@ compare: build
 
 # The lecture's figures: one rule per slide.
 include scripts/figures.mk
+
+# The pictures of the pages in docs/.
+include scripts/pictures.mk
