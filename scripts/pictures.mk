@@ -1,13 +1,15 @@
-# The pictures of the pages in docs/: options with two values each.
+# The pictures of the pages in docs: options with two values each.
 #
 #   make pictures
 #
 # Every picture ends after a number of passes, so that a second run gives the same files.
 
+
 PICTURES := docs/options
 PICTURES_OUT := out/pictures
 PICTURE := --size 256x256 --quiet
 .PHONY: pictures
+# Draw the pictures of the pages in docs: docs/options.
 pictures: build
 	mkdir -p $(PICTURES) $(PICTURES_OUT)
 	$(call pair,pathtrace-mode,bulb,pathtrace --spp 256 --mode path,--mode path,pathtrace --spp 64 --mode vcm,--mode vcm)

@@ -65,7 +65,7 @@ pub(crate) fn filled(text: &str, of: &impl Functions) -> anyhow::Result<String> 
 /// A number with three digits, or a whole number with its thousands apart.
 pub(crate) fn short(v: f64) -> String {
     let size = v.abs();
-    if size >= 1000.0 && size < 1e9 && (v.round() - v).abs() < 1e-6 * size {
+    if (1000.0..1e9).contains(&size) && (v.round() - v).abs() < 1e-6 * size {
         return grouped(v.round() as i64);
     }
     if size != 0.0 && !(1e-3..1e6).contains(&size) {

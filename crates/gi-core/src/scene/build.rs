@@ -96,21 +96,7 @@ impl Scene {
         let shapes: Vec<Shape> = shapes.into_iter().chain(groups.into_iter().flatten()).collect();
         let primitives = Primitives::new(&shapes)?;
 
-        // Build one tree per group, then the tree of the whole scene with its instances.
-        let group_trees: Vec<Arc<Bvh>> = group_shapes
-            .iter()
-            .map(|group| tree(&shapes, &primitives, group.clone(), &[]).map(Arc::new))
-            .collect::<Result<_, _>>()?;
-        let copies: Vec<(Solid, u32)> = instances
-            .iter()
-            .enumerate()
-            .map(|(k, i)| {
-                let tree = Arc::clone(&group_trees[i.group]);
-                (Solid::Instance { tree, to_world: i.to_world, index: k as u32 }, k as u32)
-            })
-            .collect();
-        let tree = tree(&shapes, &primitives, 0..own_shapes, &copies)?;
-
+        let tree = whole_tree(&shapes, &primitives, (own_shapes, &group_shapes), &instances)?;
         let materials = prepare(materials);
         let has_null = shapes.iter().any(|s| materials[s.material].has_null);
         let bounds = tree.bounds();
@@ -144,6 +130,28 @@ impl Scene {
         scene.find_media_round_lights();
         Ok(scene)
     }
+}
+
+/// Build one tree per group, then the tree of the whole scene with its instances. The first `own_shapes` shapes belong to no group.
+fn whole_tree(
+    shapes: &[Shape],
+    primitives: &Primitives,
+    (own_shapes, group_shapes): (usize, &[Range<usize>]),
+    instances: &[Instance],
+) -> Result<Bvh, SceneError> {
+    let group_trees: Vec<Arc<Bvh>> = group_shapes
+        .iter()
+        .map(|group| tree(shapes, primitives, group.clone(), &[]).map(Arc::new))
+        .collect::<Result<_, _>>()?;
+    let copies: Vec<(Solid, u32)> = instances
+        .iter()
+        .enumerate()
+        .map(|(k, i)| {
+            let tree = Arc::clone(&group_trees[i.group]);
+            (Solid::Instance { tree, to_world: i.to_world, index: k as u32 }, k as u32)
+        })
+        .collect();
+    tree(shapes, primitives, 0..own_shapes, &copies)
 }
 
 /// A sphere around the scene. It is slightly too large, so that light from infinity starts outside the scene.

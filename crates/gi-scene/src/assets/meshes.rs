@@ -61,6 +61,11 @@ impl Assets {
             .chain(inline)
             .map(|copy| (place(copy.want.object), copy))
             .collect();
+        self.take_meshes(jobs, report);
+    }
+
+    /// Move each mesh to its place, in parallel, and keep them in the order of the jobs.
+    fn take_meshes(&mut self, jobs: Vec<(Placement, Copy)>, report: &Report) {
         let budget = &report.budget;
         let done: Vec<_> = jobs
             .into_par_iter()

@@ -38,35 +38,8 @@ pub(crate) fn load(path: &Path, options: &Options, report: &Report) -> Option<Lo
         pictures: Pictures::default(),
         folders: Folders::default(),
     };
-    for (name, _) in options.defines.iter().filter(|(name, _)| !name.starts_with("gi.")) {
-        report.warn_nowhere(format!("-D {name} has no effect: OBJ files have no named values"));
-    }
-    if let Some(index) = options.sensor {
-        report.warn_nowhere(format!("--sensor {index} has no effect: OBJ files have no sensors"));
-    }
-    let (mut text, mut meshes) =
-        (report.budget.claim(path.display()), report.budget.claim(path.display()));
-    let bytes = files::read_bytes(path, &mut text);
-    let contents = bytes.and_then(|bytes| {
-        reader.hash.bytes(&bytes);
-        let mut parse =
-            |origin| guarded(|| obj::parse_by_material(&bytes, (true, origin), true, &mut meshes));
-        let mut contents = parse(DVec3::ZERO)?;
-        let bounds = contents.meshes.iter().map(|(_, mesh)| mesh.bounds());
-        let bounds = bounds.fold(Bounds::EMPTY, Bounds::union);
-        let ends = [bounds.min, bounds.max].map(|p| p.as_dvec3());
-        let origin = Extent::of(ends).map_or(DVec3::ZERO, |all| all.origin());
-        if !bounds.is_empty() && origin != DVec3::ZERO {
-            // Again, with all digits that the file has.
-            drop(contents);
-            contents = parse(origin)?;
-            reader.parts.origin = origin.as_vec3();
-        }
-        meshes.keep(contents.meshes.iter().map(|(_, mesh)| mesh_file::bytes(mesh)).sum())?;
-        Ok(contents)
-    });
-    drop(text);
-    let contents = match contents {
+    warn_of_unused(options, report);
+    let contents = match reader.read(path) {
         Ok(contents) => contents,
         Err(why) => {
             report.error_nowhere(format!("cannot read `{}`: {why}", path.display()));
@@ -100,6 +73,16 @@ pub(crate) fn load(path: &Path, options: &Options, report: &Report) -> Option<Lo
         memory: 0,
         origins: reader.origins,
     })
+}
+
+/// Warn about options that have no effect on OBJ files.
+fn warn_of_unused(options: &Options, report: &Report) {
+    for (name, _) in options.defines.iter().filter(|(name, _)| !name.starts_with("gi.")) {
+        report.warn_nowhere(format!("-D {name} has no effect: OBJ files have no named values"));
+    }
+    if let Some(index) = options.sensor {
+        report.warn_nowhere(format!("--sensor {index} has no effect: OBJ files have no sensors"));
+    }
 }
 
 struct Reader<'a> {
@@ -145,6 +128,29 @@ impl Library {
 }
 
 impl Reader<'_> {
+    /// Read the file's meshes, one per material.
+    fn read(&mut self, path: &Path) -> Result<obj::Contents, String> {
+        let (mut text, mut meshes) =
+            (self.report.budget.claim(path.display()), self.report.budget.claim(path.display()));
+        let bytes = files::read_bytes(path, &mut text)?;
+        self.hash.bytes(&bytes);
+        let mut parse =
+            |origin| guarded(|| obj::parse_by_material(&bytes, (true, origin), true, &mut meshes));
+        let mut contents = parse(DVec3::ZERO)?;
+        let bounds = contents.meshes.iter().map(|(_, mesh)| mesh.bounds());
+        let bounds = bounds.fold(Bounds::EMPTY, Bounds::union);
+        let ends = [bounds.min, bounds.max].map(|p| p.as_dvec3());
+        let origin = Extent::of(ends).map_or(DVec3::ZERO, |all| all.origin());
+        if !bounds.is_empty() && origin != DVec3::ZERO {
+            // Again, with all digits that the file has.
+            drop(contents);
+            contents = parse(origin)?;
+            self.parts.origin = origin.as_vec3();
+        }
+        meshes.keep(contents.meshes.iter().map(|(_, mesh)| mesh_file::bytes(mesh)).sum())?;
+        Ok(contents)
+    }
+
     fn shapes(&mut self, contents: obj::Contents) {
         let library = self.libraries(&contents.libraries);
         let unknown = Entry::default();
