@@ -1,5 +1,6 @@
 //! The README's commands work as they are typed.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::os::unix::fs::{PermissionsExt, symlink};
 use std::path::Path;
 use std::process::Command;
@@ -67,6 +68,65 @@ fn the_commands_of_the_readme_work_as_typed() {
     all.iter().for_each(|command| try_command(&folder, command));
     for file in ["out.exr", "out.png", "photons.exr", "out/first/index.html", "box.json"] {
         assert!(Path::new(&folder.at(file)).exists(), "{file}");
+    }
+}
+
+/// The options that a text names: `--spp`, also within longer pieces of code.
+fn options(text: &str) -> BTreeSet<String> {
+    let is_letter = |c: char| c.is_ascii_lowercase() || c == '-';
+    let after = text.split("--").skip(1);
+    let names = after.map(|rest| rest.split(|c| !is_letter(c)).next().unwrap_or_default());
+    let names = names.filter(|name| name.starts_with(|c: char| c.is_ascii_lowercase()));
+    names.map(|name| name.trim_end_matches('-').to_string()).collect()
+}
+
+/// Options of other tools that the documents name.
+const FOREIGN: [&str; 12] = [
+    "release",
+    "metric",
+    "ch",
+    "hdr",
+    "alb",
+    "nrm",
+    "snakefile",
+    "cores",
+    "retries",
+    "cpus-per-task",
+    "claim",
+    "bench",
+];
+
+#[test]
+fn every_option_that_a_page_names_is_an_option_of_its_program() {
+    let help = |program: &&str| {
+        let output = Command::new(path_of(program)).arg("--help").output().expect("the program");
+        (program.to_string(), options(&String::from_utf8_lossy(&output.stdout)))
+    };
+    let known: BTreeMap<String, BTreeSet<String>> = PROGRAMS.iter().map(help).collect();
+    let all: BTreeSet<&String> = known.values().flatten().collect();
+    let mut wrong = Vec::new();
+    for entry in std::fs::read_dir(Path::new(ROOT).join("docs")).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.extension().is_none_or(|e| e != "md") {
+            continue;
+        }
+        let page = path.file_stem().expect("a name").to_string_lossy().into_owned();
+        for option in options(&std::fs::read_to_string(&path).expect("a document")) {
+            if !all.contains(&option) && !FOREIGN.contains(&option.as_str()) {
+                wrong.push(format!("docs/{page}.md: --{option}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "no program has these options:\n{}", wrong.join("\n"));
+    // A table of options lists only those of the page's own program.
+    for (program, own) in &known {
+        let text = std::fs::read_to_string(Path::new(ROOT).join(format!("docs/{program}.md")));
+        for row in text.expect("a page").lines().filter(|line| line.starts_with("| `--")) {
+            let first = row.split('|').nth(1).expect("a cell");
+            for option in options(first) {
+                assert!(own.contains(&option), "docs/{program}.md: --{option} is no option of it");
+            }
+        }
     }
 }
 
