@@ -96,6 +96,7 @@ bench:
 	$(CARGO) bench -p photonmap --bench search --features rivals
 	$(CARGO) bench -p vpl --bench connections
 	$(CARGO) bench -p lightcuts --bench scaling
+	$(CARGO) bench -p lightcuts --bench cost
 
 # Compare the techniques, COMPARE_TIME each: out/compare/index.html.
 COMPARE_TIME ?= 10s

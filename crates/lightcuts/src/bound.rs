@@ -71,11 +71,12 @@ impl Terms {
             Family::Oriented => (max_cos(&toward, &node.cone, 1.0), 1.0),
             Family::Glossy => {
                 let gain = tree.gain(k);
+                let toll = gain.toward(&toward);
                 let mut cos = max_cos(&toward, &node.cone, 1.0);
                 if gain.both_sides {
                     cos = cos.max(max_cos(&toward, &node.cone, -1.0));
                 }
-                (gain.most.min(gain.over_cos * cos), gain.over_cos)
+                (toll.most.min(toll.over_cos * cos), toll.over_cos)
             }
         };
         if emitted <= 0.0 {
@@ -126,9 +127,9 @@ fn max_cos(toward: &Toward, cone: &NormalCone, side: f32) -> f32 {
 /// Rounding of the cosine of a difference of angles.
 const COS_ROUNDING: f32 = 1e-6;
 
-/// Upper bound of a node's error, as luminance. Estimate and truth are both between 0 and the bound, so the error is at
-/// most the larger of the estimate and the bound minus the estimate. (The paper uses the bound itself, which is up to
-/// twice as large.)
+/// Upper bound of a node's error, as luminance. The truth lies between 0 and the bound, so the error is at most
+/// the larger of the estimate and the bound minus the estimate. (The paper uses the bound itself, which is up to twice as
+/// large.)
 #[inline]
 pub fn error(estimate: Rgb, bound: Rgb) -> f32 {
     let (estimate, bound) = (estimate.luminance(), bound.luminance());

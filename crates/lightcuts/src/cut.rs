@@ -41,6 +41,8 @@ pub struct Lit {
     pub size: u32,
     /// Number of shadow rays.
     pub rays: u32,
+    /// Number of bounds that were computed.
+    pub bounds: u32,
     /// Whether refinement ended at the maximum number of clusters, with the error still too large.
     pub at_most: bool,
 }
@@ -65,6 +67,8 @@ pub struct Cut {
     /// cancellation would ruin the sum.
     pub(crate) squares: Option<f64>,
     pub(crate) rays: u32,
+    /// Number of bounds that were computed.
+    pub(crate) bounds: u32,
 }
 
 /// A split adds at most this many clusters: both children may be pairs of lights.
@@ -88,7 +92,7 @@ impl Cut {
     pub fn clear(&mut self) {
         self.heap.clear();
         self.clusters.clear();
-        (self.total, self.squares, self.rays) = (0.0, None, 0);
+        (self.total, self.squares, self.rays, self.bounds) = (0.0, None, 0, 0);
     }
 
     /// All clusters. Their order has no meaning, but is the same in every run.

@@ -73,6 +73,7 @@ impl<'a> Lights<'_, 'a> {
             cut.total += f64::from((parent.unit * tree.node(same).power).luminance());
             self.split(at, cut, number, record);
         } else {
+            cut.bounds += 1;
             let bound = self.bound(at, parent.tree, same);
             self.weigh(cut, number, bound);
         }
@@ -102,6 +103,7 @@ impl<'a> Lights<'_, 'a> {
         let mut cluster = Cluster { error: 0.0, tree, node, unit: Rgb::BLACK, kept: 1.0, slot };
         // A cluster that cannot bring light needs no shadow ray.
         let is_light = shape.node(node).children().is_none();
+        cut.bounds += u32::from(!is_light);
         let bound = self.bound(at, tree, node);
         if !is_light && bound.is_none() {
             return;
@@ -123,7 +125,7 @@ impl<'a> Lights<'_, 'a> {
 
     /// Upper bound of the light from a cluster; `None` for single lights, and if no light comes from it.
     #[inline]
-    pub(crate) fn bound(&self, at: &At, tree: u32, node: u32) -> Option<Rgb> {
+    pub fn bound(&self, at: &At, tree: u32, node: u32) -> Option<Rgb> {
         let tree = &self.forest.trees[tree as usize];
         tree.node(node).children()?;
         Some(Terms::new(tree, node, &at.site)?.bound(tree, tree.node(node), &at.site))
@@ -147,7 +149,8 @@ impl<'a> Lights<'_, 'a> {
 
     /// The light of a cut.
     pub fn add_up(&self, cut: &mut Cut, limits: &Limits) -> Lit {
-        let mut lit = Lit { rays: cut.rays, at_most: !cut.is_good(limits), ..Lit::default() };
+        let at_most = !cut.is_good(limits);
+        let mut lit = Lit { rays: cut.rays, bounds: cut.bounds, at_most, ..Lit::default() };
         for cluster in &cut.clusters {
             let tree = &self.forest.trees[cluster.tree as usize];
             let light = cluster.unit * tree.node(cluster.node).power;

@@ -9,7 +9,7 @@ use glam::Vec3;
 use vpl::{Kind, Vpl, Vpls};
 
 use crate::cluster::{Cluster, join_all};
-use crate::gain::{Gain, gain};
+use crate::gain::{Exact, Gain, gain};
 
 /// How the lights of a tree emit. Each kind has a tree of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,11 +97,10 @@ impl Tree {
         &self.nodes
     }
 
-    /// Upper bound of the fraction that the glossy lights of a node scatter toward any direction; for glossy trees
-    /// only.
+    /// Upper bounds of the fraction that the glossy lights of a node scatter; for glossy trees only.
     #[inline]
-    pub fn gain(&self, k: u32) -> Gain {
-        self.gains[k as usize]
+    pub fn gain(&self, k: u32) -> &Gain {
+        &self.gains[k as usize]
     }
 
     /// Whether its lights lie on light sources, so that they bring direct light.
@@ -141,7 +140,7 @@ impl Tree {
         Some(tree)
     }
 
-    /// Gains of all nodes. A cluster has the larger gain of its two children.
+    /// Gains of all nodes.
     fn gains(&self, scene: &Scene, set: &Vpls) -> Vec<Gain> {
         use rayon::prelude::*;
         let of_light = |node: &Node| match set.lights[node.representative as usize].kind {
@@ -149,10 +148,17 @@ impl Tree {
             _ => Gain::default(),
         };
         let mut gains: Vec<Gain> = self.nodes.par_iter().map(of_light).collect();
+        // Children follow their parents. A gain is dropped once it is joined, so that few of them take memory.
+        let mut exact: Vec<Option<Box<Exact>>> = vec![None; self.nodes.len()];
         for k in (0..self.nodes.len()).rev() {
-            if let Some([a, b]) = self.nodes[k].children() {
-                gains[k] = gains[a as usize].max(gains[b as usize]);
-            }
+            let Some(children) = self.nodes[k].children() else { continue };
+            let mut part = |c: u32| {
+                exact[c as usize].take().unwrap_or_else(|| Box::new((&gains[c as usize]).into()))
+            };
+            let parts = children.map(&mut part);
+            let joined = Exact::join([&parts[0], &parts[1]], children.map(|c| self.node(c).power));
+            gains[k] = (&joined).into();
+            exact[k] = Some(Box::new(joined));
         }
         gains
     }

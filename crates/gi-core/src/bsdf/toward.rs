@@ -50,6 +50,14 @@ impl Toward {
         Cone { axis: self.middle * inverse.sqrt(), sin: sin_sq.sqrt(), cos: (1.0 - sin_sq).sqrt() }
     }
 
+    /// A cone around the directions: its axis, and sine and cosine of its half angle. All directions have a sine of 1
+    /// and a cosine of 0.
+    #[inline]
+    pub fn around(&self) -> (Vec3, f32, f32) {
+        let Cone { axis, sin, cos } = self.cone();
+        (axis, sin, cos)
+    }
+
     /// Smallest squared distance to the box.
     #[inline]
     pub fn min_distance_sq(&self) -> f32 {

@@ -3,7 +3,8 @@ use crate::gain::gain;
 use crate::light::{At, Lights};
 use crate::test_scenes::{is_bent, lights, materials, point, rubble};
 use crate::tree::{Forest, Tree};
-use gi_core::bsdf::Transport;
+use gi_core::bsdf::{Toward, Transport};
+use gi_core::math::Bounds;
 use gi_core::rng::Pcg;
 use vpl::{LitSurface, Prepared, Receiver};
 
@@ -59,8 +60,10 @@ fn check_tree(lights: &Lights, at: &At, tree: &Tree, checked: &mut Checked) {
         let estimate = light(node.representative).zip(power, unit) * node.power;
         let bound =
             Terms::new(tree, k, &at.site).map_or(Rgb::BLACK, |t| t.bound(tree, node, &at.site));
-        for value in [truth, estimate] {
-            checked.check(value, bound, &(tree.family, k));
+        checked.check(truth, bound, &(tree.family, k));
+        // The gain of glossy lights is a mean over the cluster, which its representative may exceed.
+        if tree.family != Family::Glossy {
+            checked.check(estimate, bound, &(tree.family, k));
         }
         let far = (estimate.luminance() - truth.luminance()).abs();
         let said = error(estimate, bound);
@@ -138,11 +141,14 @@ fn a_glossy_light_never_scatters_more_than_its_gain() {
                 let Some(d) = drawn.filter(|s| !s.delta).map(|s| s.wi) else { continue };
                 let sent = bsdf.f_cos(wo, d).max();
                 let cos = d.dot(surface.ng).abs();
+                // The point lies in direction `d` from the light.
+                let toll =
+                    gain.toward(&Toward::new(d, &Bounds { min: Vec3::ZERO, max: Vec3::ZERO }));
                 assert!(
-                    sent <= gain.most && sent <= gain.over_cos * cos * (1.0 + 1e-3),
-                    "{sent} {gain:?}"
+                    sent <= toll.most && sent <= toll.over_cos * cos * (1.0 + 1e-3),
+                    "{sent} {toll:?}"
                 );
-                largest = largest.max(sent / gain.most);
+                largest = largest.max(sent / toll.most);
             }
         }
     }
