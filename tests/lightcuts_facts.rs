@@ -102,16 +102,23 @@ fn by_seed(seeds: u32, film: impl Fn(u32) -> Film) -> Vec<Vec<f64>> {
 
 #[test]
 fn with_sampled_lights_the_mean_picture_is_that_of_the_path_tracer() {
-    for (scene, size) in [("cornell-glossy.xml", [16, 16]), ("patio.xml", [16, 16])] {
-        let world = World::load(scene, size, &[]);
+    let scenes = [
+        ("cornell-glossy.xml", [16, 16], &[][..]),
+        ("patio.xml", [16, 16], &[]),
+        ("gallery.xml", [16, 12], &[("lights", "64")]),
+    ];
+    for (scene, size, defines) in scenes {
+        let world = World::load(scene, size, defines);
         let path = by_seed(16, |seed| {
             world.render::<PathTracer>(&pathtrace::Params::default(), 64, seed, Show::All)
         });
-        for (method, samples) in [(Method::One, 4), (Method::Stochastic, 8)] {
+        for (method, samples) in [(Method::One, 4), (Method::Stochastic, 8), (Method::Learned, 1)] {
             // The path tracer hardly ever finds the sun through glass, but photons would.
             let (bound, caustics) = (BoundOptions::compensated(4.0), Caustics::Path.into());
             let params = Params { method, samples, bound, caustics, ..few_lights() };
-            let drawn = by_seed(24, |seed| render(&world, &params, 8, 100 + seed, Show::All));
+            // The choices change after each pass, so learned lights get more passes.
+            let passes = if method == Method::Learned { 40 } else { 8 };
+            let drawn = by_seed(24, |seed| render(&world, &params, passes, 100 + seed, Show::All));
             let level = sidak(1e-3, path[0].len());
             for k in 0..path[0].len() {
                 let column = |p: &[Vec<f64>]| p.iter().map(|p| p[k]).collect::<Running>();
@@ -232,6 +239,7 @@ fn the_same_bits_for_any_number_of_threads() {
         Params { reconstruction: Reconstruction::on(), ..few_lights() },
         Params { method: Method::Stochastic, samples: 8, ..few_lights() },
         Params { method: Method::One, samples: 4, ..few_lights() },
+        Params { method: Method::Learned, ..few_lights() },
     ];
     for params in variants {
         let one = bits(1, &params);

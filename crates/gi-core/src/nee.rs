@@ -111,10 +111,13 @@ fn direct_light_seen(
     let (f_cos, pdf_bsdf) = bsdf.f_cos_pdf(wo, light.wi);
     let arriving = f_cos * light.radiance;
     if arriving.is_black() {
+        at.learn(&light, || 0.0);
         return Rgb::BLACK;
     }
     let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf_w, pdf_bsdf) };
-    seen(scene, &light, visibility(&light)) * arriving * (weight / light.pdf_w)
+    let direct = seen(scene, &light, visibility(&light)) * arriving;
+    at.learn(&light, || direct.luminance() / light.pdf_w);
+    direct * (weight / light.pdf_w)
 }
 
 /// The visible fraction of a light sample, times what is not yet looked up of its radiance.

@@ -13,7 +13,7 @@
 //! | `--fixed-lights` | all passes use the lights of the first pass; the error from too few lights stays |
 //! | `--clamp`, `--compensation` | upper bound of the geometry term of indirect lights, and paths for the light that it cuts off, as in instant radiosity |
 //! | `--caustics` | `photon`: light focused by mirrors and glass is read from photons, blurred over discs that shrink with the passes; `path` |
-//! | `--method` | `cuts`; `all`: every light; `stochastic`, `one`: lights sampled from the same trees, without bias \[Yuksel19, Conty18\] |
+//! | `--method` | `cuts`; `all`: every light; `stochastic`, `one`: lights sampled from the same trees, without bias \[Yuksel19, Conty18\]; `learned`: paths with light samples chosen by what earlier passes have learned \[Vevoda18\] |
 //! | `--reconstruct` | cuts only at the corners of blocks of pixels, interpolated where they agree [Walter05, 5] |
 //! | bias | each cluster's error is at most `--error` times the total; the errors of many clusters partly cancel. None with `--error 0`, except the blur of caustics |
 //! | how it fails | few or near lights show individually. In dark places, where 2 % is little light, and with `whole` and many lights, cuts reach `--max-cut` (statistics: `at_max_cut`) |
@@ -21,7 +21,7 @@
 //!
 //! Read next: `cut.rs` (the cut and its heap), `light.rs` (split, representative, estimate), `bound.rs` (the error
 //! bound), `tree.rs` and `cluster.rs` (the light trees), `sources.rs` (the point lights), `reconstruct.rs`,
-//! `sample.rs`.
+//! `sample.rs`, `learned.rs`.
 
 #![forbid(unsafe_code)]
 
@@ -30,6 +30,7 @@ pub mod cluster;
 pub mod cut;
 pub mod figures;
 pub mod gain;
+mod learned;
 pub mod light;
 mod params;
 mod picture;
@@ -54,6 +55,7 @@ use vpl::{Direct, MIN_ROUGHNESS, Pilot, Prepared};
 
 use cut::{Cut, Limits, Lit, MAX_GROWTH};
 use figures::Subject;
+use learned::Learned;
 use light::{At, Lights};
 use picture::Blocks;
 use reconstruct::{Corners, Sample};
@@ -139,6 +141,8 @@ pub struct Lightcuts<'a> {
     lights: PassLights,
     focused: FocusedLight,
     tally: Tally,
+    /// For `--method learned`, which needs no virtual lights.
+    learned: Option<Learned>,
 }
 
 impl<'a> Technique<'a> for Lightcuts<'a> {
@@ -148,7 +152,9 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
         let Setting { scene, camera, seed, .. } = setting;
         let pilot = Pilot::of(scene, seed);
         let [w, h] = camera.size();
-        let pixels = if params.caustics.by_photons() { w * h } else { 0 };
+        let learned = (params.method == Method::Learned).then(|| Learned::new(&setting));
+        let by_photons = params.caustics.by_photons() && learned.is_none();
+        let pixels = if by_photons { w * h } else { 0 };
         let focused = FocusedLight::new(scene, seed, pixels);
         let mut technique = Lightcuts {
             setting,
@@ -157,13 +163,19 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
             lights: PassLights::default(),
             focused,
             tally: Tally::default(),
+            learned,
         };
-        technique.make_lights_and_trees(0);
+        if technique.learned.is_none() {
+            technique.make_lights_and_trees(0);
+        }
         Ok(technique)
     }
 
     /// Make lights and trees, and illuminate one sample per pixel by cuts.
     fn pass(&mut self, index: u32, film: &mut Film) {
+        if let Some(learned) = &mut self.learned {
+            return learned.pass(&self.setting, self.params.limits, index, film);
+        }
         if index != self.lights.pass && !self.params.fixed_lights {
             self.make_lights_and_trees(index);
         }
@@ -182,15 +194,25 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
         film.add_pass(|pixel| self.sample_pixel(&lights, pixel, index, |_| None));
     }
 
+    fn passes_are_independent(&self) -> bool {
+        self.learned.is_none()
+    }
+
     fn save_state(&self) -> Vec<u8> {
-        self.tally.save()
+        self.learned.as_ref().map_or_else(|| self.tally.save(), Learned::save)
     }
 
     fn restore(&mut self, state: &[u8]) -> Result<(), String> {
-        self.tally.restore(state)
+        match &mut self.learned {
+            Some(learned) => learned.restore(state),
+            None => self.tally.restore(state),
+        }
     }
 
     fn statistics(&self) -> Vec<(String, f64)> {
+        if let Some(learned) = &self.learned {
+            return learned.statistics();
+        }
         self.tally.statistics(&self.focused, &self.lights.vpls, &self.lights.forest)
     }
 
@@ -274,7 +296,9 @@ impl<'a> Lightcuts<'a> {
             (Method::Cuts, _) => light_by_cut(lights, &at, &params.cut),
             (Method::All, _) => lights.light_by_all(&at),
             (Method::Stochastic, _) => lights.light_stochastically(&at, params.samples, sampler),
-            (Method::One, _) => lights.light_by_some(&at, params.samples, sampler),
+            (Method::One, _) | (Method::Learned, _) => {
+                lights.light_by_some(&at, params.samples, sampler)
+            }
         };
         self.tally.note(&lit, v.non_delta == 0);
         let max_geometry = self.view().compensated_geometry();

@@ -28,6 +28,9 @@ pub enum Method {
     Stochastic,
     /// By --samples lights sampled from the trees by importance (Conty18)
     One,
+    /// By paths instead of virtual lights; each vertex samples a light, chosen by what earlier passes have learned about
+    /// the visibility of clusters of lights (Vevoda18)
+    Learned,
 }
 
 /// A picture of cuts and trees.
@@ -154,6 +157,9 @@ impl Default for Params {
 impl Params {
     /// Which light paths the estimator can reach, in words.
     pub(crate) fn reach(&self) -> String {
+        if self.method == Method::Learned {
+            return "all paths that path tracing reaches".into();
+        }
         let direct = if self.direct == Direct::Vpl { "direct and indirect" } else { "indirect" };
         let cut = if self.bound.loses_light() {
             "; bounded geometric terms cut light off in corners (biased)"
@@ -171,6 +177,12 @@ impl Parameters for Params {
                 "--reconstruct interpolates cuts, so it works with --method cuts only".into()
             );
         }
+        if self.method == Method::Learned && !(self.figures.is_empty() && self.outputs().is_empty())
+        {
+            return Err("--show, --lights-out, --bounds-out and --cuts-out describe virtual lights, and --method learned \
+                        makes none: use another method"
+                .into());
+        }
         Ok(())
     }
 
@@ -179,7 +191,7 @@ impl Parameters for Params {
     }
 
     fn finds_focused_light(&self) -> bool {
-        self.caustics.by_photons()
+        self.caustics.by_photons() && self.method != Method::Learned
     }
 
     fn outputs(&self) -> Vec<PathBuf> {

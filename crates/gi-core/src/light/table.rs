@@ -174,6 +174,11 @@ impl Lights {
         })
     }
 
+    /// A copy of the tree that learns during rendering.
+    pub(crate) fn learning_tree(&self, shapes: &[Shape]) -> LightTree {
+        self.tree(shapes).learning(self.sphere)
+    }
+
     /// The tree of all lights if there are many.
     pub(crate) fn tree_of_many(&self) -> Option<&LightTree> {
         if self.are_many { self.tree.get() } else { None }

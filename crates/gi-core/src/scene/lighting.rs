@@ -55,6 +55,11 @@ impl Scene {
         self.lights.tree(&self.shapes)
     }
 
+    /// A copy of [`Scene::light_tree`] that learns during rendering which lights reach which part of the scene.
+    pub fn learning_light_tree(&self) -> LightTree {
+        self.lights.learning_tree(&self.shapes)
+    }
+
     /// The tree that chooses lights for a point, if there are so many lights that it is better than power.
     #[inline]
     pub fn tree_of_many_lights(&self) -> Option<&LightTree> {

@@ -3,20 +3,28 @@
 //! Each node bounds the positions, the normals and the intensities of its lights. From the root, one random number
 //! descends to a light: at each node, the children are chosen in proportion to their importance. Lights at infinity
 //! have no place in the tree. They stand beside it: the root's importance is an estimate of the irradiance from all
-//! lamps, and is weighed against their mean irradiance.
+//! lamps, and is weighed against their mean irradiance. A copy of the tree can learn during rendering which nodes reach
+//! which part of the scene, see `learned.rs`.
 
 mod bounds;
 mod build;
+mod guided;
+mod learned;
 mod node;
 #[cfg(test)]
 mod tests;
 mod vantage;
 
+use std::sync::Arc;
+
 use super::{Discrete, Light};
+use crate::bytes::{Reader, Writer};
 use crate::geometry::Shape;
 use crate::rng::hash_words;
 use bounds::LightBounds;
 use build::{Leaf, build};
+use glam::Vec3;
+use learned::Guide;
 use node::{Link, Node};
 use rayon::prelude::*;
 pub use vantage::{Facing, Vantage};
@@ -33,6 +41,8 @@ pub struct LightTree {
     by_power: Discrete,
     /// Mean irradiance from the lights at infinity on planes of all orientations, as luminance.
     irradiance: f32,
+    /// What was learned, in a copy that learns.
+    guide: Option<Arc<Guide>>,
 }
 
 /// The trail of a light that is not in the tree. No light is so deep.
@@ -67,12 +77,58 @@ impl LightTree {
         let by_power = Discrete::new(distant.iter().map(|&k| power(&lights[k as usize])));
         // The mean cosine with a random normal is a quarter, because half of all normals face away.
         let irradiance = 0.25 * (by_power.total() / f64::from(disc)) as f32;
-        LightTree { nodes, trails, distant, by_power, irradiance }
+        LightTree { nodes, trails, distant, by_power, irradiance, guide: None }
     }
 
     /// Memory in bytes.
     pub fn memory_bytes(&self) -> usize {
-        size_of_val(&self.nodes[..]) + size_of_val(&self.trails[..])
+        let guide = self.guide.as_ref().map_or(0, |g| g.memory_bytes());
+        size_of_val(&self.nodes[..]) + size_of_val(&self.trails[..]) + guide
+    }
+
+    /// A copy that learns during rendering which lights reach which part of the scene, within this centre and radius.
+    pub(super) fn learning(&self, sphere: (Vec3, f32)) -> Self {
+        let guide = Guide::new(&self.nodes, self.distant.len(), sphere);
+        LightTree { guide: Some(Arc::new(guide)), ..self.clone() }
+    }
+
+    /// What the tree learns. Copies of a tree that learns are made before it is in use, or not at all.
+    fn guide_mut(&mut self) -> Option<&mut Guide> {
+        self.guide.as_mut().map(|guide| Arc::get_mut(guide).expect("no other copy"))
+    }
+
+    /// Whether the next pass adds its light samples, in a tree that learns.
+    pub fn learn_from_samples(&mut self, learns: bool) {
+        if let Some(guide) = self.guide_mut() {
+            guide.learns = learns;
+        }
+    }
+
+    /// After a pass: use what its light samples have shown.
+    pub fn update(&mut self) {
+        if let Some(guide) = self.guide_mut() {
+            guide.update();
+        }
+    }
+
+    /// Number of regions in which something was learned.
+    pub fn regions(&self) -> usize {
+        self.guide.as_ref().map_or(0, |g| g.regions())
+    }
+
+    /// What was learned, for a checkpoint.
+    pub fn save(&self, w: &mut Writer) {
+        if let Some(guide) = &self.guide {
+            guide.save(w);
+        }
+    }
+
+    /// Add what [`LightTree::save`] stored.
+    ///
+    /// # Errors
+    /// A message of one line: the bytes are damaged.
+    pub fn restore(&mut self, r: &mut Reader) -> Result<(), String> {
+        self.guide_mut().map_or(Ok(()), |guide| guide.restore(r))
     }
 
     /// Choose a light for a point. Returns its index, its probability, and the first random number rescaled for further
@@ -80,6 +136,9 @@ impl LightTree {
     #[inline]
     pub(super) fn choose(&self, at: &Vantage, u: [f32; 2]) -> Option<(usize, f32, f32)> {
         let mut u = finer(u);
+        if let Some(weights) = self.weights(at) {
+            return self.choose_learned(at, u, &weights);
+        }
         let distant = self.distant_share(at);
         if u < f64::from(distant) {
             let (k, p, rest) = self.by_power.sample(to_float(u / f64::from(distant)))?;
@@ -113,6 +172,9 @@ impl LightTree {
     /// Probability with which [`LightTree::choose`] chooses a light.
     #[inline]
     pub(super) fn probability(&self, at: &Vantage, light: usize) -> f32 {
+        if let Some(weights) = self.weights(at) {
+            return self.probability_learned(at, light, &weights);
+        }
         let distant = self.distant_share(at);
         let mut trail = self.trails[light];
         if trail == NOT_IN_TREE {

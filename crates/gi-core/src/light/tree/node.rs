@@ -66,6 +66,11 @@ impl Node {
         if self.link & 1 == 0 { Link::Children(self.link) } else { Link::Light(self.link >> 1) }
     }
 
+    /// How much the node's lights may differ: intensity times the squared radius.
+    pub(super) fn spread(&self) -> f32 {
+        self.intensity * self.radius * self.radius
+    }
+
     /// An estimate of the irradiance from the node's lights: intensity times bounds of the cosines at the lights and at
     /// the receiver, over the squared distance, which is at least the squared radius [Conty18, 5]. Zero only if no
     /// light can contribute.

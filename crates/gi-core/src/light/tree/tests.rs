@@ -16,7 +16,7 @@ fn point(rng: &mut Pcg, half: f32) -> Vec3 {
 }
 
 /// Random triangles, spheres, disks, cylinders, points and spots in a cube; with `distant` also a sky and a sun.
-fn lights(count: u32, distant: bool, seed: u64) -> (Vec<Shape>, Lights) {
+pub(super) fn lights(count: u32, distant: bool, seed: u64) -> (Vec<Shape>, Lights) {
     let rng = &mut Pcg::new(seed, 0);
     let (mut shapes, mut sources) = (Vec::new(), Vec::new());
     for k in 0..count {
@@ -59,7 +59,7 @@ fn lights(count: u32, distant: bool, seed: u64) -> (Vec<Shape>, Lights) {
 }
 
 /// Random points, in media and on surfaces of both kinds; some are very near a lamp.
-fn vantage<'a>(shapes: &[Shape], lights: &'a Lights, rng: &mut Pcg) -> Vantage<'a> {
+pub(super) fn vantage<'a>(shapes: &[Shape], lights: &'a Lights, rng: &mut Pcg) -> Vantage<'a> {
     let n = warp::sphere(rng.next_2d());
     let facing =
         [Facing::Any, Facing::Side(n), Facing::Both(n)][(rng.next_f32() * 3.0) as usize % 3];

@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::LightTree;
 use crate::bsdf::Bsdf;
+use crate::light::LightSample;
 
 /// The directions from which a point scatters light toward the eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,6 +32,14 @@ impl<'a> Vantage<'a> {
     #[inline]
     pub fn new(tree: Option<&'a LightTree>, p: Vec3) -> Self {
         Vantage { p, facing: Facing::Any, tree }
+    }
+
+    /// Teach the tree how much light a light sample brought, divided by its density. Only trees that learn use it.
+    #[inline]
+    pub(crate) fn learn(&self, sample: &LightSample, brought: impl FnOnce() -> f32) {
+        if let Some(tree) = self.tree.filter(|tree| tree.learns()) {
+            tree.learn(self, sample.light, brought());
+        }
     }
 
     /// A point of a surface.
