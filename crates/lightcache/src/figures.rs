@@ -25,7 +25,7 @@ impl CacheFigure {
             CacheFigure::Records => records(setting, cache, film),
             CacheFigure::Validity => named("validity", validity(setting, cache, film)),
             CacheFigure::Octree => named("octree", octree(setting, cache, film)),
-            CacheFigure::OctreeSlice => named("octree-slice", octree_slice(setting, cache, film)),
+            CacheFigure::OctreeSlice => named("octree-slice", octree_slice(cache, film)),
             CacheFigure::Weights => weights(setting, cache, film),
         }
     }
@@ -129,7 +129,7 @@ fn octree(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> (Vec<Rgb
 const CELL: Rgb = Rgb::new(0.9, 0.75, 0.3);
 
 /// The cells and records at the bottom of the scene, seen from above. One can count the records of each cell.
-fn octree_slice(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> (Vec<Rgb>, Legend) {
+fn octree_slice(cache: &Cache<impl Sited>, film: &Film) -> (Vec<Rgb>, Legend) {
     let [w, h] = film.size();
     let mut canvas = Canvas::over([w, h], vec![Rgb::WHITE; w * h]);
     let bounds = Bounds::of(cache.records().iter().map(|r| r.site().p));
