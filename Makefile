@@ -7,7 +7,7 @@ all: build
 
 # List the targets, one line each.
 help:
-	@awk '/^$$/ { text = "" } /^# / { text = text (text == "" ? "" : " ") substr($$0, 3) } \
+	@awk '/^$$/ || /^# --/ { text = ""; next } /^# / { text = text (text == "" ? "" : " ") substr($$0, 3) } \
 	  /^[a-z][a-z-]*:/ { sub(/:.*/, ""); if (text != "") { sub(/\. .*/, ".", text); printf "%-14s %s\n", $$0, text } text = "" }' \
 	  $(MAKEFILE_LIST)
 	@echo "figure-N       The figure of slide N, such as figure-12."

@@ -45,7 +45,7 @@ GLOSSY := scenes/cornell-glossy.xml
 SLIDES := 3 8 9 12 13 14 15 16 17 18 19 22 23 24 25 26 27 29 31 32 33 34 35 36 39 41 43 47 49 51 53 55 57 59 61 62
 # Further slides of figures: SLIDE:FIGURE.
 ALSO := 4:3 10:9 11:9 20:16 28:27 30:29 37:36 38:35 40:39 42:41 44:43 45:43 46:43 48:47 50:49 52:51 54:53 56:55 58:57 60:59
-.PHONY: figures figures-pages programs mistakes $(SLIDES:%=figure-%) $(foreach a,$(ALSO),figure-$(firstword $(subst :, ,$(a))))
+.PHONY: figures programs techniques mistakes $(SLIDES:%=figure-%) $(foreach a,$(ALSO),figure-$(firstword $(subst :, ,$(a))))
 
 # Draw all figures of the lecture: out/figures/index.html, and deck.html for the projector. QUALITY=quick|default|full.
 figures: $(SLIDES:%=figure-%)
@@ -502,6 +502,17 @@ figure-62:
 	$(CUTS) scenes/colonnade.xml --size $(WIDE) --quiet --rule cluster --lights $(call q,1000,10000,20000) --vpls $(call q,1000,10000,20000) --spp $(call q,2,8,16) -o $D/colonnade.exr
 	$(DRAW) figure $D --slide 62 --columns 1 --title "An atrium by lightcuts" \
 	  --caption "Sun and sky fall into an atrium; nearly all light under the galleries was reflected by walls, floor and drapes." colonnade.png="lightcuts"
+
+# ------------------------------------------------------------------ the README's picture
+# Six techniques on one scene at equal time, TECHNIQUES_TIME each: out/figures/techniques.png. Times differ between runs, and so do the bits.
+TECHNIQUES_TIME ?= 60s
+TECHNIQUES := pathtrace irrcache photonmap ppm instant-radiosity lightcuts
+techniques: | programs
+	mkdir -p $(FIGURES_OUT)/techniques
+	for p in $(TECHNIQUES); do $(BIN)/$$p $(SPHERES) --size 262x262 --quiet --time $(TECHNIQUES_TIME) -o $(FIGURES_OUT)/techniques/$$p.exr; done
+	$(DRAW) strip $(FIGURES_OUT)/techniques.png "path tracing"=$(FIGURES_OUT)/techniques/pathtrace.exr "irradiance caching"=$(FIGURES_OUT)/techniques/irrcache.exr \
+	  "photon mapping"=$(FIGURES_OUT)/techniques/photonmap.exr "progressive photon maps"=$(FIGURES_OUT)/techniques/ppm.exr \
+	  "instant radiosity"=$(FIGURES_OUT)/techniques/instant-radiosity.exr "lightcuts"=$(FIGURES_OUT)/techniques/lightcuts.exr
 
 # ------------------------------------------------------------------ classic mistakes
 # The programs do not have these mistakes; the crate scripts/mistakes makes them on purpose. The right way is checked against the
