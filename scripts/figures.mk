@@ -504,15 +504,17 @@ figure-62:
 	  --caption "Sun and sky fall into an atrium; nearly all light under the galleries was reflected by walls, floor and drapes." colonnade.png="lightcuts"
 
 # ------------------------------------------------------------------ the README's picture
-# Six techniques on one scene at equal time, TECHNIQUES_TIME each: out/figures/techniques.png. Times differ between runs, and so do the bits.
+# All techniques on one scene at equal time, TECHNIQUES_TIME each: docs/techniques.png. Times differ between runs, and so do the bits.
 TECHNIQUES_TIME ?= 60s
-TECHNIQUES := pathtrace irrcache photonmap ppm instant-radiosity lightcuts
+TECHNIQUES := pathtrace irrcache radcache photonmap ppm instant-radiosity lightcuts
+T := $(FIGURES_OUT)/techniques
 techniques: | programs
-	mkdir -p $(FIGURES_OUT)/techniques
-	for p in $(TECHNIQUES); do $(BIN)/$$p $(SPHERES) --size 262x262 --quiet --time $(TECHNIQUES_TIME) -o $(FIGURES_OUT)/techniques/$$p.exr; done
-	$(DRAW) strip $(FIGURES_OUT)/techniques.png "path tracing"=$(FIGURES_OUT)/techniques/pathtrace.exr "irradiance caching"=$(FIGURES_OUT)/techniques/irrcache.exr \
-	  "photon mapping"=$(FIGURES_OUT)/techniques/photonmap.exr "progressive photon maps"=$(FIGURES_OUT)/techniques/ppm.exr \
-	  "instant radiosity"=$(FIGURES_OUT)/techniques/instant-radiosity.exr "lightcuts"=$(FIGURES_OUT)/techniques/lightcuts.exr
+	mkdir -p $T
+	for p in $(TECHNIQUES); do $(BIN)/$$p $(SPHERES) --size 384x384 --quiet --time $(TECHNIQUES_TIME) -o $T/$$p.exr; done
+	$(BIN)/pathtrace $(SPHERES) --mode vcm --size 384x384 --quiet --time $(TECHNIQUES_TIME) -o $T/vcm.exr
+	$(DRAW) strip docs/techniques.png --columns 4 "irradiance caching"=$T/irrcache.exr "radiance caching"=$T/radcache.exr \
+	  "photon mapping"=$T/photonmap.exr "progressive photon mapping"=$T/ppm.exr "instant radiosity"=$T/instant-radiosity.exr \
+	  "lightcuts"=$T/lightcuts.exr "path tracing"=$T/pathtrace.exr "vertex connection and merging"=$T/vcm.exr
 
 # ------------------------------------------------------------------ classic mistakes
 # The programs do not have these mistakes; the crate scripts/mistakes makes them on purpose. The right way is checked against the
