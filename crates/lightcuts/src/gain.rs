@@ -119,19 +119,22 @@ impl Gain {
         // Loops without branches, so that the compiler can vectorise them.
         let mut touched = [u8::MAX; PIECES];
         if sin < 1.0 {
-            for k in 0..PIECES {
+            for (k, touched) in touched.iter_mut().enumerate() {
                 // Light travels opposite to the direction in which the point sees the light.
                 let between = sphere.x[k] * axis.x + sphere.y[k] * axis.y + sphere.z[k] * axis.z;
                 let touches = -between >= sphere.cos[k] * cos - sphere.sin[k] * sin;
-                touched[k] = if touches { u8::MAX } else { 0 };
+                *touched = if touches { u8::MAX } else { 0 };
             }
         }
         let (mut most, mut over_cos) = (0, 0);
-        for k in 0..PIECES {
-            most = most.max(self.most[k] & touched[k]);
-            over_cos = over_cos.max(self.over_cos[k] & touched[k]);
+        for ((t, m), o) in touched.iter().zip(&self.most).zip(&self.over_cos) {
+            most = most.max(m & t);
+            over_cos = over_cos.max(o & t);
         }
-        Toll { most: read(most), over_cos: read(over_cos) }
+        Toll {
+            most: sphere.bounds[usize::from(most)],
+            over_cos: sphere.bounds[usize::from(over_cos)],
+        }
     }
 }
 
@@ -142,6 +145,8 @@ struct Sphere {
     z: [f32; PIECES],
     cos: [f32; PIECES],
     sin: [f32; PIECES],
+    /// The bounds that stored numbers stand for.
+    bounds: [f32; 256],
 }
 
 static SPHERE: LazyLock<Sphere> = LazyLock::new(|| {
@@ -164,13 +169,14 @@ static SPHERE: LazyLock<Sphere> = LazyLock::new(|| {
         z: axis.map(|a| a.z),
         cos,
         sin: cos.map(|c| (1.0 - c * c).sqrt()),
+        bounds: std::array::from_fn(|k| read(k as u8)),
     }
 });
 
 /// A square of a face of the cube around the sphere. The face is that of piece `k`; `n` squares lie along its side.
 fn part(k: usize, n: usize, place: [usize; 2]) -> Bounds {
     let face = k / (SIDE * SIDE);
-    let (axis, side) = (face / 2, if face % 2 == 0 { -1.0 } else { 1.0 });
+    let (axis, side) = (face / 2, if face.is_multiple_of(2) { -1.0 } else { 1.0 });
     let (mut min, mut max) = (Vec3::splat(side), Vec3::splat(side));
     for (across, place) in [(axis + 1) % 3, (axis + 2) % 3].into_iter().zip(place) {
         let at = |i: usize| 2.0 * i as f32 / n as f32 - 1.0;

@@ -2,21 +2,22 @@
 //! \[Vevoda18\].
 //!
 //! The scene is divided into regions: cells of a grid, by the direction of the surface. For each region and each node
-//! at the top of the light tree, a Bayesian regression models the light from the node: its importance times a factor
-//! that is zero if the node is hidden, and else has a normal distribution of unknown mean and variance (the conjugate
-//! prior is the normal-inverse-gamma distribution; a beta distribution for the probability of zero). The descent then
-//! weighs each node by the root of the predicted second moment, which minimises the variance.
+//! at the top of the light tree, a Bayesian regression predicts the light from the node, relative to its importance. The
+//! descent then weighs each node by the root of the predicted second moment, which minimises the variance.
 //!
 //! Light samples are added up as whole numbers, so sums do not depend on the order in which threads add. Weights change
 //! only between passes.
 
-use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
+mod regression;
+
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use glam::Vec3;
 
 use super::node::{Link, Node};
 use super::vantage::{Facing, Vantage};
 use crate::bytes::{Reader, Writer};
+use regression::{Data, Sums};
 
 /// Number of nodes of the cut through the tree above which weights are learned.
 const CLUSTERS: usize = 64;
@@ -29,33 +30,12 @@ const REGIONS: usize = 1 << 14;
 const MOST_DISTANT: usize = 16;
 /// Probability of a choice that ignores what was learned.
 pub(super) const PLAIN: f64 = 0.15;
-/// Steps per unit of the sums of factors and of their squares; larger factors than this count as this.
-const STEPS: [f32; 2] = [1_048_576.0, 65_536.0];
-const MOST: f32 = 4096.0;
 /// The slot of a node that is not at the top.
 const NONE: u32 = u32::MAX;
 /// A cell that no light was sampled in, one that will be a region after the pass, and one that cannot be a region.
 const UNTOUCHED: u32 = u32::MAX;
 const TOUCHED: u32 = u32::MAX - 1;
 const REFUSED: u32 = u32::MAX - 2;
-
-/// The sums for one node in one region.
-#[derive(Debug, Default)]
-struct Sums {
-    /// Number of samples in the low half, number of those that are not zero in the high half.
-    counts: AtomicU64,
-    /// Sum of the factors, and of their squares.
-    factors: [AtomicU64; 2],
-}
-
-/// The same as numbers.
-#[derive(Clone, Copy, Debug, Default)]
-struct Data {
-    samples: f64,
-    lit: f64,
-    sum: f64,
-    squares: f64,
-}
 
 /// What is known about lights and regions.
 #[derive(Debug)]
@@ -204,10 +184,7 @@ impl Guide {
         for (k, sums) in self.sums.iter().enumerate() {
             all[(k % width + 1).saturating_sub(nodes)].include(sums.data());
         }
-        let prior = |slot: usize| {
-            let Data { lit, sum, .. } = all[(slot + 1).saturating_sub(nodes)];
-            if lit > 0.0 { sum / lit } else { 1.0 }
-        };
+        let prior = |slot: usize| all[(slot + 1).saturating_sub(nodes)].mean().unwrap_or(1.0);
         let priors: Vec<f64> = (0..width).map(prior).collect();
         let weight = |(k, sums): (usize, &Sums)| sums.data().root_of_moment(priors[k % width]);
         self.weights = self.sums.iter().enumerate().map(weight).collect();
@@ -222,7 +199,7 @@ impl Guide {
         w.u64(self.keys.len() as u64);
         for (key, sums) in self.keys.iter().zip(self.sums.chunks(self.width.max(1))) {
             w.u32(*key);
-            sums.iter().for_each(|s| w.counts([&s.counts].into_iter().chain(&s.factors)));
+            sums.iter().for_each(|s| w.counts(s.all()));
         }
         w.f32s(&self.weights);
     }
@@ -248,7 +225,7 @@ impl Guide {
             }
             let place = *self.region_mut(key)? as usize * self.width;
             for sums in &self.sums[place..place + self.width] {
-                r.add_to_counts([&sums.counts].into_iter().chain(&sums.factors))?;
+                r.add_to_counts(sums.all())?;
             }
         }
         let weights = (0..stored).flat_map(|_| 0..self.width).map(|_| r.f32());
@@ -262,55 +239,6 @@ impl Guide {
     fn region_mut(&mut self, key: u32) -> Result<&mut u32, String> {
         let region = self.regions.get_mut(key as usize);
         region.map(AtomicU32::get_mut).ok_or_else(|| "a region is outside the scene".into())
-    }
-}
-
-impl Sums {
-    #[inline]
-    fn add(&self, factor: f32) {
-        let factor = factor.clamp(0.0, MOST);
-        let lit = u64::from(factor > 0.0);
-        self.counts.fetch_add(1 | lit << 32, Relaxed);
-        if factor > 0.0 {
-            let parts = [factor * STEPS[0], factor * factor * STEPS[1]];
-            let sums = self.factors.iter().zip(parts);
-            sums.for_each(|(sum, part)| _ = sum.fetch_add(part as u64, Relaxed));
-        }
-    }
-
-    fn data(&self) -> Data {
-        let counts = self.counts.load(Relaxed);
-        let [sum, squares] =
-            [0, 1].map(|k| self.factors[k].load(Relaxed) as f64 / f64::from(STEPS[k]));
-        Data { samples: (counts & 0xffff_ffff) as f64, lit: (counts >> 32) as f64, sum, squares }
-    }
-}
-
-/// Weight of the prior mean, in samples, and the first parameter of the gamma distribution.
-const PRIOR_SAMPLES: f64 = 2.0;
-const PRIOR_SHAPE: f64 = 2.0;
-
-impl Data {
-    fn include(&mut self, other: Data) {
-        self.samples += other.samples;
-        self.lit += other.lit;
-        self.sum += other.sum;
-        self.squares += other.squares;
-    }
-
-    /// The root of the predicted second moment of the factor, if its mean is `mean` before all samples.
-    fn root_of_moment(self, mean: f64) -> f32 {
-        let Data { samples, lit, sum, squares } = self;
-        let visible = (lit + 1.0) / (samples + 2.0);
-        let own = sum / lit.max(1.0);
-        let weight = PRIOR_SAMPLES + lit;
-        let mu = (PRIOR_SAMPLES * mean + sum) / weight;
-        let shape = PRIOR_SHAPE + 0.5 * lit;
-        let scatter = (squares - lit * own * own).max(0.0);
-        let apart = PRIOR_SAMPLES * lit * (own - mean).powi(2) / weight;
-        let scale = mean * mean + 0.5 * (scatter + apart);
-        let variance = scale * (weight + 1.0) / ((shape - 1.0) * weight);
-        (visible * (mu * mu + variance)).sqrt() as f32
     }
 }
 

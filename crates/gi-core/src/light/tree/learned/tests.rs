@@ -42,17 +42,17 @@ fn with_taught(test: impl Fn(&Lights, &[bool], &[Vantage], &LightTree)) {
 
 #[test]
 fn every_light_keeps_a_probability_and_hidden_lights_lose_most_of_theirs() {
-    with_taught(|lights, is_hidden, points, tree| {
+    with_taught(|_, is_hidden, points, tree| {
         assert!(tree.regions() > 20);
         let mut fewer = 0;
         for at in points {
             let plain = at.tree.expect("a tree");
             let (mut sum, mut hidden, mut hidden_before) = (0.0, 0.0, 0.0);
-            for k in 0..lights.all().len() {
+            for (k, is_hidden) in is_hidden.iter().enumerate() {
                 let [p, before] = [tree, plain].map(|t| f64::from(t.probability(at, k)));
                 assert!(p >= 0.9 * PLAIN * before, "light {k}: {p} after, {before} before");
                 sum += p;
-                if is_hidden[k] {
+                if *is_hidden {
                     (hidden, hidden_before) = (hidden + p, hidden_before + before);
                 }
             }
