@@ -120,7 +120,7 @@ fn no_cluster_exceeds_its_bound() {
 #[test]
 #[ignore = "a minute: a hundred million cases"]
 fn no_cluster_of_very_many_exceeds_its_bound() {
-    let of = check_scenes(100..900);
+    let of = check_scenes(100..1000);
     assert!(of.iter().flatten().all(|c| c.lit > 50_000));
     assert!(of.iter().flatten().map(|c| c.cases).sum::<u32>() > 100_000_000);
 }
