@@ -71,12 +71,12 @@ impl Terms {
             Family::Oriented => (max_cos(&toward, &node.cone, 1.0), 1.0),
             Family::Glossy => {
                 let gain = tree.gain(k);
-                let toll = gain.toward(&toward);
+                let gain_toward = gain.toward(&toward);
                 let mut cos = max_cos(&toward, &node.cone, 1.0);
                 if gain.both_sides {
                     cos = cos.max(max_cos(&toward, &node.cone, -1.0));
                 }
-                (toll.most.min(toll.over_cos * cos), toll.over_cos)
+                (gain_toward.most.min(gain_toward.over_cos * cos), gain_toward.over_cos)
             }
         };
         if emitted <= 0.0 {

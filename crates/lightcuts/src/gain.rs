@@ -32,7 +32,7 @@ pub struct Gain {
 
 /// The bounds toward some directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Toll {
+pub struct GainToward {
     /// The bound of the fraction.
     pub most: f32,
     /// The bound of the fraction divided by the cosine with the geometric normal.
@@ -113,7 +113,7 @@ impl Exact {
 impl Gain {
     /// The bounds for light that travels to a point; `toward` are the directions from the point to the lights.
     #[inline]
-    pub fn toward(&self, toward: &Toward) -> Toll {
+    pub fn toward(&self, toward: &Toward) -> GainToward {
         let (axis, sin, cos) = toward.around();
         let sphere = &*SPHERE;
         // Loops without branches, so that the compiler can vectorise them.
@@ -131,7 +131,7 @@ impl Gain {
             most = most.max(m & t);
             over_cos = over_cos.max(o & t);
         }
-        Toll {
+        GainToward {
             most: sphere.bounds[usize::from(most)],
             over_cos: sphere.bounds[usize::from(over_cos)],
         }

@@ -142,13 +142,13 @@ fn a_glossy_light_never_scatters_more_than_its_gain() {
                 let sent = bsdf.f_cos(wo, d).max();
                 let cos = d.dot(surface.ng).abs();
                 // The point lies in direction `d` from the light.
-                let toll =
+                let gain_toward =
                     gain.toward(&Toward::new(d, &Bounds { min: Vec3::ZERO, max: Vec3::ZERO }));
                 assert!(
-                    sent <= toll.most && sent <= toll.over_cos * cos * (1.0 + 1e-3),
-                    "{sent} {toll:?}"
+                    sent <= gain_toward.most && sent <= gain_toward.over_cos * cos * (1.0 + 1e-3),
+                    "{sent} {gain_toward:?}"
                 );
-                largest = largest.max(sent / toll.most);
+                largest = largest.max(sent / gain_toward.most);
             }
         }
     }
