@@ -607,10 +607,10 @@ mistake-roulette:
 
 mistake-adjoint:
 	mkdir -p $M
-	for w in density no-adjoint; do $(SHAM) $$w $(WRONG)/ball.xml $(SHAM_RUN) --light-paths $(call q,400000,2000000,2000000) --radius $(call q,0.02,0.015,0.015) --spp $(call q,1,4,4) -o $M/$$w.exr; done
+	for w in density no-adjoint; do $(SHAM) $$w $(WRONG)/ball.xml $(SHAM_RUN) --light-paths $(call q,3000000,8000000,8000000) --radius $(call q,0.02,0.015,0.015) --spp $(call q,1,4,4) -o $M/$$w.exr; done
 	$(BIN)/pathtrace $(WRONG)/ball.xml $(TRUTH_RUN) -o $M/reference.exr
 	cp $M/reference.png $M/truth.png && cp $M/reference.exr $M/truth.exr
-	$(DRAW) figure $M --slide Mistake-8 --columns 3 --inset 0.4,0.3,0.25,0.25,2 --title "Photons without the correction for shading normals" --reference $M/reference.exr \
+	$(DRAW) figure $M --slide Mistake-8 --columns 3 --inset 0.26,0.28,0.25,0.25,2 --title "Photons without the correction for shading normals" --reference $M/reference.exr \
 	  --caption "A ball of few triangles with the normals of a sphere. Photons arrive in proportion to the cosine with the real, flat surface. Without the factor |cos(wi, ns)| / |cos(wi, ng)| the triangles show, although the eye's shading is smooth." \
 	  --claim "relmse(no-adjoint[0.35 0.25 0.3 0.35]) > 1.3 * relmse(density[0.35 0.25 0.3 0.35])" \
 	  truth.png="truth" density.png="right: with the correction" no-adjoint.png="without the correction"
