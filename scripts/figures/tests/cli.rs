@@ -63,7 +63,7 @@ fn pictures_become_tables_drawings_figures_and_a_page_that_needs_nothing_else() 
     let folder = f.at("");
     succeed(&[&["figure", &folder][..], &told, &claims, &panels].concat());
     let sidecar = read(&f, "figure.json");
-    assert!(sidecar.contains("\"1.2 times\"") && sidecar.contains("0.00990 < 0.0396"), "{sidecar}");
+    assert!(sidecar.contains("\"1.2 times\"") && sidecar.contains("0.0099 < 0.0396"), "{sidecar}");
     assert!(sidecar.contains("\"relmse\": 0.0396") && sidecar.contains("--spp <4>"), "{sidecar}");
     let page = f.at("index.html");
     succeed(&["index", &page, &folder]);
