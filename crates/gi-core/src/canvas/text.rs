@@ -161,7 +161,7 @@ mod tests {
     fn letters_differ_and_stay_in_their_box() {
         let drawn = |letter: char| {
             let mut canvas = Canvas::over([20, 24], vec![Rgb::BLACK; 480]);
-            canvas.text(Vec2::new(3.0, 16.0), 12.0, Rgb::WHITE, &letter.to_string());
+            canvas.text(Vec2::new(3.0, 17.0), 12.0, Rgb::WHITE, &letter.to_string());
             canvas.into_pixels()
         };
         for (k, (letter, _)) in STROKES.iter().enumerate() {
