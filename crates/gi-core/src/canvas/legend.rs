@@ -131,8 +131,11 @@ impl Legend {
             let x = left + t * (right - left);
             let name = number(v);
             let half = 0.5 * text_width(&name, letter);
+            if !t.is_finite() || 2.0 * (half + 1.0) > w as f32 {
+                continue;
+            }
             let middle = x.clamp(half + 1.0, w as f32 - half - 1.0);
-            if middle - half < free || !t.is_finite() {
+            if middle - half < free {
                 continue;
             }
             canvas.line(Vec2::new(x, bottom), Vec2::new(x, bottom + 0.5 * letter), 1.0, INK);
@@ -144,7 +147,8 @@ impl Legend {
 
 /// Round numbers from `low` to `high` for an axis; if there is none, both ends.
 pub fn ticks(low: f32, high: f32, log: bool) -> Vec<f32> {
-    if !(low.is_finite() && high.is_finite() && high > low) {
+    let is_range = low.is_finite() && high.is_finite() && high > low;
+    if !is_range || log && low <= 0.0 {
         return vec![low];
     }
     let within = |v: &f32| *v >= low * (1.0 - 1e-5) - 1e-12 && *v <= high * (1.0 + 1e-5);
@@ -227,6 +231,23 @@ mod tests {
             let strip = &pixels[1280..];
             assert!(strip.iter().any(|p| p.g < 0.1), "no ink");
             assert!(strip.iter().any(|p| (p.r - p.g).abs() > 0.3), "no colours");
+        }
+    }
+
+    #[test]
+    fn pictures_of_any_size_and_numbers_of_any_kind_have_a_legend() {
+        for w in [1, 2, 3, 7, 16, 25, 26, 40] {
+            for (low, high) in [(0.0, 0.0), (0.0, 5.0), (1e-30, 1e30), (f32::NAN, 1.0), (3.0, 1.0)]
+            {
+                let titles = ["", "Radius (units of the scene)"];
+                for legend in titles
+                    .map(|t| [Legend::linear(t, low, high), Legend::logarithmic(t, low, high)])
+                    .concat()
+                {
+                    let (size, pixels) = legend.below([w, 2], &vec![Rgb::BLACK; 2 * w]);
+                    assert_eq!((size[0], pixels.len()), (w, size[0] * size[1]));
+                }
+            }
         }
     }
 }
