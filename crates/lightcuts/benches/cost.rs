@@ -6,22 +6,21 @@
 //! the clusters of the cuts: the bound over the unshadowed light of the cluster, the bound of the error over the true
 //! error, and the fraction of clusters that are entirely hidden.
 
+mod common;
+
 use std::hint::black_box;
-use std::path::Path;
 use std::time::Instant;
 
-use gi_core::bsdf::{Bsdf, Transport};
+use common::{Clock, GALLERY, Point, at, define, make, read};
+use gi_core::bsdf::Transport;
 use gi_core::camera::Camera;
-use gi_core::geometry::Surface;
 use gi_core::math::Rgb;
 use gi_core::scene::Scene;
-use glam::Vec3;
-use lightcuts::bound::Site;
 use lightcuts::cut::{Cluster, Cut, Limits, Lit};
 use lightcuts::light::{At, Lights};
 use lightcuts::tree::{Family, Forest};
 use lightcuts::{Params, choose, light_by_cut};
-use vpl::{LightNumbers, Pilot, Prepared, Receiver, Shooting, Termination, points, shoot};
+use vpl::Prepared;
 
 /// Grid of points over the picture.
 const POINTS: [usize; 2] = [24, 18];
@@ -29,9 +28,6 @@ const POINTS: [usize; 2] = [24, 18];
 const COMPARED: usize = 8;
 /// How often a step is repeated for its time.
 const REPETITIONS: usize = 3;
-
-/// A point that is visible in the picture.
-type Point<'a> = (Surface, Vec3, Bsdf<'a>);
 
 /// The command-line options.
 struct Asked {
@@ -44,23 +40,8 @@ struct Asked {
 
 fn main() {
     let asked = arguments();
-    let options = gi_scene::Options { defines: asked.defines.clone(), ..Default::default() };
-    let loaded = gi_scene::load(Path::new(&asked.scene), &options);
-    let loaded = loaded.unwrap_or_else(|problems| panic!("{problems}"));
-    let (scene, camera) = (Scene::new(loaded.parts).expect("a scene"), Camera::new(&loaded.camera));
-    let pilot = Pilot::of(&scene, 0);
-    let how = Shooting {
-        seed: 0,
-        first_path: 0,
-        paths: pilot.paths_for(asked.vpls.max(1)),
-        termination: Termination::Roulette,
-        max_scatterings: None,
-        lights: false,
-        pilot,
-    };
-    let mut set = if asked.vpls > 0 { shoot(&scene, &how) } else { Default::default() };
-    let numbers = LightNumbers { total: asked.lights, area: None, sky: None, sun: None };
-    set.lights.splice(0..0, points(&scene, &numbers, 0, 0).lights);
+    let (scene, camera) = read(&asked.scene, &asked.defines);
+    let set = make(&scene, asked.lights, asked.vpls);
     let clock = Instant::now();
     let forest = Forest::build(&scene, &set, false, 1);
     let built = clock.elapsed().as_secs_f64();
@@ -86,38 +67,15 @@ fn seen<'a>(scene: &'a Scene, camera: &Camera) -> Vec<Point<'a>> {
     (0..w * h).filter_map(point).collect()
 }
 
-/// Call `look` with a point prepared for cuts.
-fn at<'a, T>(
-    scene: &Scene,
-    (surface, wo, bsdf): &Point<'a>,
-    look: impl FnOnce(&At<'_, '_, 'a>) -> T,
-) -> T {
-    let most = Params::default().bound.clamp / (scene.radius() * scene.radius());
-    look(&At {
-        receiver: Receiver::new(surface, *wo, bsdf),
-        site: Site::new(surface, *wo, bsdf, most),
-        deepest: u32::MAX,
-        direct: true,
-    })
-}
-
 /// The smallest time of some repetitions in microseconds. Long steps are timed by the thread's CPU time if the system
 /// reports it, so that other threads do not count.
 fn microseconds(mut step: impl FnMut()) -> f64 {
     let once = |_| {
-        let (clock, before) = (Instant::now(), cpu_time());
+        let clock = Clock::start();
         step();
-        let wall = clock.elapsed().as_secs_f64() * 1e6;
-        let cpu = before.zip(cpu_time()).map(|(from, to)| (to - from) as f64 * 1e-3);
-        cpu.filter(|_| wall > 5e4).unwrap_or(wall)
+        1e6 * clock.seconds()
     };
     (0..REPETITIONS).map(once).fold(f64::INFINITY, f64::min)
-}
-
-/// CPU time of the thread in nanoseconds.
-fn cpu_time() -> Option<u64> {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    text.split(' ').next()?.parse().ok()
 }
 
 /// Print the size of the cuts, and the time of their steps.
@@ -242,7 +200,7 @@ fn check<'a>(
 
 fn arguments() -> Asked {
     let mut asked = Asked {
-        scene: concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/gallery.xml").into(),
+        scene: GALLERY.into(),
         defines: Vec::new(),
         vpls: 16_384,
         lights: 4096,
@@ -256,11 +214,7 @@ fn arguments() -> Asked {
             "--lights" => asked.lights = value().parse().expect("--lights N"),
             "--error" => asked.limits.error = value().parse().expect("--error E"),
             "--max-cut" => asked.limits.max_cut = Some(value().parse().expect("--max-cut N")),
-            "-D" => {
-                let define = value();
-                let (name, text) = define.split_once('=').expect("-D name=value");
-                asked.defines.push((name.into(), text.into()));
-            }
+            "-D" => asked.defines.push(define(&value())),
             _ => asked.scene = a,
         }
     }

@@ -7,22 +7,21 @@
 //! methods illuminate fewer points. With `--connections 0`, only lights and trees are built. Memory is that of lights
 //! and trees.
 
+mod common;
+
 use std::hint::black_box;
-use std::path::Path;
 use std::time::Instant;
 
-use gi_core::bsdf::{Bsdf, Transport};
+use common::{Clock, GALLERY, Point, at, define, make, read};
+use gi_core::bsdf::Transport;
 use gi_core::camera::Camera;
-use gi_core::geometry::Surface;
 use gi_core::scene::Scene;
-use glam::Vec3;
-use lightcuts::bound::Site;
 use lightcuts::cut::{Limits, Lit, Rule};
-use lightcuts::light::{At, Lights};
+use lightcuts::light::Lights;
 use lightcuts::tree::Forest;
 use lightcuts::{Params, light_by_cut};
 use rayon::prelude::*;
-use vpl::{LightNumbers, Pilot, Prepared, Receiver, Shooting, Termination, Vpls, points, shoot};
+use vpl::Prepared;
 
 /// Grid of points over the picture, horizontally and vertically.
 const POINTS: [usize; 2] = [64, 48];
@@ -36,9 +35,6 @@ const TIMED: usize = 256;
 /// Weber's law: an error of this size is invisible [slide 54], whatever `--error` is.
 const WEBER: f32 = 0.02;
 
-/// A point that is visible in the picture.
-type Point<'a> = (Surface, Vec3, Bsdf<'a>);
-
 /// The command-line options.
 struct Asked {
     scene: String,
@@ -50,10 +46,7 @@ struct Asked {
 
 fn main() {
     let asked = arguments();
-    let options = gi_scene::Options { defines: asked.defines.clone(), ..Default::default() };
-    let loaded = gi_scene::load(Path::new(&asked.scene), &options);
-    let loaded = loaded.unwrap_or_else(|problems| panic!("{problems}"));
-    let (scene, camera) = (Scene::new(loaded.parts).expect("a scene"), Camera::new(&loaded.camera));
+    let (scene, camera) = read(&asked.scene, &asked.defines);
     let seen = seen(&scene, &camera);
     println!("{}: {} points, {:?}", asked.scene, seen.len(), asked.limits);
     println!(
@@ -92,41 +85,20 @@ fn seen<'a>(scene: &'a Scene, camera: &Camera) -> Vec<Point<'a>> {
     order.filter_map(point).collect()
 }
 
-/// About `number` lights: a quarter on light sources, the rest on surfaces.
-fn make(scene: &Scene, number: u32) -> Vpls {
-    let pilot = Pilot::of(scene, 0);
-    let direct = (number / 4).max(1);
-    let how = Shooting {
-        seed: 0,
-        first_path: 0,
-        paths: pilot.paths_for(number - direct),
-        termination: Termination::Roulette,
-        max_scatterings: None,
-        lights: false,
-        pilot,
-    };
-    let mut set = shoot(scene, &how);
-    let numbers = LightNumbers { total: direct, area: None, sky: None, sun: None };
-    set.lights.splice(0..0, points(scene, &numbers, 0, 0).lights);
-    set
-}
-
 /// Print a line of the table. Returns the number of lights, and the speedup of cuts.
 fn measure(scene: &Scene, seen: &[Point], number: u32, asked: &Asked) -> (f64, f64) {
-    let set = make(scene, number);
+    let direct = (number / 4).max(1);
+    let set = make(scene, direct, number - direct);
     let clock = Instant::now();
     let forest = Forest::build(scene, &set, false, 1);
     let building = clock.elapsed().as_secs_f64();
     let prepared = Prepared::new(&set, scene);
     let lights = Lights { scene, prepared: &prepared, forest: &forest };
-    let radius = scene.radius();
-    let most = Params::default().bound.clamp / (radius * radius);
     let with = |p: &Point, by_cut: bool| {
-        let (surface, wo, bsdf) = p;
-        let receiver = Receiver::new(surface, *wo, bsdf);
-        let site = Site::new(surface, *wo, bsdf, most);
-        let at = At { receiver, site, deepest: u32::MAX, direct: true };
-        if by_cut { light_by_cut(&lights, &at, &asked.limits) } else { lights.light_by_all(&at) }
+        at(scene, p, |at| match by_cut {
+            true => light_by_cut(&lights, at, &asked.limits),
+            false => lights.light_by_all(at),
+        })
     };
     let memory = (set.memory_bytes() + forest.memory_bytes()) as f64 * 1e-6;
     print!("{:9} {building:8.3} {memory:6.1}", set.lights.len());
@@ -165,30 +137,6 @@ fn measure(scene: &Scene, seen: &[Point], number: u32, asked: &Asked) -> (f64, f
     (set.lights.len() as f64, all / cuts)
 }
 
-/// A clock for one thread. It uses the thread's CPU time if the system reports it, so that other threads do not count;
-/// short spans use wall-clock time.
-struct Clock(Instant, Option<u64>);
-
-impl Clock {
-    fn start() -> Self {
-        Clock(Instant::now(), Self::own())
-    }
-
-    fn seconds(&self) -> f64 {
-        let wall = self.0.elapsed().as_secs_f64();
-        match (self.1, Self::own()) {
-            (Some(before), Some(now)) if wall > 0.05 => (now - before) as f64 * 1e-9,
-            _ => wall,
-        }
-    }
-
-    /// CPU time of the thread in nanoseconds. Linux updates it at its clock ticks.
-    fn own() -> Option<u64> {
-        let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-        text.split(' ').next()?.parse().ok()
-    }
-}
-
 /// Smallest seconds with all lights and with cuts; the two methods alternate.
 fn race(points: &[Point], lights: usize, with: &impl Fn(&Point, bool) -> Lit) -> [f64; 2] {
     let mut total = [0.0; 2];
@@ -210,7 +158,7 @@ fn race(points: &[Point], lights: usize, with: &impl Fn(&Point, bool) -> Lit) ->
 
 fn arguments() -> Asked {
     let mut asked = Asked {
-        scene: concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/gallery.xml").into(),
+        scene: GALLERY.into(),
         defines: Vec::new(),
         numbers: vec![10, 20, 50, 100, 1000, 10_000, 100_000, 1_000_000],
         limits: Limits { max_cut: Some(20_000), ..Params::default().cut },
@@ -234,11 +182,7 @@ fn arguments() -> Asked {
             "--max-cut" => asked.limits.max_cut = Some(value().parse().expect("--max-cut N")),
             "--error" => asked.limits.error = value().parse().expect("--error E"),
             "--connections" => asked.connections = value().parse().expect("--connections N"),
-            "-D" => {
-                let define = value();
-                let (name, text) = define.split_once('=').expect("-D name=value");
-                asked.defines.push((name.into(), text.into()));
-            }
+            "-D" => asked.defines.push(define(&value())),
             _ => asked.scene = a,
         }
     }

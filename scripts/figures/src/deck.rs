@@ -2,25 +2,13 @@
 //! prints one figure per sheet.
 
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::Context;
 use serde_json::Value;
 
-use crate::index::{facts, heading, image, panels, read, text};
+use crate::index::{Args, facts, heading, image, panels, read, text};
 use crate::svg::escaped;
-
-#[derive(clap::Args)]
-pub(crate) struct Args {
-    /// The page to write (.html)
-    out: PathBuf,
-    /// Heading of the first page
-    #[arg(long, default_value = "The lecture's figures")]
-    title: String,
-    /// Folders of the figures, in the order of their slides
-    #[arg(required = true)]
-    folders: Vec<PathBuf>,
-}
 
 const STYLE: &str = include_str!("deck.css");
 const SCRIPT: &str = include_str!("deck.js");

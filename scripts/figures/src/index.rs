@@ -8,16 +8,17 @@ use serde_json::Value;
 
 use crate::svg::{data_uri, escaped};
 
+/// The options of the page, and of the deck.
 #[derive(clap::Args)]
 pub(crate) struct Args {
     /// The page to write (.html)
-    out: PathBuf,
+    pub(crate) out: PathBuf,
     /// Heading of the page
     #[arg(long, default_value = "The lecture's figures")]
-    title: String,
+    pub(crate) title: String,
     /// Folders of the figures, in the order of their slides
     #[arg(required = true)]
-    folders: Vec<PathBuf>,
+    pub(crate) folders: Vec<PathBuf>,
 }
 
 #[derive(clap::Args)]

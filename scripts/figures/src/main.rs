@@ -55,7 +55,7 @@ enum Command {
     /// Write all figures to one self-contained page
     Index(index::Args),
     /// Write all figures as slides, one per page, to one self-contained page
-    Deck(deck::Args),
+    Deck(index::Args),
     /// Write the first panel of each figure as a small picture, for a contact sheet
     Thumbs(index::ThumbArgs),
 }
