@@ -513,8 +513,8 @@ techniques: | programs
 	for p in $(TECHNIQUES); do $(BIN)/$$p $(SPHERES) --size 384x384 --quiet --time $(TECHNIQUES_TIME) -o $T/$$p.exr; done
 	$(BIN)/pathtrace $(SPHERES) --mode vcm --size 384x384 --quiet --time $(TECHNIQUES_TIME) -o $T/vcm.exr
 	$(DRAW) strip docs/techniques.png --columns 4 "irradiance caching"=$T/irrcache.exr "radiance caching"=$T/radcache.exr \
-	  "photon mapping"=$T/photonmap.exr "progressive photon mapping"=$T/ppm.exr "instant radiosity"=$T/instant-radiosity.exr \
-	  "lightcuts"=$T/lightcuts.exr "path tracing"=$T/pathtrace.exr "vertex connection and merging"=$T/vcm.exr
+	  "photon mapping"=$T/photonmap.exr "progressive photon maps"=$T/ppm.exr "instant radiosity"=$T/instant-radiosity.exr \
+	  "lightcuts"=$T/lightcuts.exr "path tracing"=$T/pathtrace.exr "paths from both ends (vcm)"=$T/vcm.exr
 
 # ------------------------------------------------------------------ classic mistakes
 # The programs do not have these mistakes; the crate scripts/mistakes makes them on purpose. The right way is checked against the
