@@ -525,6 +525,11 @@ M = $(FIGURES_OUT)/mistakes/$(@:mistake-%=%)
 SHAM = $(BIN)/mistakes
 SHAM_SIZE := $(call q,96,256,512)
 SHAM_RUN = --size $(SHAM_SIZE)
+# $(call truth,SCENE,FLAGS): the path tracer's picture, as the reference and as a panel.
+define truth
+$(BIN)/pathtrace $(1) $(TRUTH_RUN) $(2) -o $M/reference.exr
+	cp $M/reference.png $M/truth.png && cp $M/reference.exr $M/truth.exr
+endef
 TRUTH_RUN = --size $(SHAM_SIZE)x$(SHAM_SIZE) --quiet --spp $(call q,256,1024,1024)
 .PHONY: $(MISTAKES:%=mistake-%)
 $(MISTAKES:%=mistake-%): | programs
@@ -558,18 +563,16 @@ PHOTON_RUN = $(SHAM_RUN) --light-paths $(call q,100000,1000000,1000000) --radius
 mistake-stored:
 	mkdir -p $M
 	for w in density per-stored; do $(SHAM) $$w $(BOX) $(PHOTON_RUN) -o $M/$$w.exr; done
-	$(BIN)/pathtrace $(BOX) $(TRUTH_RUN) -o $M/reference.exr
-	cp $M/reference.png $M/truth.png && cp $M/reference.exr $M/truth.exr
+	$(call truth,$(BOX),)
 	$(DRAW) figure $M --slide Mistake-3 --columns 3 --title "Photon power divided by stored photons" --reference $M/reference.exr \
-	  --caption "The power of the lamp is shared by the paths that were emitted, {said(density, emitted)}. Each path is stored at every diffuse surface that it meets, {said(density, stored)} times in all. Who divides by the number of stored photons gets {ratio(per-stored, density)} of the light, and another factor in every scene." \
+	  --caption "The power of the lamp is shared by the paths that were emitted, {said(density, emitted)}. Each path is stored at every diffuse surface that it meets, {said(density, stored)} times in all. Dividing by the number of stored photons gives {ratio(per-stored, density)} of the light, and another factor in every scene." \
 	  --claim "ratio(density[0.3 0.7 0.4 0.1]) in 0.93..1.07" --claim "ratio(per-stored[0 0.3 1 0.7], density[0 0.3 1 0.7]) * said(density, stored) / said(density, emitted) in 0.99..1.01" \
 	  truth.png="truth" density.png="right: divided by emitted paths" per-stored.png="divided by stored photons: {ratio(per-stored[0 0.3 1 0.7], density[0 0.3 1 0.7])} times"
 
 mistake-behind:
 	mkdir -p $M
 	for w in density from-behind; do $(SHAM) $$w $(WRONG)/thin-wall.xml $(PHOTON_RUN) -o $M/$$w.exr; done
-	$(BIN)/pathtrace $(WRONG)/thin-wall.xml $(TRUTH_RUN) -o $M/reference.exr
-	cp $M/reference.png $M/truth.png && cp $M/reference.exr $M/truth.exr
+	$(call truth,$(WRONG)/thin-wall.xml,)
 	$(DRAW) figure $M --slide Mistake-4 --columns 3 --title "Photons from behind" --reference $M/reference.exr \
 	  --caption "A thin wall with a lamp behind it. Its photons lie as near to the dark side as to the lit one. Without comparing normals, the dark side shines: {ratio(from-behind[0.4 0.35 0.15 0.2])} times the truth." \
 	  --claim "ratio(density[0.4 0.35 0.15 0.2]) in 0.3..1.5" --claim "ratio(from-behind[0.4 0.35 0.15 0.2]) > 5" \
@@ -578,8 +581,7 @@ mistake-behind:
 mistake-radius:
 	mkdir -p $M
 	for w in shrinking flux-stays; do $(SHAM) $$w $(BOX) $(SHAM_RUN) --light-paths $(call q,20000,100000,100000) --radius 0.04 --spp $(call q,16,64,64) -o $M/$$w.exr; done
-	$(BIN)/pathtrace $(BOX) $(TRUTH_RUN) -o $M/reference.exr
-	cp $M/reference.png $M/truth.png && cp $M/reference.exr $M/truth.exr
+	$(call truth,$(BOX),)
 	$(DRAW) figure $M --slide Mistake-5 --columns 3 --title "The radius shrinks, its flux does not" --reference $M/reference.exr \
 	  --caption "When a progressive radius shrinks, photons of the larger disc lie outside the smaller one: the flux must shrink by the same factor. If it stays, the picture becomes 1/alpha times too bright (alpha = 0.7: 1.43), however many passes are made." \
 	  --claim "ratio(shrinking[0.3 0.7 0.4 0.1]) in 0.93..1.07" --claim "ratio(flux-stays[0.3 0.7 0.4 0.1], shrinking[0.3 0.7 0.4 0.1]) in 1.3..1.5" \
@@ -588,8 +590,7 @@ mistake-radius:
 mistake-spots:
 	mkdir -p $M
 	for w in clamped unclamped; do $(SHAM) $$w $(BOX) $(SHAM_RUN) --light-paths $(call q,64,200,400) --spp $(call q,1,4,4) -o $M/$$w.exr; done
-	$(BIN)/pathtrace $(BOX) $(TRUTH_RUN) --component indirect -o $M/reference.exr
-	cp $M/reference.png $M/truth.png && cp $M/reference.exr $M/truth.exr
+	$(call truth,$(BOX),--component indirect)
 	$(DRAW) figure $M --slide Mistake-6 --columns 3 --exposure 2 --title "Virtual lights without a bound" --reference $M/reference.exr \
 	  --caption "The geometry term grows without limit near a virtual light, so each light is a bright spot. A bound removes the spots; the light that it cuts off is missing in corners, and must be found in another way." \
 	  --claim "max(unclamped) > 3 * max(clamped)" --claim "ratio(clamped) < ratio(unclamped)" \
@@ -598,8 +599,7 @@ mistake-spots:
 mistake-roulette:
 	mkdir -p $M
 	for w in paths biased-roulette; do $(SHAM) $$w $(BOX) $(SHAM_RUN) --spp $(call q,64,512,512) -o $M/$$w.exr; done
-	$(BIN)/pathtrace $(BOX) $(TRUTH_RUN) -o $M/reference.exr
-	cp $M/reference.png $M/truth.png && cp $M/reference.exr $M/truth.exr
+	$(call truth,$(BOX),)
 	$(DRAW) figure $M --slide Mistake-7 --columns 3 --title "Biased roulette" --reference $M/reference.exr \
 	  --caption "Russian roulette ends half of the paths at each bounce after the first. The survivors must count double. If they do not, every further bounce is halved again: the picture is smooth and plausible, but indirect light is missing." \
 	  --claim "ratio(paths[0 0.3 1 0.7]) in 0.98..1.02" --claim "ratio(biased-roulette[0 0.3 1 0.7]) < 0.97" \
@@ -608,8 +608,7 @@ mistake-roulette:
 mistake-adjoint:
 	mkdir -p $M
 	for w in density no-adjoint; do $(SHAM) $$w $(WRONG)/ball.xml $(SHAM_RUN) --light-paths $(call q,3000000,8000000,8000000) --radius $(call q,0.02,0.015,0.015) --spp $(call q,1,4,4) -o $M/$$w.exr; done
-	$(BIN)/pathtrace $(WRONG)/ball.xml $(TRUTH_RUN) -o $M/reference.exr
-	cp $M/reference.png $M/truth.png && cp $M/reference.exr $M/truth.exr
+	$(call truth,$(WRONG)/ball.xml,)
 	$(DRAW) figure $M --slide Mistake-8 --columns 3 --inset 0.26,0.28,0.25,0.25,2 --title "Photons without the correction for shading normals" --reference $M/reference.exr \
 	  --caption "A ball of few triangles with the normals of a sphere. Photons arrive in proportion to the cosine with the real, flat surface. Without the factor |cos(wi, ns)| / |cos(wi, ng)| the triangles show, although the eye's shading is smooth." \
 	  --claim "relmse(no-adjoint[0.35 0.25 0.3 0.35]) > 1.3 * relmse(density[0.35 0.25 0.3 0.35])" \

@@ -7,7 +7,7 @@ use std::path::Path;
 use gi_core::image_io::{ImageFile, Layers, write_file};
 use gi_tests::program::{Folder, assert_refused, assert_success, run};
 
-use crate::running::path_of;
+use crate::running::{path_of, start};
 
 /// A folder with a scene that includes a file, and reads a mesh and two pictures.
 fn scene_folder() -> Folder {
@@ -43,15 +43,7 @@ fn contents(folder: &Folder) -> BTreeMap<String, Vec<u8>> {
 #[track_caller]
 fn refuses(folder: &Folder, program: &str, flags: &str, says: &[&str]) {
     let before = contents(folder);
-    let replace = |word: &str| match word.strip_prefix('@') {
-        Some(name) => folder.at(name),
-        None => word.to_string(),
-    };
-    let flags: Vec<String> = flags.split(' ').map(replace).collect();
-    let scene = folder.at("scene.xml");
-    let mut line = vec![scene.as_str(), "--size", "8x8", "--spp", "1"];
-    line.extend(flags.iter().map(String::as_str));
-    let output = run(path_of(program).to_str().expect("UTF-8"), &line);
+    let output = start(folder, program, &format!("--size 8x8 --spp 1 {flags}"));
     assert_refused(&output, 2, says);
     assert!(contents(folder) == before, "{program} {flags:?} changed a file");
 }

@@ -1,8 +1,8 @@
 //! `--points`: irradiance at points as a table.
 
-use gi_tests::program::{Folder, assert_refused, assert_success, run};
+use gi_tests::program::{Folder, assert_refused, assert_success};
 
-use crate::running::path_of;
+use crate::running::start;
 
 /// A closed room that emits 1 and reflects one half: the irradiance is 2 pi everywhere, half of it direct.
 const FURNACE: &str = "<scene version='3.0.0'><sensor type='perspective'/>\
@@ -19,19 +19,6 @@ fn folder() -> Folder {
     std::fs::write(folder.at("scene.xml"), FURNACE).expect("written");
     std::fs::write(folder.at("points.csv"), POINTS).expect("written");
     folder
-}
-
-/// Run a program on the scene with these flags; `@` marks names of files in the folder.
-fn start(folder: &Folder, program: &str, flags: &str) -> std::process::Output {
-    let replace = |word: &str| match word.strip_prefix('@') {
-        Some(name) => folder.at(name),
-        None => word.to_string(),
-    };
-    let words: Vec<String> = flags.split_whitespace().map(replace).collect();
-    let scene = folder.at("scene.xml");
-    let mut line = vec![scene.as_str()];
-    line.extend(words.iter().map(String::as_str));
-    run(path_of(program).to_str().expect("UTF-8"), &line)
 }
 
 /// A table's header, and its numbers.

@@ -118,7 +118,7 @@ fn every_option_that_a_page_names_is_an_option_of_its_program() {
         }
     }
     assert!(wrong.is_empty(), "no program has these options:\n{}", wrong.join("\n"));
-    // A table of options lists only those of the page's own program.
+    // The table of options on a program's page lists only options of that program.
     for (program, own) in &known {
         let text = std::fs::read_to_string(Path::new(ROOT).join(format!("docs/{program}.md")));
         for row in text.expect("a page").lines().filter(|line| line.starts_with("| `--")) {

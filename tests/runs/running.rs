@@ -2,14 +2,14 @@
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Once};
 use std::time::{Duration, Instant};
 
 use gi_core::image_io::{Layers, read_exr};
-use gi_tests::program::Folder;
+use gi_tests::program::{Folder, run};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 /// A program, with flags for a short preparation and short passes.
@@ -50,6 +50,18 @@ pub(crate) const PROGRAMS: [Program; 7] = [
         long_preparation: &["--vpls", "50000000"],
     },
 ];
+
+/// Run a program on `scene.xml` of a folder. In `flags`, `@` marks names of files in the folder.
+pub(crate) fn start(folder: &Folder, program: &str, flags: &str) -> Output {
+    let replace = |word: &str| match word.strip_prefix('@') {
+        Some(name) => folder.at(name),
+        None => word.to_string(),
+    };
+    let words = [folder.at("scene.xml")].into_iter().chain(flags.split_whitespace().map(replace));
+    let words: Vec<String> = words.collect();
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    run(path_of(program).to_str().expect("UTF-8"), &words)
+}
 
 /// Where a program is: in the target folder of this test. A test of the whole workspace has built it. A program that is missing
 /// is built here, but one that is older than its code is not: `cargo build --workspace --bins` does that.

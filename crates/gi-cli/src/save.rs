@@ -71,10 +71,9 @@ impl Output {
 
     /// Write the view of a technique's own picture beside them, with its legend.
     pub(crate) fn save_view(&self, picture: &Picture, size: [usize; 2]) -> Result<(), Failure> {
-        let (size, view) = match &picture.legend {
-            Some(legend) => legend.below(size, &picture.view),
-            None => (size, picture.view.clone()),
-        };
+        let framed = picture.legend.as_ref().map(|legend| legend.below(size, &picture.view));
+        let (size, view) =
+            framed.as_ref().map_or((size, &picture.view), |(size, view)| (*size, view));
         let layers = Layers::of_rgb(size, view.iter().map(|c| c.to_array()));
         write(&self.path.with_extension(format!("{}.png", picture.name)), ImageFile::Png, &layers)
     }

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use clap::{ArgMatches, Command};
 use gi_core::camera::Sensor;
+use gi_core::files;
 use gi_core::image_io::Layers;
 use gi_core::scene::Scene;
 use glam::{DVec3, Vec3};
@@ -35,12 +36,9 @@ const COLUMNS: &str = "x,y,z,nx,ny,nz";
 impl Sensors {
     /// Read a file.
     pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
-        let failed = |cause: String| input_error(format!("{}: {cause}", path.display()));
-        let is_file = std::fs::metadata(path).map(|m| m.is_file());
-        if !is_file.map_err(|e| failed(e.to_string()))? {
-            return Err(failed("this is not a regular file".into()));
-        }
-        let text = std::fs::read_to_string(path).map_err(|e| failed(e.to_string()))?;
+        let bytes = files::read(path).map_err(input_error)?;
+        let text = String::from_utf8(bytes)
+            .map_err(|_| input_error(format!("{}: this is not UTF-8 text", path.display())))?;
         parse(&text)
             .map(Sensors)
             .map_err(|(line, cause)| input_error(format!("{}:{line}: {cause}", path.display())))

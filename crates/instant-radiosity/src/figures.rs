@@ -39,7 +39,7 @@ fn dot(film: &Film) -> f32 {
 
 fn lights(setting: &Setting, vpls: &Vpls, film: &Film) -> (Vec<Rgb>, Legend) {
     let mut canvas = background(film);
-    // Lights on sources are white; the others are coloured by the number of segments of their path, up to the first six.
+    // Lights on light sources are white. The colour of the others is the number of segments of their path; long paths share the last one.
     let named: Vec<(Rgb, String)> = (0..=MOST_SEGMENTS)
         .map(|k| match k {
             0 => (Rgb::WHITE, "on a light source".into()),

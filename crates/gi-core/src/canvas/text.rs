@@ -102,7 +102,7 @@ const STROKES: [(char, &str); 83] = [
     ('%', "0248 0818170708 3343423233"),
 ];
 
-/// The strokes of a letter; those of a question mark if the font does not have it.
+/// The strokes of a letter, or of a question mark if the font lacks the letter.
 fn strokes(letter: char) -> &'static str {
     let of = |c| STROKES.iter().find(|(l, _)| *l == c).map(|(_, s)| *s);
     of(letter).or_else(|| of('?')).unwrap_or_default()

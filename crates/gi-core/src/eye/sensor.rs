@@ -15,8 +15,8 @@ use crate::technique::Setting;
 
 impl<'a> EyeWalk<'a> {
     /// A path that measures the irradiance E of a sensor, which needs no surface there. The walk looks at a white Lambertian surface,
-    /// whose radiance is E / pi. It samples a light there, and continues in a direction with the density cos / pi. What the first
-    /// vertex scatters is thus indirect light of the sensor. `max_depth` counts the segment from the eye to the sensor as one.
+    /// whose radiance is E / pi. It samples a light there, then samples the next direction with the density cos / pi. Light that the
+    /// first vertex scatters is indirect light of the sensor. `max_depth` counts the segment from the eye to the sensor as one.
     pub(super) fn at_sensor(
         setting: &Setting<'a>,
         limits: PathLimits,

@@ -146,11 +146,11 @@ impl Guide {
         }
     }
 
-    /// Begin to add a sample for nodes at the top of the tree.
+    /// What adds the factor of a light sample to the sums of a node. It returns whether the node has sums, as the nodes at the top
+    /// of the tree do. `None` if the point is in no region.
     #[inline]
     pub(super) fn adding(&self, at: &Vantage) -> Option<impl Fn(usize, f32) -> bool + '_> {
         let place = self.place(at)?;
-        // Returns whether the node was at the top.
         Some(move |node: usize, factor: f32| {
             let slot = self.slots[node];
             if slot != NONE {

@@ -57,8 +57,8 @@ impl Sums {
 /// Weight of the prior mean, in samples, and the shape of the prior distribution of the variance.
 const PRIOR_SAMPLES: f64 = 2.0;
 const PRIOR_SHAPE: f64 = 2.0;
-/// Weight of the prior probability that the light is zero, which is a half, in pairs of samples.
-const PRIOR_PAIRS: f64 = 1.0;
+/// Both parameters of the beta prior for the probability that a sample is not zero. The prior mean is one half.
+const PRIOR_BETA: f64 = 1.0;
 
 impl Data {
     /// Add the samples of another node or region.
@@ -77,7 +77,7 @@ impl Data {
     /// The root of the predicted second moment of the factor, if its mean is `mean` before all samples.
     pub(super) fn root_of_moment(self, mean: f64) -> f32 {
         let Data { samples, lit, sum, squares } = self;
-        let visible = (lit + PRIOR_PAIRS) / (samples + 2.0 * PRIOR_PAIRS);
+        let visible = (lit + PRIOR_BETA) / (samples + 2.0 * PRIOR_BETA);
         let own = sum / lit.max(1.0);
         let weight = PRIOR_SAMPLES + lit;
         let mu = (PRIOR_SAMPLES * mean + sum) / weight;
