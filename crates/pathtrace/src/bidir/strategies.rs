@@ -10,6 +10,8 @@ use super::{Bidirectional, PassPaths};
 
 /// Number of segments of the longest paths that are shown.
 const LONGEST: u32 = 5;
+/// Mean radiance of a row of the pyramid.
+const ROW_MEAN: f32 = 0.5;
 /// Number of ways to connect paths of 1 to [`LONGEST`] segments; a path of n segments has n + 1.
 const WAYS: usize = (LONGEST * (LONGEST + 3) / 2) as usize;
 
@@ -83,19 +85,22 @@ impl Pyramid {
         };
         let picture = |name, view| Picture { name, channels: Vec::new(), view, legend: None };
         let mut pictures = Vec::new();
+        let exposures = (1..=LONGEST)
+            .map(|segments| exposure(&(0..=segments).map(|s| view(1, s, segments + 1 - s)).collect::<Vec<_>>()));
+        let exposures = exposures.collect::<Vec<f32>>();
+        let times = exposures.iter().map(|x| format!("x{}", x.round())).collect::<Vec<_>>().join(" ");
+        let title = format!(
+            "Rows: 1 to {LONGEST} segments, exposure {times}. Left to right: s = 0, 1, 2, ... light vertices"
+        );
         for (which, suffix) in ["-unweighted", ""].into_iter().enumerate() {
             let mut all = vec![Rgb::BLACK; w * h];
-            for segments in 1..=LONGEST {
+            for (segments, &exposure) in (1..=LONGEST).zip(&exposures) {
                 for s in 0..=segments {
-                    let t = segments + 1 - s;
-                    let view = view(which, s, t);
-                    place(&mut all, &view, [w, h], [s, segments]);
-                    pictures.push(picture(format!("s{s}t{t}{suffix}"), view));
+                    let view = view(which, s, segments + 1 - s);
+                    place(&mut all, &view, [w, h], [s, segments], exposure);
+                    pictures.push(picture(format!("s{s}t{}{suffix}", segments + 1 - s), view));
                 }
             }
-            let title = format!(
-                "Rows: 1 to {LONGEST} segments. Left to right: s = 0, 1, 2, ... light vertices"
-            );
             let legend = Some(Legend::named(&title, []));
             pictures.push(Picture { legend, ..picture(format!("pyramid{suffix}"), all) });
         }
@@ -103,9 +108,17 @@ impl Pyramid {
     }
 }
 
+/// The factor that brings the mean radiance of paths of one length to [`ROW_MEAN`], or 1 if that is less: long paths are dim. `views`
+/// are the weighted views of all ways, and their sum is the light of these paths.
+fn exposure(views: &[Vec<Rgb>]) -> f32 {
+    let sum: f64 = views.iter().flatten().map(|radiance| f64::from(radiance.luminance())).sum();
+    let mean = sum / views[0].len() as f64;
+    if mean > 0.0 { (f64::from(ROW_MEAN) / mean).max(1.0) as f32 } else { 1.0 }
+}
+
 /// Draw the view of the way with s vertices on the light's side into the pyramid: a row per number of segments, s from left to
-/// right, each row centred.
-fn place(all: &mut [Rgb], view: &[Rgb], [w, h]: [usize; 2], [s, segments]: [u32; 2]) {
+/// right, each row centred, radiance times `exposure`.
+fn place(all: &mut [Rgb], view: &[Rgb], [w, h]: [usize; 2], [s, segments]: [u32; 2], exposure: f32) {
     let (columns, rows) = (LONGEST as usize + 1, LONGEST as usize);
     // Each pixel of the small picture is the mean of a square of pixels.
     let side = columns.max(rows);
@@ -117,7 +130,7 @@ fn place(all: &mut [Rgb], view: &[Rgb], [w, h]: [usize; 2], [s, segments]: [u32;
             let square = (0..side * side)
                 .map(|k| view[(y * side + k / side) * w + x * side + k % side])
                 .sum::<Rgb>();
-            all[(top + y) * w + left + x] = square / (side * side) as f32;
+            all[(top + y) * w + left + x] = square * (exposure / (side * side) as f32);
         }
     }
 }
