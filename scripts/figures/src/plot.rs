@@ -6,7 +6,8 @@ mod source;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
-use plotters::prelude::{IntoLogRange, SeriesLabelPosition};
+use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use plotters::prelude::{BindKeyPoints, IntoLogRange, SeriesLabelPosition};
 
 use crate::data::Data;
 use crate::expr;
@@ -69,10 +70,10 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let (levels, verticals) = (lines(&args.level)?, lines(&args.vertical)?);
     let powers = args.power.iter().map(|text| power(text, &curves));
     let powers = powers.collect::<anyhow::Result<Vec<_>>>()?;
-    // A logarithmic axis of less than a decade would have no tick marks, so such an axis is linear.
+    // A logarithmic axis of less than a factor of 3 would have hardly any tick marks, so such an axis is linear.
     let x_range = range(&curves, &[], log_x, 0);
     let y_range = range(&curves, &levels, log_y, 1);
-    let long = |r: &std::ops::Range<f64>| r.end >= 8.0 * r.start;
+    let long = |r: &std::ops::Range<f64>| r.end >= 3.0 * r.start;
     let [log_x, log_y] = [log_x && long(&x_range), log_y && long(&y_range)];
     let (x, y) = (|| x_range.clone(), || y_range.clone());
     let shown = Shown {
@@ -86,9 +87,9 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     };
     let picture = match (log_x, log_y) {
         (false, false) => shown.draw(x(), y()),
-        (true, false) => shown.draw(x().log_scale(), y()),
-        (false, true) => shown.draw(x(), y().log_scale()),
-        (true, true) => shown.draw(x().log_scale(), y().log_scale()),
+        (true, false) => shown.draw(log_axis(x()), y()),
+        (false, true) => shown.draw(x(), log_axis(y())),
+        (true, true) => shown.draw(log_axis(x()), log_axis(y())),
     };
     let picture = picture.map_err(|e| anyhow!("{}: {e}", args.out.display()))?;
     std::fs::write(&args.out, picture).with_context(|| args.out.display().to_string())
@@ -163,6 +164,24 @@ fn range(
     low..high + room
 }
 
+/// A logarithmic axis, with numbers at 1, 2 and 5 of every decade if it is short, and at powers of ten if it is long.
+fn log_axis(
+    range: std::ops::Range<f64>,
+) -> impl AsRangedCoord<Value = f64, CoordDescType: ValueFormatter<f64>> {
+    let is_short = range.end < 300.0 * range.start;
+    let numbers = ticks(&range, if is_short { &[1, 2, 5] } else { &[1] });
+    let lines = ticks(&range, &[1, 2, 3, 4, 5, 6, 7, 8, 9]);
+    range.log_scale().with_key_points(numbers).with_light_points(lines)
+}
+
+/// These digits times powers of ten, as far as they are within the range.
+fn ticks(range: &std::ops::Range<f64>, digits: &[u32]) -> Vec<f64> {
+    let [low, high] = [range.start.log10().floor() as i32, range.end.log10().ceil() as i32];
+    let decades = (low..=high).map(|decade| 10f64.powi(decade));
+    let all = decades.flat_map(|ten| digits.iter().map(move |&digit| f64::from(digit) * ten));
+    all.filter(|tick| range.contains(tick)).collect()
+}
+
 /// The corner with the fewest points, for the legend.
 fn corner(
     curves: &[Curve],
@@ -189,4 +208,15 @@ fn corner(
     };
     let best = corners.into_iter().min_by_key(|(_, c)| within(*c));
     best.map_or(SeriesLabelPosition::UpperRight, |(position, _)| position)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_within_the_range() {
+        assert_eq!(ticks(&(0.3..25.0), &[1, 2, 5]), [0.5, 1.0, 2.0, 5.0, 10.0, 20.0]);
+        assert_eq!(ticks(&(0.5..2e3), &[1]), [1.0, 10.0, 100.0, 1000.0]);
+    }
 }

@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::table::spot_fade;
+use super::kind::spot_fade;
 use super::{EmitterPoint, Light, Lights};
 use crate::math::{Frame, Rgb, one_minus_cos};
 use crate::warp;

@@ -156,10 +156,11 @@ impl Shown<'_> {
         Y: Ranged<ValueType = f64>,
     {
         let line = DashedLineSeries::new(points.iter().copied(), 7, 4, colour.stroke_width(2));
-        let dash = move |from: i32, (x, y): (i32, i32)| [(x + from, y), (x + from + 7, y)];
-        chart.draw_series(line)?.label(name).legend(move |at| {
-            PathElement::new([dash(1, at), dash(12, at)].concat(), colour.stroke_width(2))
-        });
+        let style = colour.stroke_width(2);
+        // Two elements: one of four points would be a line without a gap.
+        let dash = move |from: i32| PathElement::new([(from, 0), (from + 7, 0)], style);
+        let series = chart.draw_series(line)?.label(name);
+        series.legend(move |at| (EmptyElement::at(at) + dash(1) + dash(12)).into_dyn());
         Ok(())
     }
 }
