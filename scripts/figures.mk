@@ -448,7 +448,7 @@ figure-51: $(REFERENCES)/cornell-box.indirect.exr
 CUTS = $(BIN)/lightcuts
 # Numbers of points on light sources; as many again are on surfaces.
 MANY := $(call q,10 100 1000 10000,10 100 1000 10000 100000,10 100 1000 10000 100000)
-OUTDOORS = --size $(call q,128x96,320x240,1024x768) --quiet --rule cluster --lights $(call q,1000,20000,50000) --vpls $(call q,1000,20000,50000) --spp $(call q,2,8,16)
+OUTDOORS = --size $(call q,128x96,320x240,1024x768) --quiet --rule cluster --lights $(call q,1000,5000,20000) --vpls $(call q,1000,5000,20000) --spp $(call q,2,4,8)
 figure-53:
 	mkdir -p $D
 	$(CUTS) scenes/patio.xml $(OUTDOORS) -o $D/patio.exr
@@ -464,7 +464,7 @@ figure-53:
 	  --claim "last(all.csv:seconds) > 3 * last(cuts.csv:seconds)" --claim "slope(cuts.csv:x:seconds) < slope(all.csv:x:seconds)" \
 	  patio.png="sun, sky and indirect light" sky.png="sky and indirect light" cost.svg="seconds against lights"
 
-GALLERY = $(CUTS) scenes/gallery.xml --size $(call q,320x240,640x480,1024x768) --quiet --rule cluster --lights $(call q,256,1024,1024) --vpls $(call q,1000,8192,16384) --spp 1
+GALLERY = $(CUTS) scenes/gallery.xml --size $(call q,320x240,640x480,1024x768) --quiet --rule cluster --lights $(call q,256,1024,1024) --vpls $(call q,1000,4096,16384) --spp 1
 figure-55:
 	mkdir -p $D
 	$(GALLERY) --show clusters -o $D/gallery.exr
@@ -499,7 +499,7 @@ figure-61:
 
 figure-62:
 	mkdir -p $D
-	$(CUTS) scenes/colonnade.xml --size $(WIDE) --quiet --rule cluster --lights $(call q,1000,10000,20000) --vpls $(call q,1000,10000,20000) --spp $(call q,2,8,16) -o $D/colonnade.exr
+	$(CUTS) scenes/colonnade.xml --size $(WIDE) --quiet --rule cluster --lights $(call q,1000,5000,20000) --vpls $(call q,1000,5000,20000) --spp $(call q,2,4,8) -o $D/colonnade.exr
 	$(DRAW) figure $D --slide 62 --columns 1 --title "An atrium by lightcuts" \
 	  --caption "Sun and sky fall into an atrium; nearly all light under the galleries was reflected by walls, floor and drapes." colonnade.png="lightcuts"
 

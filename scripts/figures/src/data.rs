@@ -10,7 +10,7 @@
 //! | `slope(T:X:Y)` | slope of the straight line through log Y over log X |
 //! | `first(T:Y)`, `last(T:Y)`, `least(T:Y)`, `most(T:Y)`, `median(T:Y)`, `count(T:Y)` | of a column |
 //! | `at(T:X:Y, 5)` | Y in the row whose X is nearest to 5 |
-//! | `crossing(T:X:Y, U:X:Y)` | X at which the curves of two tables with equal X cross, on logarithmic axes |
+//! | `crossing(T:X:Y, U:X:Y)` | the last X at which the curves of two tables with equal X cross, on logarithmic axes |
 //! | `holds(T:A:B)` | share of rows in which A is at most B |
 //! | `stat(F:key.key)` | a number of a statistics file |
 //!
@@ -213,7 +213,8 @@ impl Data<'_> {
         let apart: Vec<(f64, f64)> =
             a.iter().zip(&b).map(|(a, b)| (a.0.ln(), (a.1 / b.1).ln())).collect();
         let crosses = |w: &&[(f64, f64)]| (w[0].1 > 0.0) != (w[1].1 > 0.0);
-        let found = apart.windows(2).find(crosses).context("the curves do not cross")?;
+        // The last one: short times at the left are noisy, and may cross more than once.
+        let found = apart.windows(2).rev().find(crosses).context("the curves do not cross")?;
         let [(x, u), (y, v)] = [found[0], found[1]];
         Ok((x + (y - x) * u / (u - v)).exp())
     }

@@ -160,7 +160,7 @@ impl Shown<'_> {
         // Two elements: one of four points would be a line without a gap.
         let dash = move |from: i32| PathElement::new([(from, 0), (from + 7, 0)], style);
         let series = chart.draw_series(line)?.label(name);
-        series.legend(move |at| (EmptyElement::at(at) + dash(1) + dash(12)).into_dyn());
+        series.legend(move |at| EmptyElement::at(at) + dash(1) + dash(12));
         Ok(())
     }
 }
