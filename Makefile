@@ -12,9 +12,9 @@ help:
 	  $(MAKEFILE_LIST)
 	@echo "figure-N       The figure of slide N, such as figure-12."
 
-# The programs, in target/release.
+# The programs, in target/release. The tools that draw figures are built by the rules that need them.
 build:
-	$(CARGO) build --release --workspace
+	$(CARGO) build --release
 
 # The programs' man pages, in target/man.
 PROGRAMS = pathtrace irrcache radcache photonmap ppm instant-radiosity lightcuts compare

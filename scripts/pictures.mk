@@ -4,13 +4,12 @@
 #
 # Every picture ends after a number of passes, so that a second run gives the same files.
 
-
 PICTURES := docs/options
 PICTURES_OUT := out/pictures
 PICTURE := --size 256x256 --quiet
 .PHONY: pictures
 # Draw the pictures of the pages in docs: docs/options.
-pictures: build
+pictures: programs
 	mkdir -p $(PICTURES) $(PICTURES_OUT)
 	$(call pair,pathtrace-mode,bulb,pathtrace --spp 256 --mode path,--mode path,pathtrace --spp 64 --mode vcm,--mode vcm)
 	$(call pair,irrcache-rays,cornell-box,irrcache --component indirect --rays 20,--rays 20,irrcache --component indirect,--rays 1000)

@@ -25,7 +25,7 @@ const PROGRAMS: [&str; 8] = [
 
 /// The commands in blocks of `kind` of a document.
 fn commands(file: &Path, kind: &str) -> Vec<String> {
-    let text = std::fs::read_to_string(file).expect("a document");
+    let text = std::fs::read_to_string(file).expect("a document").replace("\\\n", " ");
     let blocks = text.split("```").skip(1).step_by(2);
     let lines = blocks.filter_map(|block| block.strip_prefix(&format!("{kind}\n")));
     lines.flat_map(str::lines).map(String::from).collect()

@@ -20,7 +20,7 @@ const RUN: &str = "Run";
 /// The flags that all programs have.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Common {
-    /// Scene: Mitsuba XML (0.5, 0.6, 3.x), pbrt (v4, v3), or a plain OBJ file with its MTL
+    /// Scene: Mitsuba XML (0.5, 0.6, 2, 3), pbrt (v3, v4), or a plain OBJ file with its MTL
     #[arg(help_heading = SCENE)]
     pub scene: PathBuf,
     /// Picture to write: .exr (all layers), .pfm or .hdr; a .png view is written beside it [default: SCENE.PROGRAM.exr, with --points
@@ -58,7 +58,7 @@ pub struct Common {
     #[arg(help_heading = SCENE, long, value_name = "N")]
     pub sensor: Option<usize>,
     /// Compute irradiance at the points of this file instead of a picture: lines of x,y,z,nx,ny,nz. The output is a table (.csv) of r, g, b
-    /// with standard errors, which leave out the error of records, photons and virtual lights that samples share
+    /// with standard errors. These leave out errors that samples share, such as those of records, photons and virtual lights
     #[arg(help_heading = SCENE, long, value_name = "FILE.csv", conflicts_with_all = ["size", "sensor", "origin", "target", "up", "fov", "inspect", "export_mitsuba"])]
     pub points: Option<PathBuf>,
     /// Position of the camera [default: as in the scene; for a plain OBJ file, one that shows the whole scene]
@@ -76,7 +76,7 @@ pub struct Common {
     /// Memory that loading the scene may take: 500M, 8G [default: half of the machine's]
     #[arg(help_heading = SCENE, long, value_name = "BYTES", value_parser = parse_memory)]
     pub max_memory: Option<u64>,
-    /// Only say what was read and approximated, what looks wrong, and which program suits the scene
+    /// Only print what was read and approximated, what looks wrong, and which program suits the scene
     #[arg(help_heading = SCENE, long, conflicts_with = "export_mitsuba")]
     pub inspect: bool,
     /// Only write the scene, as the program understood it, as Mitsuba 3 XML

@@ -25,7 +25,8 @@ pub(crate) fn arranged(command: Command) -> Command {
 /// Whether a flag shows what a technique does, instead of changing it.
 pub(crate) fn is_for_figures(flag: &Arg) -> bool {
     let name = flag.get_long().unwrap_or_default();
-    let begins = ["show", "probe", "trace-pixel"].iter().any(|word| name.starts_with(word));
+    let begins =
+        ["show", "probe", "trace-pixel", "pixel"].iter().any(|word| name.starts_with(word));
     let is_points = name.ends_with("-out") && !["cache-out", "map-out"].contains(&name);
     begins || is_points
 }

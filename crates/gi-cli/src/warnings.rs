@@ -27,8 +27,8 @@ pub(crate) fn of_media(scene: &Scene, known: bool) -> Vec<String> {
         (false, _) => Vec::new(),
         (true, true) => scene.media_warnings(),
         (true, false) => vec![
-            "participating media are left out: their boundaries are drawn, what is inside neither absorbs nor scatters \
-             (`pathtrace --mode volpath` knows media)"
+            "participating media are left out: their boundaries are drawn, and what is inside neither absorbs nor scatters \
+             light (`pathtrace --mode volpath` simulates media)"
                 .into(),
         ],
     }

@@ -7,7 +7,7 @@ use irrcache::{IrradianceCaching, Params};
 
 /// Irradiance caching: indirect light of diffuse surfaces, interpolated from a few records of irradiance [slides 5-14].
 ///
-/// Smooth where path tracing is noisy, but biased: with too few --rays the picture has blotches, and with a coarse
+/// The picture is smooth where path tracing is noisy, but biased: with too few --rays it has blotches, and with a coarse
 /// --accuracy it lacks indirect shadows. Glossy lobes and direct light are path-traced.
 #[derive(Parser)]
 #[command(name = "irrcache", version)]

@@ -7,10 +7,10 @@ use pathtrace::{Params, PathTracer};
 
 /// Path tracing: the reference that the other techniques are compared with.
 ///
-/// Every estimate is unbiased, so errors show as noise. `--mode path` is slow where mirrors and glass focus the light
-/// of small lights (caustics). `--mode light` finds such light, but shows nothing that the eye sees through mirrors or
-/// glass. `--mode bdpt` joins both, and `--mode vcm` also merges paths as photon maps do: it finds all light, with a blur that
-/// shrinks from pass to pass.
+/// Errors show as noise. Small lamps are found rarely by `--mode path` if mirrors or glass focus their light (caustics).
+/// `--mode light` finds that light, but shows nothing that is seen in mirrors or through glass. `--mode bdpt` combines
+/// both. `--mode vcm` also merges paths as photon mapping does: it finds all light, and blurs caustics over a radius that
+/// shrinks from pass to pass. The other modes are unbiased.
 #[derive(Parser)]
 #[command(name = "pathtrace", version)]
 struct Program {

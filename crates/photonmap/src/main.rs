@@ -7,8 +7,8 @@ use photonmap::{Params, PhotonMapping};
 
 /// Photon mapping: photons traced from the lights, density estimates, final gathering [slides 21-34].
 ///
-/// Errors show as blur: soft caustics, light leaking through thin walls, dark edges of walls; with too few photons, as blotches.
-/// More photons give a sharper picture, more photons per estimate (--lookup) a smoother one.
+/// Errors show as blur: caustics are soft, and light leaks between surfaces that are close to each other. With too few
+/// photons, they show as blotches. More photons give a sharper picture, more photons per estimate (--lookup) a smoother one.
 #[derive(Parser)]
 #[command(name = "photonmap", version)]
 struct Program {

@@ -8,8 +8,8 @@ use ppm::{Params, Ppm};
 /// Progressive photon mapping: passes of photons, gathered within a radius that shrinks from pass to pass [slides
 /// 35-46].
 ///
-/// Finds light that path tracing cannot: light through glass onto a surface that is seen through glass. Each pass
-/// traces photons, then every pixel gathers them at the first sufficiently rough surface; rays follow mirrors, glass
+/// It finds light that path tracing cannot find: light through glass onto a surface that is seen through glass. Each pass
+/// traces photons. Then every pixel gathers them at the first surface that is rough enough; rays follow mirrors, glass
 /// and sharp gloss. Errors show as blur, which disappears with more passes, and as blotches where few photons arrive.
 #[derive(Parser)]
 #[command(name = "ppm", version)]

@@ -180,8 +180,8 @@ fn wide_ground(shapes: &[Shape]) -> Option<String> {
     }
     let (name, ratio) = (&shapes[widest].name, width(widest) / rest);
     Some(format!(
-        "`{name}` is {} times as wide as all other shapes: lengths relative to the scene are too large for them, and \
-         photons are spread over all of it",
+        "`{name}` is {} times as wide as all other shapes: options in scene radii are too large for these shapes, and photons \
+         are spread over the whole scene",
         short(ratio)
     ))
 }
