@@ -163,7 +163,7 @@ figure-15: $(REFERENCES)/cornell-glossy.indirect.exr
 	$(RAD) --mode rho-e --spp $(call q,8,32,32) -o $D/naive.exr
 	$(RAD) --spp $(call q,8,32,32) -o $D/cached.exr
 	cp $< $D/reference.exr && cp $(<:.exr=.png) $D/reference.png
-	$(DRAW) figure $D --slide 15 --columns 3 --exposure 1.5 --inset 0.28,0.6,0.3,0.2,2 --title "Glossy surfaces are not a product" --reference $< \
+	$(DRAW) figure $D --slide 15 --columns 3 --exposure 2.5 --inset 0.28,0.6,0.3,0.2,2 --title "Glossy surfaces are not a product" --reference $< \
 	  --caption "Indirect light on a plastic floor and a copper block. The product of hemispherical reflectance and irradiance ignores the direction of the light: highlights are missing." \
 	  --claim "relmse(cached) < 0.8 * relmse(naive)" \
 	  naive.png="rho_hd(w) E, the naive product" cached.png="radiance caching" reference.png="path tracing, the reference"
@@ -173,7 +173,7 @@ figure-16: $(REFERENCES)/cornell-glossy.indirect.exr
 	$(RAD) --spp $(call q,8,32,32) -o $D/cached.exr
 	$(BIN)/pathtrace $(GLOSSY) $(RUN) --component indirect --spp $(call q,64,128,128) -o $D/paths.exr
 	for p in cached paths; do $(DRAW) difference $D/$$p-error.svg $D/$$p.exr --reference $< --most 0.5; done
-	$(DRAW) figure $D --slide 16,20 --columns 2 --exposure 1.5 --title "Radiance caching against path tracing" --reference $< \
+	$(DRAW) figure $D --slide 16,20 --columns 2 --exposure 2.5 --title "Radiance caching against path tracing" --reference $< \
 	  --caption "Indirect light. Caching has smooth, small errors; path tracing has noise. Times and errors are below each picture. The reflection of the silver ball is too sharp for the cache, so the ball is path-traced in both." \
 	  --claim "relmse(cached) < relmse(paths)" \
 	  cached.png="radiance caching" paths.png="path tracing" cached-error.svg="relative error, cached" paths-error.svg="relative error, paths"
@@ -182,7 +182,7 @@ figure-17:
 	mkdir -p $D
 	$(RAD) --spp $(call q,8,32,32) --cache-out $D/box.cache --stats $D/first.json -o $D/first.exr
 	$(RAD) --spp $(call q,8,32,32) --cache-in $D/box.cache --origin=120,380,-680 --target=310,190,280 --stats $D/second.json -o $D/second.exr
-	$(DRAW) figure $D --slide 17 --columns 2 --exposure 1.5 --title "View dependence" \
+	$(DRAW) figure $D --slide 17 --columns 2 --exposure 2.5 --title "View dependence" \
 	  --caption "One cache, two views: records store incoming light by direction, and each view evaluates the BRDF for its own direction, so highlights move. The second view adds records only where the first had none." \
 	  first.png="the view that filled the cache" second.png="another view, from the same cache"
 
@@ -203,7 +203,7 @@ figure-19: $(REFERENCES)/cornell-glossy.indirect.exr
 	mkdir -p $D
 	$(BIN)/radcache $(GLOSSY) --size $(OVER_WIDE) --quiet --rays 100 --glossy-rays 200 --spp 1 --show samples -o $D/lobe.exr
 	for n in 4 64; do $(BIN)/pathtrace $(GLOSSY) $(RUN) --component indirect --spp $$n -o $D/paths-$$n.exr; done
-	$(DRAW) figure $D --slide 19 --columns 3 --title "Monte Carlo with importance sampling" --exposure 1.5 --reference $< \
+	$(DRAW) figure $D --slide 19 --columns 3 --title "Monte Carlo with importance sampling" --exposure 2.5 --reference $< \
 	  --caption "Directions sampled by the BRDF times the cosine are dense where it is large (blue); those sampled by the cosine alone are not (orange). Each path still samples one direction per bounce: 16 times as many paths have about a quarter of the noise (a sixteenth of the relMSE)." \
 	  --claim "relmse(paths-4) / relmse(paths-64) in 8..22" \
 	  lobe.samples.png="300 directions by the cosine, and 300 by the BRDF" paths-4.png="4 paths per pixel" paths-64.png="64 paths per pixel"
