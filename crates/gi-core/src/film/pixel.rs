@@ -28,6 +28,9 @@ const DEPTH: usize = 23;
 const COUNT: usize = 24;
 
 impl Pixel {
+    /// Number of bytes that [`Pixel::write`] writes.
+    pub(super) const BYTES: usize = 8 + 12 * COUNT;
+
     /// Add a pass: the sum of filter weights and the weighted radiance.
     pub(super) fn add(&mut self, weight: f32, radiance: &Components, show: Show) {
         self.passes += 1;

@@ -1,5 +1,7 @@
 //! Save and restore a film, and merge two films.
 
+use rayon::prelude::*;
+
 use super::Film;
 use super::pixel::Pixel;
 use crate::bytes::{Reader, Writer};
@@ -25,9 +27,11 @@ impl Film {
             return Err(format!("its film has {} x {} pixels", size[0], size[1]));
         }
         let passes = r.u32()?;
-        let pixels =
-            (0..self.pixels.len()).map(|_| Pixel::read(&mut r)).collect::<Result<Vec<_>, _>>()?;
+        let pixels = r.take(self.pixels.len() * Pixel::BYTES)?;
         r.end()?;
+        let pixels =
+            pixels.par_chunks_exact(Pixel::BYTES).map(|b| Pixel::read(&mut Reader::new(b)));
+        let pixels = pixels.collect::<Result<Vec<_>, _>>()?;
         if passes > u32::MAX / 2 || pixels.iter().any(|pixel| pixel.passes > passes) {
             return Err("its film has an impossible number of passes".into());
         }
@@ -39,7 +43,7 @@ impl Film {
     pub fn merge(&mut self, other: &Film) {
         assert_eq!(self.size(), other.size(), "films of one picture");
         self.passes += other.passes;
-        self.pixels.iter_mut().zip(&other.pixels).for_each(|(p, q)| p.merge(q));
+        self.pixels.par_iter_mut().zip(&other.pixels).for_each(|(p, q)| p.merge(q));
     }
 }
 

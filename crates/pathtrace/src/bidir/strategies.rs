@@ -85,10 +85,12 @@ impl Pyramid {
         };
         let picture = |name, view| Picture { name, channels: Vec::new(), view, legend: None };
         let mut pictures = Vec::new();
-        let exposures = (1..=LONGEST)
-            .map(|segments| exposure(&(0..=segments).map(|s| view(1, s, segments + 1 - s)).collect::<Vec<_>>()));
+        let exposures = (1..=LONGEST).map(|segments| {
+            exposure(&(0..=segments).map(|s| view(1, s, segments + 1 - s)).collect::<Vec<_>>())
+        });
         let exposures = exposures.collect::<Vec<f32>>();
-        let times = exposures.iter().map(|x| format!("x{}", x.round())).collect::<Vec<_>>().join(" ");
+        let times =
+            exposures.iter().map(|x| format!("x{}", x.round())).collect::<Vec<_>>().join(" ");
         let title = format!(
             "Rows: 1 to {LONGEST} segments, exposure {times}. Left to right: s = 0, 1, 2, ... light vertices"
         );
@@ -118,7 +120,13 @@ fn exposure(views: &[Vec<Rgb>]) -> f32 {
 
 /// Draw the view of the way with s vertices on the light's side into the pyramid: a row per number of segments, s from left to
 /// right, each row centred, radiance times `exposure`.
-fn place(all: &mut [Rgb], view: &[Rgb], [w, h]: [usize; 2], [s, segments]: [u32; 2], exposure: f32) {
+fn place(
+    all: &mut [Rgb],
+    view: &[Rgb],
+    [w, h]: [usize; 2],
+    [s, segments]: [u32; 2],
+    exposure: f32,
+) {
     let (columns, rows) = (LONGEST as usize + 1, LONGEST as usize);
     // Each pixel of the small picture is the mean of a square of pixels.
     let side = columns.max(rows);
