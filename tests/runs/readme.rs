@@ -32,6 +32,7 @@ fn commands(file: &Path, kind: &str) -> Vec<String> {
 }
 
 /// A folder that looks like a clone after `make build`. Its programs make pictures of 24 x 24 pixels, because tests must be quick.
+/// Points have no picture.
 fn clone() -> Folder {
     let folder = Folder::make();
     std::fs::create_dir_all(folder.at("target/release")).expect("a folder");
@@ -40,7 +41,10 @@ fn clone() -> Folder {
     }
     for program in PROGRAMS {
         let flags = if program == "compare" { "" } else { "--size 24x24" };
-        let text = format!("#!/bin/sh\nexec '{}' \"$@\" {flags}\n", path_of(program).display());
+        let binary = path_of(program).display().to_string();
+        let text = format!(
+            "#!/bin/sh\ncase \" $* \" in *' --points '*) exec '{binary}' \"$@\";; esac\nexec '{binary}' \"$@\" {flags}\n"
+        );
         let script = folder.at(&format!("target/release/{program}"));
         std::fs::write(&script, text).expect("written");
         std::fs::set_permissions(&script, PermissionsExt::from_mode(0o755)).expect("executable");
