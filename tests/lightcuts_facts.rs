@@ -3,6 +3,7 @@
 use gi_core::camera::{CameraSpec, Projection};
 use gi_core::eye::PathLimits;
 use gi_core::film::{Film, Show};
+use gi_core::filter::Filter;
 use gi_core::options::Caustics;
 use gi_core::scene::SceneParts;
 use gi_core::technique::Technique;
@@ -100,6 +101,94 @@ fn by_seed(seeds: u32, film: impl Fn(u32) -> Film) -> Vec<Vec<f64>> {
     (0..seeds).map(|seed| blocks(&film(seed), 8).into_iter().map(|b| b.0).collect()).collect()
 }
 
+/// One cut for several camera paths, which connects every point with every light.
+fn exact_pairs(gather: u32) -> Params {
+    let cut = Limits { error: 0.0, rule: Rule::Whole, max_cut: None };
+    Params { method: Method::Multidimensional, gather, cut, ..few_lights() }
+}
+
+#[test]
+fn a_cut_for_one_camera_path_is_the_cut_of_its_points() {
+    for scene in ["cornell-glossy.xml", "gallery.xml"] {
+        let world = World::load(scene, [24, 18], &[]);
+        let pairs = render(&world, &exact_pairs(1), 2, 5, Show::All);
+        let cuts = Params { method: Method::Cuts, ..exact_pairs(1) };
+        let errors = relative_errors(&pairs, &render(&world, &cuts, 2, 5, Show::All));
+        assert!(errors[errors.len() - 1] < 1e-4, "{scene}: {:?}", errors.last());
+    }
+}
+
+#[test]
+fn errors_of_pixels_stay_below_the_threshold_and_cuts_grow_slower_than_their_gather_points() {
+    for (scene, defines) in [("gallery.xml", &[("lights", "512")][..]), ("cornell-glossy.xml", &[])]
+    {
+        let world = World::load(scene, [20, 15], defines);
+        let with = |gather: u32| {
+            let mut params = Params { vpls: 1000, ..exact_pairs(gather) };
+            params.lights.total = 512;
+            params
+        };
+        let exact = render(&world, &with(8), 1, 5, Show::All);
+        let mut last = f64::INFINITY;
+        for error in [0.01, 0.02, 0.08] {
+            let cut = Limits { error, rule: Rule::Whole, max_cut: Some(20_000) };
+            let params = Params { cut, ..with(8) };
+            let (technique, film) = world.run::<Lightcuts>(&params, 1, 5, Show::All);
+            let errors = relative_errors(&film, &exact);
+            let of = |share: f32| errors[(share * errors.len() as f32) as usize];
+            assert!(of(0.98) < error, "{scene}: {} for {error}", of(0.98));
+            let size = statistic(&technique, "mean_cut");
+            assert!(size < 0.9 * last, "{scene}: cuts of {size} for {error}, {last} before");
+            last = size;
+        }
+        let cut = Limits { max_cut: Some(20_000), ..Params::default().cut };
+        let size = |gather: u32| {
+            let params = Params { cut, ..with(gather) };
+            statistic(&world.run::<Lightcuts>(&params, 1, 5, Show::All).0, "mean_cut")
+        };
+        let [few, many] = [size(2), size(32)];
+        assert!(many < 4.0 * few, "{scene}: {few} pairs for 2 paths, {many} for 32");
+    }
+}
+
+#[test]
+fn camera_paths_of_a_pixel_follow_the_filter() {
+    let world = World::load("gallery.xml", [18, 12], &[]);
+    let film = |filter: Filter, params: &Params, seed: u32| {
+        let mut film = Film::new([18, 12], filter, Show::Direct);
+        let setting = world.setting(seed, Show::Direct);
+        let mut technique = Lightcuts::prepare(setting, params).expect("valid parameters");
+        (0..4).for_each(|k| technique.pass(k, &mut film));
+        film
+    };
+    for filter in [Filter::Gaussian { stddev: 0.5 }, Filter::Lanczos { lobes: 3 }] {
+        let mut pairs = exact_pairs(8);
+        pairs.lights.total = 64;
+        let cuts = Params { method: Method::All, ..pairs.clone() };
+        // Pixels one by one: a filter that is too wide blurs edges, and changes no mean.
+        let of = |params: &Params| -> Vec<Vec<f64>> {
+            let pixels = |seed| {
+                let film = film(filter, params, seed);
+                film.radiance().into_iter().map(|c| f64::from(c.luminance())).collect()
+            };
+            (0..24).map(pixels).collect()
+        };
+        let (a, b) = (of(&pairs), of(&cuts));
+        let level = sidak(1e-3, a[0].len());
+        for k in 0..a[0].len() {
+            let column = |p: &[Vec<f64>]| p.iter().map(|p| p[k]).collect::<Running>();
+            let (a, b) = (column(&a), column(&b));
+            let p = welch_t_test(&a, &b);
+            assert!(
+                p > level,
+                "{filter:?}, pixel {k}: {} against {}, p = {p:.1e}",
+                a.mean(),
+                b.mean()
+            );
+        }
+    }
+}
+
 #[test]
 fn with_sampled_lights_the_mean_picture_is_that_of_the_path_tracer() {
     let scenes = [
@@ -112,12 +201,22 @@ fn with_sampled_lights_the_mean_picture_is_that_of_the_path_tracer() {
         let path = by_seed(16, |seed| {
             world.render::<PathTracer>(&pathtrace::Params::default(), 64, seed, Show::All)
         });
-        for (method, samples) in [(Method::One, 4), (Method::Stochastic, 8), (Method::Learned, 1)] {
+        for (method, samples) in [
+            (Method::One, 4),
+            (Method::Stochastic, 8),
+            (Method::Learned, 1),
+            (Method::Multidimensional, 1),
+        ] {
             // The path tracer hardly ever finds the sun through glass, but photons would.
             let (bound, caustics) = (BoundOptions::compensated(4.0), Caustics::Path.into());
-            let params = Params { method, samples, bound, caustics, ..few_lights() };
+            // Cuts of pairs are without bias only with all pairs.
+            let params = Params { method, samples, bound, caustics, ..exact_pairs(2) };
             // The choices change after each pass, so learned lights get more passes.
-            let passes = if method == Method::Learned { 40 } else { 8 };
+            let passes = match method {
+                Method::Learned => 40,
+                Method::Multidimensional => 2,
+                _ => 8,
+            };
             let drawn = by_seed(24, |seed| render(&world, &params, passes, 100 + seed, Show::All));
             let level = sidak(1e-3, path[0].len());
             for k in 0..path[0].len() {
@@ -240,6 +339,7 @@ fn the_same_bits_for_any_number_of_threads() {
         Params { method: Method::Stochastic, samples: 8, ..few_lights() },
         Params { method: Method::One, samples: 4, ..few_lights() },
         Params { method: Method::Learned, ..few_lights() },
+        Params { method: Method::Multidimensional, gather: 5, ..few_lights() },
     ];
     for params in variants {
         let one = bits(1, &params);

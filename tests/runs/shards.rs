@@ -94,7 +94,11 @@ fn cases() -> Vec<Case> {
                 &["--mode", "vcm"],
             ],
             "ppm" => &[&["--method", "ppa"]],
-            "lightcuts" => &[&[], &["--method", "stochastic"]],
+            "lightcuts" => &[
+                &[],
+                &["--method", "stochastic"],
+                &["--method", "multidimensional", "--gather", "3"],
+            ],
             _ => &[&[]],
         };
         cases.extend(modes.iter().map(|mode| Case::of(program, mode)));

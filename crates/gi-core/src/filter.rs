@@ -1,9 +1,11 @@
-//! Reconstruction filters, by sampling instead of splatting: a pixel's sample positions are distributed in proportion
-//! to the filter \[Ernst06\], so that pixels do not depend on each other or on the order of the work.
+//! Reconstruction filters: their values, tabulated values, and positions distributed in proportion to them.
+
+mod places;
 
 use std::f32::consts::PI;
 
 use crate::math::sqr;
+pub use places::FilterPlaces;
 
 /// A separable reconstruction filter; lengths in pixels. Radii and constants as in Mitsuba.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -180,7 +182,7 @@ impl FilterTable {
 mod tests {
     use super::*;
 
-    const ALL: [Filter; 6] = [
+    pub(super) const ALL: [Filter; 6] = [
         Filter::Box,
         Filter::Tent,
         Filter::Gaussian { stddev: 0.5 },

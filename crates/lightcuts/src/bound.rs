@@ -1,13 +1,27 @@
-//! Upper bounds of the light that a cluster brings to a point [slide 61, Walter05, 3.3]. The smallest distance bounds
-//! the geometry term, box and cone bound the cosine at the lights, [`gi_core::bsdf::Bsdf::bound`] bounds the material.
-//! The bound of visibility is 1.
+//! Upper bounds of the light that a cluster of lights brings to a point [slide 61, Walter05, 3.3], or to a cluster of
+//! points [Walter06, 4.2]. The smallest distance bounds the geometry term, box and cone bound the cosine at the lights,
+//! [`gi_core::bsdf::Bsdf::bound`] bounds the material. The bound of visibility is 1.
 
 use gi_core::bsdf::{Bsdf, ScatterBound, Toward};
 use gi_core::geometry::Surface;
-use gi_core::math::{Frame, INV_PI, Rgb, safe_sqrt};
+use gi_core::math::{Bounds, Frame, INV_PI, Rgb, safe_sqrt};
 use glam::Vec3;
 
-use crate::tree::{Family, Node, NormalCone, Tree};
+use crate::tree::{Family, Node, Tree};
+
+/// What receives light: a point, or a cluster of points.
+pub trait Receives {
+    /// The directions from it into a box.
+    fn toward(&self, bounds: &Bounds) -> Toward;
+
+    /// Upper bound of the BSDF over these directions. Of a cluster: of the sum over its points, each multiplied by its
+    /// strength.
+    fn scatter(&self, toward: &Toward) -> ScatterBound;
+
+    /// The clamp of the geometry term of lights on surfaces, per squared world unit. `None` if there is no clamp, or if f
+    /// times the clamp is not a bound of the clamped light.
+    fn clamp(&self) -> Option<f32>;
+}
 
 /// A point that receives light, in the form that bounds need.
 #[derive(Clone, Copy)]
@@ -35,13 +49,34 @@ impl<'s, 'a> Site<'s, 'a> {
         Site { p: surface.p, wo, bsdf, most, flat: bsdf.is_flat(), lambert }
     }
 
-    /// Upper bound of the BSDF over directions toward a cluster.
+    /// Whether shading uses the geometric normal.
+    pub(crate) fn is_flat(&self) -> bool {
+        self.flat
+    }
+
+    /// f of a purely Lambertian surface, with a margin for rounding, and the unit normal on the side of `wo`.
+    pub(crate) fn lambert(&self) -> Option<(Rgb, Vec3)> {
+        self.lambert.map(|(f, frame)| (f, frame.n))
+    }
+}
+
+impl Receives for Site<'_, '_> {
+    #[inline(always)]
+    fn toward(&self, bounds: &Bounds) -> Toward {
+        Toward::new(self.p, bounds)
+    }
+
     #[inline(always)]
     fn scatter(&self, toward: &Toward) -> ScatterBound {
         match &self.lambert {
             Some((f, frame)) => ScatterBound { f: *f, f_cos: *f * toward.max_cos(frame).max(0.0) },
             None => self.bsdf.bound(self.wo, toward),
         }
+    }
+
+    #[inline(always)]
+    fn clamp(&self) -> Option<f32> {
+        (self.flat && self.most < f32::INFINITY).then_some(self.most)
     }
 }
 
@@ -61,20 +96,23 @@ pub struct Terms {
 impl Terms {
     /// The factors for the lights of a node; `None` if none of them can bring light.
     #[inline(always)]
-    pub fn new(tree: &Tree, k: u32, site: &Site) -> Option<Self> {
+    pub fn new(tree: &Tree, k: u32, at: &impl Receives) -> Option<Self> {
         let node = tree.node(k);
         // Parallel light comes from a box of directions.
-        let p = if tree.family == Family::Directional { Vec3::ZERO } else { site.p };
-        let toward = Toward::new(p, &node.bounds);
+        let toward = match tree.family {
+            Family::Directional => Toward::new(Vec3::ZERO, &node.bounds),
+            _ => at.toward(&node.bounds),
+        };
         let (emitted, emitted_over_cos) = match tree.family {
             Family::Omni | Family::Directional => (1.0, f32::INFINITY),
-            Family::Oriented => (max_cos(&toward, &node.cone, 1.0), 1.0),
+            // Light leaves opposite to the direction in which the point sees the light.
+            Family::Oriented => (max_cos(&toward, -node.cone.axis, node.cone.cos), 1.0),
             Family::Glossy => {
                 let gain = tree.gain(k);
                 let gain_toward = gain.toward(&toward);
-                let mut cos = max_cos(&toward, &node.cone, 1.0);
+                let mut cos = max_cos(&toward, -node.cone.axis, node.cone.cos);
                 if gain.both_sides {
-                    cos = cos.max(max_cos(&toward, &node.cone, -1.0));
+                    cos = cos.max(max_cos(&toward, node.cone.axis, node.cone.cos));
                 }
                 (gain_toward.most.min(gain_toward.over_cos * cos), gain_toward.over_cos)
             }
@@ -82,22 +120,24 @@ impl Terms {
         if emitted <= 0.0 {
             return None;
         }
-        let scatter = site.scatter(&toward);
+        let scatter = at.scatter(&toward);
         let some = !scatter.f_cos.is_black();
         some.then_some(Terms { toward, scatter, emitted, emitted_over_cos })
     }
 
     /// The bound of the light from the node, per channel.
     #[inline(always)]
-    pub fn bound(&self, tree: &Tree, node: &Node, site: &Site) -> Rgb {
+    pub fn bound(&self, tree: &Tree, node: &Node, at: &impl Receives) -> Rgb {
         let falloff = match tree.family {
             Family::Directional => 1.0,
             _ => 1.0 / self.toward.min_distance_sq().max(LEAST_DISTANCE_SQ),
         };
         let mut bound = self.scatter.f_cos * (self.emitted * falloff);
-        let bounded = !tree.is_direct() && site.flat && site.most < f32::INFINITY;
-        if bounded && self.emitted_over_cos < f32::INFINITY {
-            let left = self.scatter.f * (self.emitted_over_cos * site.most);
+        if !tree.is_direct()
+            && self.emitted_over_cos < f32::INFINITY
+            && let Some(most) = at.clamp()
+        {
+            let left = self.scatter.f * (self.emitted_over_cos * most);
             bound = bound.zip(left, f32::min);
         }
         node.power * bound * SAFETY
@@ -109,19 +149,18 @@ const SAFETY: f32 = 1.0 + 1e-4;
 /// Smallest squared distance: keeps the bound finite if the point lies in the box.
 const LEAST_DISTANCE_SQ: f32 = 1e-30;
 
-/// The largest cosine at lights whose normals lie in a cone; with `side` -1, in the opposite cone.
+/// The largest cosine, at least 0, of these directions with normals within a cone.
 #[inline]
-fn max_cos(toward: &Toward, cone: &NormalCone, side: f32) -> f32 {
-    // Light leaves opposite to the direction in which the point sees the light.
-    let cos = toward.max_cos(&Frame::from_normal(cone.axis * -side));
-    if cone.cos == 1.0 {
+pub(crate) fn max_cos(toward: &Toward, axis: Vec3, cone_cos: f32) -> f32 {
+    let cos = toward.max_cos(&Frame::from_normal(axis));
+    if cone_cos == 1.0 {
         return cos.max(0.0);
     }
-    if cos >= cone.cos {
+    if cos >= cone_cos {
         return 1.0;
     }
-    let sines = safe_sqrt((1.0 - cos * cos) * (1.0 - cone.cos * cone.cos));
-    (cos * cone.cos + sines + COS_ROUNDING).max(0.0)
+    let sines = safe_sqrt((1.0 - cos * cos) * (1.0 - cone_cos * cone_cos));
+    (cos * cone_cos + sines + COS_ROUNDING).max(0.0)
 }
 
 /// Rounding of the cosine of a difference of angles.

@@ -54,10 +54,9 @@ impl Lit {
     }
 }
 
-/// A cut while it is refined.
-#[derive(Default)]
-pub struct Cut {
-    pub(crate) clusters: Vec<Cluster>,
+/// A cut while it is refined. `C` is what it consists of: clusters of lights, or pairs of clusters.
+pub struct Cut<C = Cluster> {
+    pub(crate) clusters: Vec<C>,
     /// The heap of clusters that may be refined, the one with the largest error on top. The high 32 bits are the bits
     /// of the error (for non-negative floats they sort like the values), the low 32 bits are the index of the cluster.
     pub(crate) heap: BinaryHeap<u64>,
@@ -79,6 +78,13 @@ thread_local! {
     static CUT: RefCell<Cut> = RefCell::default();
 }
 
+impl<C> Default for Cut<C> {
+    fn default() -> Self {
+        let (clusters, heap) = (Vec::new(), BinaryHeap::new());
+        Cut { clusters, heap, total: 0.0, squares: None, rays: 0, bounds: 0 }
+    }
+}
+
 impl Cut {
     /// Call `f` with the empty cut of this thread.
     pub(crate) fn with_empty<T>(f: impl FnOnce(&mut Cut) -> T) -> T {
@@ -87,7 +93,9 @@ impl Cut {
             f(cut)
         })
     }
+}
 
+impl<C> Cut<C> {
     /// Empty the cut, to use its memory again.
     pub fn clear(&mut self) {
         self.heap.clear();
@@ -96,13 +104,20 @@ impl Cut {
     }
 
     /// All clusters. Their order has no meaning, but is the same in every run.
-    pub fn clusters(&self) -> &[Cluster] {
+    pub fn clusters(&self) -> &[C] {
         &self.clusters
+    }
+
+    /// Put a cluster or pair with this error on the heap.
+    #[inline]
+    pub(crate) fn push(&mut self, error: f32, number: u32) {
+        self.squares = self.squares.map(|s| s + f64::from(error).powi(2));
+        self.heap.push(u64::from(error.to_bits()) << 32 | u64::from(number));
     }
 
     /// Whether no error exceeds what `limits` allow.
     pub(crate) fn is_good(&mut self, limits: &Limits) -> bool {
-        let allowed = f64::from(limits.error) * self.total;
+        let allowed = f64::from(limits.error) * self.total.abs();
         let error = |worst: &u64| f64::from(f32::from_bits((worst >> 32) as u32));
         if self.heap.peek().is_some_and(|worst| error(worst) > allowed) {
             self.squares = None;

@@ -13,7 +13,7 @@
 //! | `--fixed-lights` | all passes use the lights of the first pass; the error from too few lights stays |
 //! | `--clamp`, `--compensation` | upper bound of the geometry term of indirect lights, and paths for the light that it cuts off, as in instant radiosity |
 //! | `--caustics` | `photon`: light focused by mirrors and glass is read from photons, blurred over discs that shrink with the passes; `path` |
-//! | `--method` | `cuts`; `all`: every light; `stochastic`, `one`: lights sampled from the same trees, without bias \[Yuksel19, Conty18\]; `learned`: paths with light samples chosen by what earlier passes have learned \[Vevoda18\] |
+//! | `--method` | `cuts`; `multidimensional`: one cut per pixel for `--gather` camera paths \[Walter06\]; `all`: every light; `stochastic`, `one`: lights sampled from the same trees, without bias \[Yuksel19, Conty18\]; `learned`: paths with light samples chosen by what earlier passes have learned \[Vevoda18\] |
 //! | `--reconstruct` | cuts only at the corners of blocks of pixels, interpolated where they agree [Walter05, 5] |
 //! | bias | each cluster's error is at most `--error` times the total; the errors of many clusters partly cancel. None with `--error 0`, except the blur of caustics |
 //! | how it fails | few or near lights show individually. In dark places, where 2 % is little light, and with `whole` and many lights, cuts reach `--max-cut` (statistics: `at_max_cut`) |
@@ -21,7 +21,7 @@
 //!
 //! Read next: `cut.rs` (the cut and its heap), `light.rs` (split, representative, estimate), `bound.rs` (the error
 //! bound), `tree.rs` and `cluster.rs` (the light trees), `sources.rs` (the point lights), `reconstruct.rs`,
-//! `sample.rs`, `learned.rs`.
+//! `sample.rs`, `learned.rs`, `multidimensional/mod.rs`.
 
 #![forbid(unsafe_code)]
 
@@ -32,6 +32,7 @@ pub mod figures;
 pub mod gain;
 mod learned;
 pub mod light;
+mod multidimensional;
 mod params;
 mod picture;
 pub mod reconstruct;
@@ -46,15 +47,17 @@ mod view;
 
 use std::path::Path;
 
+use gi_core::bsdf::Bsdf;
 use gi_core::caustics::FocusedLight;
 use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
 use gi_core::film::{Film, Sample as PixelSample};
+use gi_core::math::Rgb;
 use gi_core::sampler::Sampler;
 use gi_core::technique::{Picture, Setting, Technique};
 use vpl::{Direct, MIN_ROUGHNESS, Pilot, Prepared};
 
 use cut::{Cut, Limits, Lit, MAX_GROWTH};
-use figures::Subject;
+use figures::{CutOfPixel, Subject};
 use learned::Learned;
 use light::{At, Lights};
 use picture::Blocks;
@@ -182,6 +185,9 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
         self.focused.shoot(self.setting.scene, self.setting.seed, index);
         let prepared = Prepared::new(&self.lights.vpls, self.setting.scene);
         let lights = self.lights(&prepared);
+        if self.params.method == Method::Multidimensional {
+            return self.add_pass_by_pairs(&lights, index, film);
+        }
         let Reconstruction { reconstruct, block, .. } = self.params.reconstruction;
         if reconstruct {
             let blocks = Blocks::of_pass(&self.setting, block, index);
@@ -223,14 +229,18 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
     fn pictures(&self, film: &Film) -> Vec<Picture> {
         let prepared = Prepared::new(&self.lights.vpls, self.setting.scene);
         let lights = self.lights(&prepared);
-        let subject = Subject { view: self.view(), lights: &lights, choose };
+        let cut_of_pixel = |pixel: [usize; 2]| self.cut_of_pixel(&lights, film, pixel);
+        let of_pixels = self.params.method == Method::Multidimensional;
+        let cut_of_pixel: Option<CutOfPixel> = of_pixels.then_some(&cut_of_pixel);
+        let subject = Subject { view: self.view(), lights: &lights, choose, cut_of_pixel };
         self.params.figures.iter().flat_map(|f| f.draw(&subject, film)).collect()
     }
 
     fn export(&self, path: &Path) -> Vec<u8> {
         let prepared = Prepared::new(&self.lights.vpls, self.setting.scene);
         let lights = self.lights(&prepared);
-        figures::file(&Subject { view: self.view(), lights: &lights, choose }, path)
+        let subject = Subject { view: self.view(), lights: &lights, choose, cut_of_pixel: None };
+        figures::file(&subject, path)
     }
 }
 
@@ -296,19 +306,24 @@ impl<'a> Lightcuts<'a> {
             (Method::Cuts, _) => light_by_cut(lights, &at, &params.cut),
             (Method::All, _) => lights.light_by_all(&at),
             (Method::Stochastic, _) => lights.light_stochastically(&at, params.samples, sampler),
-            (Method::One, _) | (Method::Learned, _) => {
+            (Method::One | Method::Learned | Method::Multidimensional, _) => {
                 lights.light_by_some(&at, params.samples, sampler)
             }
         };
         self.tally.note(&lit, v.non_delta == 0);
+        self.estimate(v, &bsdf, lit.direct, lit.indirect)
+    }
+
+    /// The light of a vertex, with the light of photons. `bsdf` is without narrow lobes.
+    fn estimate(&self, v: &EyeVertex, bsdf: &Bsdf, direct: Rgb, indirect: Rgb) -> Option<Estimate> {
         let max_geometry = self.view().compensated_geometry();
         let max_scatterings = self.view().max_scatterings(v.segments)?;
         let scene = self.setting.scene;
         Some(Estimate {
             covers: Covers::Visible { max_geometry, min_roughness: MIN_ROUGHNESS },
-            direct: (params.direct == Direct::Vpl).then_some(lit.direct),
-            indirect: lit.indirect,
-            caustic: self.focused.radiance(scene, (&v.surface, v.wo, &bsdf), max_scatterings),
+            direct: (self.params.direct == Direct::Vpl).then_some(direct),
+            indirect,
+            caustic: self.focused.radiance(scene, (&v.surface, v.wo, bsdf), max_scatterings),
         })
     }
 

@@ -142,8 +142,7 @@ impl<'a> Lights<'_, 'a> {
         let error = bound.map_or(0.0, |bound| error(estimate, bound));
         cluster.error = error;
         if error > 0.0 {
-            cut.squares = cut.squares.map(|s| s + f64::from(error).powi(2));
-            cut.heap.push(u64::from(error.to_bits()) << 32 | u64::from(number));
+            cut.push(error, number);
         }
     }
 

@@ -22,6 +22,9 @@ pub enum Rule {
 pub enum Method {
     /// By a cut
     Cuts,
+    /// Many points at once: one cut per pixel, of pairs of a cluster of lights and a cluster of the points that --gather
+    /// camera paths reach: multidimensional lightcuts (Walter06)
+    Multidimensional,
     /// By every light: brute force
     All,
     /// By one light sampled from each of --samples clusters: stochastic lightcuts (Yuksel19)
@@ -60,7 +63,7 @@ pub struct Limits {
     /// What --error bounds
     #[arg(long, value_enum, default_value_t = Rule::Cluster)]
     pub rule: Rule,
-    /// Maximum number of clusters in a cut [default: 1000, or no maximum with --error 0]
+    /// Maximum number of clusters, or of pairs of clusters, in a cut [default: 1000, or no maximum with --error 0]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub max_cut: Option<u32>,
 }
@@ -128,6 +131,9 @@ pub struct Params {
     /// Number of lights sampled per point by --method stochastic or one
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub samples: u32,
+    /// Number of camera paths per pixel and pass that share a cut, with --method multidimensional
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub gather: u32,
     /// Reconstruction cuts.
     #[command(flatten)]
     pub reconstruction: Reconstruction,
@@ -181,6 +187,16 @@ impl Parameters for Params {
         {
             return Err("--show, --lights-out, --bounds-out and --cuts-out describe virtual lights, and --method learned \
                         makes none: use another method"
+                .into());
+        }
+        let of_points = |f: &Figure| matches!(f, Figure::Bounds | Figure::Tree | Figure::Cuts);
+        if self.method == Method::Multidimensional
+            && (self.figures.iter().any(of_points)
+                || self.bounds_out.is_some()
+                || self.cuts_out.is_some())
+        {
+            return Err("--show bounds, tree and cuts, --bounds-out and --cuts-out describe the cuts of points, and --method \
+                        multidimensional makes cuts of pixels: use --method cuts, or --show cut-size or clusters"
                 .into());
         }
         Ok(())

@@ -25,13 +25,15 @@ enum Count {
     Reconstructed,
     /// Shadow rays of the samples for reconstruction.
     SampleRays,
+    /// Gather points of `--method multidimensional`, whose cuts belong to pixels.
+    GatherPoints,
 }
 
 /// Counts of all passes. They are whole numbers, so sums do not depend on the order in which threads add.
 #[derive(Debug, Default)]
 pub(crate) struct Tally {
     energy: Energy,
-    counts: [AtomicU64; 9],
+    counts: [AtomicU64; 10],
     lights: [u64; 2],
     building: Duration,
 }
@@ -67,6 +69,11 @@ impl Tally {
     /// Count the shadow rays of a sample for reconstruction.
     pub(crate) fn sampled(&self, rays: u32) {
         self.add(Count::SampleRays, rays);
+    }
+
+    /// Count the gather points of a pixel.
+    pub(crate) fn gathered(&self, points: u32) {
+        self.add(Count::GatherPoints, points);
     }
 
     /// Count the lights of a pass and the time for building their trees.
@@ -114,6 +121,7 @@ impl Tally {
             ("seen_rays_a_point", mean(n(SeenRays) + n(SampleRays), Seen)),
             ("at_max_cut", n(AtMost)),
             ("reconstructed", n(Reconstructed)),
+            ("gather_points", n(GatherPoints)),
             ("energy_cut", cut / (kept + cut).max(f64::MIN_POSITIVE)),
             ("caustic_photons", focused.photons() as f64),
             ("caustic_radius", focused.mean_radius()),

@@ -14,6 +14,8 @@ use gi_core::warp;
 use glam::Vec3;
 use vpl::{Kind, LitSurface, Vpl, Vpls};
 
+use crate::light::{At, Lights};
+
 fn rough(distribution: Distribution, u: f32, v: f32) -> Option<Roughness> {
     Some(Roughness { distribution, alpha_u: Texture::grey(u), alpha_v: Texture::grey(v) })
 }
@@ -68,7 +70,7 @@ pub(crate) fn materials() -> Vec<Material> {
     ]
 }
 
-fn in_cube(rng: &mut Pcg) -> Vec3 {
+pub(crate) fn in_cube(rng: &mut Pcg) -> Vec3 {
     Vec3::from_array([0; 3].map(|_| 2.0 * rng.next_f32() - 1.0))
 }
 
@@ -146,4 +148,38 @@ pub(crate) fn lights(scene: &Scene, count: u32, rng: &mut Pcg) -> Vpls {
     }
     set.lights.sort_by_key(|v| v.depth);
     set
+}
+
+/// The unshadowed light from one virtual light.
+pub(crate) fn unshadowed(lights: &Lights, at: &At, k: u32, direct: bool) -> Rgb {
+    let power = lights.prepared.set().lights[k as usize].power;
+    lights
+        .prepared
+        .connect_unit(k as usize, &at.receiver)
+        .map_or(Rgb::BLACK, |c| c.radiance * power * at.kept(c.geometry, direct))
+}
+
+/// Counts of the checks of bounds, for one kind of surface.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Checked {
+    pub(crate) cases: u32,
+    /// Cases with some light.
+    pub(crate) lit: u32,
+    /// Cases with more than 0.3 of the bound.
+    pub(crate) tight: u32,
+    /// Cases whose bound is zero.
+    pub(crate) dark: u32,
+}
+
+impl Checked {
+    /// Check a value in each channel. If the bound is zero, the value must be zero. A NaN bound counts as infinite.
+    pub(crate) fn check(&mut self, value: Rgb, bound: Rgb, what: &dyn std::fmt::Debug) {
+        let pairs = value.to_array().into_iter().zip(bound.to_array());
+        let holds = pairs.into_iter().all(|(v, b)| v <= b || b.is_nan());
+        assert!(holds, "{what:?}: {value:?} is above the bound {bound:?}");
+        self.cases += 1;
+        self.lit += u32::from(!value.is_black());
+        self.tight += u32::from(value.luminance() > 0.3 * bound.luminance());
+        self.dark += u32::from(bound.is_black());
+    }
 }

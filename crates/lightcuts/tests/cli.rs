@@ -49,6 +49,17 @@ fn pictures_and_tables_are_written_and_every_bound_in_them_holds() {
 }
 
 #[test]
+fn cut_sizes_of_pixels_count_pairs() {
+    let folder = Folder::make();
+    let out = folder.at("a.exr");
+    let how = ["--method=multidimensional", "--gather=4", "--show=cut-size", "--error=0.1"];
+    assert_success(&run("gallery", &[&["-o", out.as_str()], &how[..]].concat()));
+    let layers = read_exr(Path::new(&out)).expect("an EXR");
+    let sizes = layers.channel("Cut-size.Clusters").expect("a layer");
+    assert!(sizes.iter().all(|s| *s <= 1000.0) && sizes.iter().any(|s| *s > 10.0));
+}
+
+#[test]
 fn four_lights_have_the_cuts_of_the_lecture() {
     let folder = Folder::make();
     let at = |name: &str| folder.at(name);
@@ -75,6 +86,9 @@ fn invalid_options_are_refused_with_a_way_out() {
     assert_refused(&run("gallery", &["--pixel=7"]), 2, &["X,Y"]);
     assert_refused(&run("gallery", &["--lights-out=lights.txt"]), 2, &[".ply or .csv"]);
     assert_refused(&run("gallery", &["--reconstruct", "--method=one"]), 2, &["--method cuts only"]);
+    let of_points = ["--show=bounds", "--method=multidimensional"];
+    assert_refused(&run("gallery", &of_points), 2, &["cuts of pixels", "--method cuts"]);
+    assert_refused(&run("gallery", &["--gather=0"]), 2, &["--gather"]);
 }
 
 #[test]

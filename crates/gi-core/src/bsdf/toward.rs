@@ -1,4 +1,4 @@
-//! The directions from a point toward a box: cones, cosines and solid angles.
+//! The directions from a point or a box toward a box: cones, cosines and solid angles.
 
 use std::f32::consts::PI;
 
@@ -6,10 +6,10 @@ use glam::Vec3;
 
 use crate::math::{Bounds, Frame, safe_sqrt, sqr};
 
-/// The directions from a point to all points of a box.
+/// The directions from a point, or from all points of a box, to all points of another box.
 #[derive(Clone, Copy, Debug)]
 pub struct Toward {
-    /// Centre of the box relative to the point, and half its extent.
+    /// Centre and half the extent of the box of all differences.
     middle: Vec3,
     half: Vec3,
 }
@@ -35,6 +35,16 @@ impl Toward {
         let (low, high) = (bounds.min - p, bounds.max - p);
         let middle = 0.5 * (low + high);
         let half = 0.5 * (high - low) + (p.abs() + middle.abs()) * ROUNDING;
+        Toward { middle, half }
+    }
+
+    /// Directions from the points of one box to the points of another. Their differences fill a box [Walter06, 4.2].
+    #[inline]
+    pub fn between(from: &Bounds, to: &Bounds) -> Self {
+        let (low, high) = (to.min - from.max, to.max - from.min);
+        let middle = 0.5 * (low + high);
+        let largest = from.min.abs().max(from.max.abs());
+        let half = 0.5 * (high - low) + (largest + middle.abs()) * ROUNDING;
         Toward { middle, half }
     }
 

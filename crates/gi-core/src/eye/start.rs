@@ -29,8 +29,21 @@ impl<'a> EyeWalk<'a> {
     pub fn through_pixel(
         setting: &Setting<'a>,
         limits: PathLimits,
+        pixel: [usize; 2],
+        index: u32,
+    ) -> Self {
+        Self::through_pixel_at(setting, limits, pixel, index, |u| u)
+    }
+
+    /// The same; `place` maps two random numbers to the film position, in pixels from the pixel's corner. The position may
+    /// be in another pixel: filters reach that far.
+    #[inline(always)]
+    pub fn through_pixel_at(
+        setting: &Setting<'a>,
+        limits: PathLimits,
         [x, y]: [usize; 2],
         index: u32,
+        place: impl FnOnce([f32; 2]) -> [f32; 2],
     ) -> Self {
         let camera = setting.camera;
         let stream = (y * camera.size()[0] + x) as u32;
@@ -38,7 +51,7 @@ impl<'a> EyeWalk<'a> {
         if let Some(sensors) = camera.sensors() {
             return Self::at_sensor(setting, limits, &sensors[x], sampler);
         }
-        let [u, v] = sampler.next_2d();
+        let [u, v] = place(sampler.next_2d());
         let lens = if camera.has_lens() { sampler.next_2d() } else { [0.5; 2] };
         let ray = camera.ray([x as f32 + u, y as f32 + v], lens);
         let mut walk = Self::new(setting.scene, limits, ray, sampler);

@@ -181,6 +181,23 @@ impl Film {
         self.kept = kept;
     }
 
+    /// Take samples in every pixel, tiles in parallel, that are filtered already. `sample` returns the sum of the weights
+    /// of its samples, and the sum of their radiance multiplied by the weights.
+    pub fn add_filtered_pass(&mut self, sample: impl Fn([usize; 2]) -> (f32, Sample) + Sync) {
+        if progress::is_abandoned() {
+            return;
+        }
+        progress::begin(progress::PIXELS, self.tiles.corners.len() as u64);
+        self.for_each_pixel(self.nothing(), Tile::Sampled, |film, at, pixel, _, ()| {
+            let (weight, sample) = sample(at);
+            pixel.add_surface(&sample);
+            pixel.add(weight, &sample.radiance, film.show);
+            film.show.of(&sample.radiance)
+        });
+        self.passes += u32::from(!progress::is_abandoned());
+        self.watched = None;
+    }
+
     /// Add the result of `sample` to every pixel without filtering, for pictures that are filtered already.
     pub fn add_unfiltered(&mut self, sample: impl Fn([usize; 2]) -> Sample + Sync) {
         if progress::is_abandoned() {

@@ -1,46 +1,12 @@
 use super::*;
 use crate::gain::gain;
 use crate::light::{At, Lights};
-use crate::test_scenes::{is_bent, lights, materials, point, rubble};
+use crate::test_scenes::{Checked, is_bent, lights, materials, point, rubble, unshadowed};
 use crate::tree::{Forest, Tree};
 use gi_core::bsdf::{Toward, Transport};
 use gi_core::math::Bounds;
 use gi_core::rng::Pcg;
 use vpl::{LitSurface, Prepared, Receiver};
-
-/// The unshadowed light from one virtual light.
-fn unshadowed(lights: &Lights, at: &At, k: u32, direct: bool) -> Rgb {
-    let power = lights.prepared.set().lights[k as usize].power;
-    lights
-        .prepared
-        .connect_unit(k as usize, &at.receiver)
-        .map_or(Rgb::BLACK, |c| c.radiance * power * at.kept(c.geometry, direct))
-}
-
-/// Counts of the checks for one kind of surface.
-#[derive(Clone, Copy, Default)]
-struct Checked {
-    cases: u32,
-    /// Cases with some light.
-    lit: u32,
-    /// Cases with more than 0.3 of the bound.
-    tight: u32,
-    /// Cases whose bound is zero.
-    dark: u32,
-}
-
-impl Checked {
-    /// Check a value in each channel. If the bound is zero, the value must be zero. A NaN bound counts as infinite.
-    fn check(&mut self, value: Rgb, bound: Rgb, what: &dyn std::fmt::Debug) {
-        let pairs = value.to_array().into_iter().zip(bound.to_array());
-        let holds = pairs.into_iter().all(|(v, b)| v <= b || b.is_nan());
-        assert!(holds, "{what:?}: {value:?} is above the bound {bound:?}");
-        self.cases += 1;
-        self.lit += u32::from(!value.is_black());
-        self.tight += u32::from(value.luminance() > 0.3 * bound.luminance());
-        self.dark += u32::from(bound.is_black());
-    }
-}
 
 /// Check every node of a tree at a point: the light from its lights, and the error bound given its representative.
 fn check_tree(lights: &Lights, at: &At, tree: &Tree, checked: &mut Checked) {

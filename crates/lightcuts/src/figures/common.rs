@@ -4,7 +4,7 @@ use gi_core::canvas::Canvas;
 use gi_core::film::Film;
 use gi_core::math::Rgb;
 
-use crate::cut::{Cut, Limits};
+use crate::cut::{Cut, Limits, Lit};
 use crate::light::{At, Lights};
 use crate::record::Record;
 use crate::view::View;
@@ -12,11 +12,16 @@ use crate::view::View;
 /// Chooses the cut of a point.
 type Choose<'a> = fn(&Lights<'_, 'a>, &At<'_, '_, 'a>, &Limits, &mut Cut, &mut Option<&mut Record>);
 
+/// Chooses the cut of a pixel, and returns its light and size.
+pub(crate) type CutOfPixel<'f> = &'f (dyn Fn([usize; 2]) -> Lit + Sync);
+
 /// What figures show: lights and trees, seen by a camera.
 pub(crate) struct Subject<'f, 'a> {
     pub(crate) view: View<'f, 'a>,
     pub(crate) lights: &'f Lights<'f, 'a>,
     pub(crate) choose: Choose<'a>,
+    /// For `--method multidimensional`, whose cuts belong to pixels.
+    pub(crate) cut_of_pixel: Option<CutOfPixel<'f>>,
 }
 
 impl<'a> Subject<'_, 'a> {

@@ -16,7 +16,7 @@ use vpl::to_file;
 use crate::light::At;
 use crate::params::Params;
 
-pub(crate) use common::Subject;
+pub(crate) use common::{CutOfPixel, Subject};
 
 pub use crate::params::Figure;
 
@@ -50,18 +50,26 @@ fn cut_size<'a>(subject: &Subject<'_, 'a>, film: &Film) -> Picture {
     let [w, h] = film.size();
     let size = |i: usize| {
         let light = |at: &At<'_, '_, 'a>| {
-            let lit = subject.lights.add_up(&mut subject.cut(at), &subject.view.params.cut);
-            [lit.size as f32, lit.rays as f32]
+            subject.lights.add_up(&mut subject.cut(at), &subject.view.params.cut)
         };
-        subject.view.at_pixel([i % w, i / w], light).unwrap_or([0.0; 2])
+        let pixel = [i % w, i / w];
+        let lit = match subject.cut_of_pixel {
+            Some(cut) => cut(pixel),
+            None => subject.view.at_pixel(pixel, light).unwrap_or_default(),
+        };
+        [lit.size as f32, lit.rays as f32]
     };
     let sizes: Vec<[f32; 2]> = (0..w * h).into_par_iter().map(size).collect();
     let largest = sizes.iter().map(|s| s[0]).fold(1.0, f32::max);
+    let title = match subject.cut_of_pixel {
+        Some(_) => "Cut size (pairs per pixel)",
+        None => "Cut size (clusters per pixel)",
+    };
     let channel = |k: usize| sizes.iter().map(|s| s[k]).collect::<Vec<f32>>();
     Picture {
         name: "cut-size".into(),
         channels: vec![("Clusters".into(), channel(0)), ("Rays".into(), channel(1))],
         view: sizes.iter().map(|s| viridis(s[0] / largest)).collect(),
-        legend: Some(Legend::linear("Cut size (clusters per pixel)", 0.0, largest)),
+        legend: Some(Legend::linear(title, 0.0, largest)),
     }
 }

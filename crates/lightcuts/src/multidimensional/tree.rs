@@ -1,0 +1,267 @@
+//! The gather tree: leaves are the gather points of a pixel, and inner nodes are clusters of the points below.
+//!
+//! Trees are built top-down: a cluster is split at the middle of the longest side of its box of positions and normals
+//! [Walter06, 4.1].
+
+use gi_core::bsdf::{ScatterBound, Toward};
+use gi_core::math::{Bounds, Cone, Rgb};
+use gi_core::rng::{bits_to_unit, hash_words};
+use glam::Vec3;
+
+use super::gather::{Gather, Kind};
+use crate::bound::{Receives, max_cos};
+use crate::gain::{Gain, GainToward, gain_of, join_gains};
+
+/// A gather point or a cluster of gather points.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct GatherNode {
+    /// The box around their positions.
+    pub(super) bounds: Bounds,
+    /// The cone around their normals.
+    pub(super) cone: Cone,
+    /// Sum of strength times colour.
+    pub(super) strength: Rgb,
+    /// The representative point, sampled in proportion to that from the representatives of the children.
+    pub(super) representative: u32,
+    /// Sum of strength times f of the Lambertian points.
+    lambert: Rgb,
+    /// Sum of the strengths of all other points.
+    glossy: Rgb,
+    /// Whether shading uses the geometric normals.
+    is_flat: bool,
+    /// The first of two children, the second follows it; 0 for a point.
+    child: u32,
+}
+
+/// A tree of gather points of one kind.
+pub(super) struct GatherTree {
+    /// Their kind.
+    pub(super) kind: Kind,
+    /// The root first; parents before children.
+    nodes: Vec<GatherNode>,
+    /// One gain per node, for the points that are not Lambertian; empty if there are none.
+    gains: Vec<Gain>,
+}
+
+impl GatherNode {
+    /// The two children; `None` for a point.
+    #[inline]
+    pub(super) fn children(&self) -> Option<[u32; 2]> {
+        (self.child != 0).then_some([self.child, self.child + 1])
+    }
+
+    fn leaf(gather: &Gather, number: u32) -> Self {
+        let site = &gather.at.site;
+        let (lambert, glossy) = match site.lambert() {
+            Some((f, _)) => (gather.strength * f, Rgb::BLACK),
+            None => (Rgb::BLACK, gather.strength),
+        };
+        GatherNode {
+            bounds: Bounds { min: site.p, max: site.p },
+            cone: Cone::new(gather.normal),
+            strength: gather.strength * gather.colour,
+            representative: number,
+            lambert,
+            glossy,
+            is_flat: site.is_flat(),
+            child: 0,
+        }
+    }
+
+    /// The bound of the points that are not Lambertian; `cos` bounds the cosine on the side of the eye.
+    fn glossy_bound(&self, gain: &Gain, toward: &Toward, mut cos: f32) -> ScatterBound {
+        let GainToward { mut most, over_cos } = gain.from(toward);
+        if self.is_flat {
+            if gain.both_sides {
+                cos = cos.max(max_cos(toward, -self.cone.axis, self.cone.angle.cos()));
+            }
+            most = most.min(over_cos * cos);
+        }
+        ScatterBound { f: self.glossy * over_cos, f_cos: self.glossy * most }
+    }
+
+    fn join(a: &Self, b: &Self, child: u32, seed: u32) -> Self {
+        let strength = a.strength + b.strength;
+        let u = bits_to_unit(hash_words(&[seed, a.representative, b.representative]));
+        let first = u * strength.luminance() < a.strength.luminance();
+        GatherNode {
+            bounds: a.bounds.union(b.bounds),
+            cone: a.cone.union(&b.cone),
+            strength,
+            representative: if first { a.representative } else { b.representative },
+            lambert: a.lambert + b.lambert,
+            glossy: a.glossy + b.glossy,
+            is_flat: a.is_flat && b.is_flat,
+            child,
+        }
+    }
+}
+
+impl GatherTree {
+    /// The trees of the gather points of a pixel, one for each kind. Directions count like positions times `c`.
+    pub(super) fn build_all(gathers: &[Gather], c: f32, seed: u32) -> Vec<Self> {
+        let mut numbers: Vec<u32> = (0..gathers.len() as u32).collect();
+        numbers.sort_by_key(|&k| gathers[k as usize].kind);
+        let kind = |k: &u32| gathers[*k as usize].kind;
+        let kinds = numbers.chunk_by_mut(|a, b| kind(a) == kind(b));
+        kinds.map(|members| Self::build(gathers, members, c, seed)).collect()
+    }
+
+    /// The tree of some gather points of one kind. Changes the order of `members`.
+    fn build(gathers: &[Gather], members: &mut [u32], c: f32, seed: u32) -> Self {
+        let kind = gathers[members[0] as usize].kind;
+        // Lay out the tree: the members below each node, and its first child.
+        let mut layout = vec![(0, members.len(), 0)];
+        let mut k = 0;
+        while k < layout.len() {
+            let (from, to, _) = layout[k];
+            if to - from > 1 {
+                let middle = from + split(gathers, &mut members[from..to], c);
+                layout[k].2 = layout.len();
+                layout.extend([(from, middle, 0), (middle, to, 0)]);
+            }
+            k += 1;
+        }
+        let leaf = |&(from, ..): &(usize, usize, usize)| {
+            GatherNode::leaf(&gathers[members[from] as usize], members[from])
+        };
+        let mut nodes: Vec<GatherNode> = layout.iter().map(leaf).collect();
+        for (k, &(.., child)) in layout.iter().enumerate().rev().filter(|(_, l)| l.2 != 0) {
+            nodes[k] = GatherNode::join(&nodes[child], &nodes[child + 1], child as u32, seed);
+        }
+        let gains = gains(&nodes, gathers);
+        GatherTree { kind, nodes, gains }
+    }
+
+    /// A node.
+    #[inline]
+    pub(super) fn node(&self, k: u32) -> &GatherNode {
+        &self.nodes[k as usize]
+    }
+
+    /// The gather points below a node.
+    #[cfg(test)]
+    pub(super) fn members(&self, k: u32) -> Vec<u32> {
+        match self.node(k).children() {
+            Some([a, b]) => [self.members(a), self.members(b)].concat(),
+            None => vec![self.node(k).representative],
+        }
+    }
+
+    /// Number of nodes.
+    #[cfg(test)]
+    pub(super) fn len(&self) -> u32 {
+        self.nodes.len() as u32
+    }
+
+    /// A node in the form that bounds need.
+    #[inline]
+    pub(super) fn cluster<'g, 's, 'a>(
+        &'g self,
+        k: u32,
+        gathers: &'g [Gather<'s, 'a>],
+    ) -> GatherCluster<'g, 's, 'a> {
+        let node = self.node(k);
+        let representative = &gathers[node.representative as usize];
+        match node.children() {
+            None => GatherCluster::Point(representative),
+            Some(_) => GatherCluster::Cluster {
+                node,
+                gain: self.gains.get(k as usize).filter(|_| !node.glossy.is_black()),
+                most: representative.at.site.most,
+            },
+        }
+    }
+}
+
+/// Gains of all nodes; none if all points are Lambertian.
+fn gains(nodes: &[GatherNode], gathers: &[Gather]) -> Vec<Gain> {
+    if nodes[0].glossy.is_black() || nodes.len() == 1 {
+        return Vec::new();
+    }
+    let of_point = |node: &GatherNode| match node.children() {
+        None if !node.glossy.is_black() => {
+            let site = &gathers[node.representative as usize].at.site;
+            gain_of(site.bsdf, site.wo, 1)
+        }
+        _ => Gain::default(),
+    };
+    let mut gains: Vec<Gain> = nodes.iter().map(of_point).collect();
+    join_gains(&mut gains, |k| nodes[k as usize].children(), |k| nodes[k as usize].glossy);
+    gains
+}
+
+/// Order gather points by the middle of the longest side of their box, and return the number of points below it.
+fn split(gathers: &[Gather], members: &mut [u32], c: f32) -> usize {
+    let place = |k: u32| {
+        let gather = &gathers[k as usize];
+        [gather.at.site.p, gather.normal * c]
+    };
+    let (mut low, mut high) = ([Vec3::INFINITY; 2], [Vec3::NEG_INFINITY; 2]);
+    for place in members.iter().map(|&k| place(k)) {
+        for i in 0..2 {
+            (low[i], high[i]) = (low[i].min(place[i]), high[i].max(place[i]));
+        }
+    }
+    let side = |axis: usize| high[axis / 3][axis % 3] - low[axis / 3][axis % 3];
+    let longest = (0..6).fold(0, |a, b| if side(b) > side(a) { b } else { a });
+    let along = |k: u32| place(k)[longest / 3][longest % 3];
+    let middle = low[longest / 3][longest % 3] + 0.5 * side(longest);
+    members.sort_by(|&a, &b| along(a).total_cmp(&along(b)));
+    let below = members.partition_point(|&k| along(k) < middle);
+    // Equal points are halved.
+    if below == 0 || below == members.len() { members.len() / 2 } else { below }
+}
+
+/// What receives light in a pair: one gather point, or a cluster of them.
+pub(super) enum GatherCluster<'g, 's, 'a> {
+    /// A point.
+    Point(&'g Gather<'s, 'a>),
+    /// A cluster.
+    Cluster {
+        /// The node.
+        node: &'g GatherNode,
+        /// The gain of the points that are not Lambertian, if there are any.
+        gain: Option<&'g Gain>,
+        /// The clamp of the geometry term.
+        most: f32,
+    },
+}
+
+impl Receives for GatherCluster<'_, '_, '_> {
+    #[inline]
+    fn toward(&self, bounds: &Bounds) -> Toward {
+        match self {
+            Self::Point(gather) => gather.at.site.toward(bounds),
+            Self::Cluster { node, .. } => Toward::between(&node.bounds, bounds),
+        }
+    }
+
+    #[inline]
+    fn scatter(&self, toward: &Toward) -> ScatterBound {
+        match self {
+            Self::Point(gather) => {
+                let ScatterBound { f, f_cos } = gather.at.site.scatter(toward);
+                ScatterBound { f: f * gather.strength, f_cos: f_cos * gather.strength }
+            }
+            Self::Cluster { node, gain, .. } => {
+                let cos = max_cos(toward, node.cone.axis, node.cone.angle.cos());
+                let bound = ScatterBound { f: node.lambert, f_cos: node.lambert * cos };
+                match gain {
+                    Some(gain) => bound + node.glossy_bound(gain, toward, cos),
+                    None => bound,
+                }
+            }
+        }
+    }
+
+    #[inline]
+    fn clamp(&self) -> Option<f32> {
+        match self {
+            Self::Point(gather) => gather.at.site.clamp(),
+            Self::Cluster { node, most, .. } => {
+                (node.is_flat && *most < f32::INFINITY).then_some(*most)
+            }
+        }
+    }
+}
