@@ -9,7 +9,6 @@ use gi_core::geometry::Surface;
 use gi_core::ray::Ray;
 use gi_core::rng::Pcg;
 use gi_core::scene::Scene;
-use gi_core::warp;
 use glam::Vec3;
 use vpl::{Prepared, Receiver};
 
@@ -18,7 +17,8 @@ type Point<'a> = (Surface, Vec3, Bsdf<'a>);
 
 /// Up to `count` points seen through a random pixel: rays from one point whose directions differ by about `spread`.
 fn points<'a>(scene: &'a Scene, count: u32, spread: f32, rng: &mut Pcg) -> Vec<Point<'a>> {
-    let (eye, axis) = (1.5 * in_cube(rng), warp::sphere(rng.next_2d()));
+    let eye = 1.5 * in_cube(rng);
+    let axis = (0.7 * in_cube(rng) - eye).normalize_or(Vec3::Z);
     let ray = |_| Ray::new(eye, (axis + spread * in_cube(rng)).normalize());
     let rays: Vec<Ray> = (0..count).map(ray).collect();
     let point = |ray: &Ray| {
@@ -152,10 +152,10 @@ fn check_products(seeds: std::ops::Range<u64>, each: u32) -> Checked {
 #[test]
 fn no_pair_exceeds_its_bound() {
     let Checked { cases, lit, tight, dark } = check_products(0..16, 32);
-    assert!(cases > 400_000, "{cases} cases");
+    assert!(cases > 1_000_000, "{cases} cases");
     // A bound that is far too large would pass too, so require cases near the bound.
     assert!(
-        lit > cases / 8 && tight > cases / 20 && dark > cases / 20,
+        lit > cases / 8 && tight > cases / 40 && dark > cases / 20,
         "{lit} {tight} {dark} {cases}"
     );
 }
@@ -199,7 +199,7 @@ fn with_error_zero_every_light_is_connected_with_every_gather_point() {
         some += u32::from(whole > 0.0);
         pairs += lit.size;
     });
-    assert!(some > 80 && pairs > 50_000, "{some} pixels are lit, {pairs} pairs");
+    assert!(some > 80 && pairs > 40_000, "{some} pixels are lit, {pairs} pairs");
 }
 
 #[test]
@@ -287,7 +287,7 @@ fn every_gather_node_contains_its_points_and_shares_a_representative_with_a_chil
 fn a_point_is_the_representative_in_proportion_to_its_strength() {
     let scene = rubble(1);
     let mut rng = Pcg::new(43, 0);
-    let points = points(&scene, 60, 3.0, &mut rng);
+    let points = points(&scene, 100, 3.0, &mut rng);
     let gathers = gathers(&points[..12], f32::INFINITY, &mut rng);
     let (trials, mut counts) = (4000, [0u32; 12]);
     for seed in 0..trials {
