@@ -1,13 +1,13 @@
-//! How strongly a glossy light may scatter toward a point, and a cluster of glossy points from a light.
+//! How strongly a glossy light may scatter toward a point.
 //!
 //! The sphere of directions is divided into pieces. A gain bounds, for each piece, the fraction that the light scatters
-//! into it, or that the point scatters from it [Walter06, 4.2]. The gain of a cluster is the mean of its lights' gains, weighted by their powers: times the power of the
+//! into it. The gain of a cluster is the mean of its lights' gains, weighted by their powers: times the power of the
 //! cluster, it bounds the sum over the lights, although their lobes point in different directions. The bound toward a
 //! point is the largest one of the pieces that the directions to the point touch.
 
 use std::sync::LazyLock;
 
-use gi_core::bsdf::{Bsdf, Toward};
+use gi_core::bsdf::Toward;
 use gi_core::math::{Bounds, Rgb};
 use gi_core::scene::Scene;
 use glam::Vec3;
@@ -16,11 +16,10 @@ use vpl::LitSurface;
 /// Number of pieces along the side of a face of the cube around the sphere, and in all.
 const SIDE: usize = 3;
 const PIECES: usize = 6 * SIDE * SIDE;
-/// Number of parts along the side of a piece whose bounds are computed separately, for lights.
+/// Number of parts along the side of a piece whose bounds are computed separately.
 const PARTS: usize = 2;
 
-/// Upper bounds of the fraction that a glossy surface scatters, per solid angle, in the largest channel: of the power that
-/// arrives at lights, or of the light that comes from a direction.
+/// Upper bounds of the fraction of arriving power that glossy lights scatter, per solid angle, in the largest channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gain {
     /// The bound for each piece of the sphere, as a logarithm.
@@ -68,7 +67,7 @@ fn read(stored: u8) -> f32 {
 
 /// A gain while clusters are joined. Rounding up at each join would loosen the bound.
 #[derive(Clone)]
-struct Exact {
+pub(crate) struct Exact {
     most: [f32; PIECES],
     over_cos: [f32; PIECES],
     both_sides: bool,
@@ -90,7 +89,7 @@ impl From<&Exact> for Gain {
 
 impl Exact {
     /// The gain of two clusters with these powers: the mean weighted by power, in the channel in which it is largest.
-    fn join(parts: [&Exact; 2], powers: [Rgb; 2]) -> Self {
+    pub(crate) fn join(parts: [&Exact; 2], powers: [Rgb; 2]) -> Self {
         let share =
             powers[0].zip(powers[0] + powers[1], |a, sum| if sum > 0.0 { a / sum } else { 0.5 });
         let shares = share.to_array();
@@ -116,27 +115,14 @@ impl Gain {
     #[inline]
     pub fn toward(&self, toward: &Toward) -> GainToward {
         let (axis, sin, cos) = toward.around();
-        // Light travels opposite to the direction in which the point sees the light.
-        self.within(-axis, sin, cos)
-    }
-
-    /// The bounds for light that comes from these directions.
-    #[inline]
-    pub fn from(&self, toward: &Toward) -> GainToward {
-        let (axis, sin, cos) = toward.around();
-        self.within(axis, sin, cos)
-    }
-
-    /// The bounds for the directions in a cone.
-    #[inline]
-    fn within(&self, axis: Vec3, sin: f32, cos: f32) -> GainToward {
         let sphere = &*SPHERE;
         // Loops without branches, so that the compiler can vectorise them.
         let mut touched = [u8::MAX; PIECES];
         if sin < 1.0 {
             for (k, touched) in touched.iter_mut().enumerate() {
+                // Light travels opposite to the direction in which the point sees the light.
                 let between = sphere.x[k] * axis.x + sphere.y[k] * axis.y + sphere.z[k] * axis.z;
-                let touches = between >= sphere.cos[k] * cos - sphere.sin[k] * sin;
+                let touches = -between >= sphere.cos[k] * cos - sphere.sin[k] * sin;
                 *touched = if touches { u8::MAX } else { 0 };
             }
         }
@@ -164,19 +150,11 @@ struct Sphere {
 }
 
 static SPHERE: LazyLock<Sphere> = LazyLock::new(|| {
+    let face = |k: usize| k / (SIDE * SIDE);
     let boxes: [Bounds; PIECES] =
-        std::array::from_fn(|k| part(k, SIDE, [k % SIDE, k / SIDE % SIDE]));
+        std::array::from_fn(|k| square(face(k), SIDE, [k % SIDE, k / SIDE % SIDE]));
     let axis = boxes.map(|b| b.center().normalize());
-    let corners = |b: &Bounds| {
-        let b = *b;
-        (0..8).map(move |c| {
-            Vec3::from_array([0, 1, 2].map(|i| if c >> i & 1 == 0 { b.min[i] } else { b.max[i] }))
-        })
-    };
-    let cos: [f32; PIECES] = std::array::from_fn(|k| {
-        let far = corners(&boxes[k]).map(|c| c.normalize().dot(axis[k]));
-        far.fold(1.0, f32::min) - 1e-4
-    });
+    let cos: [f32; PIECES] = std::array::from_fn(|k| far_cos(&boxes[k], axis[k]));
     Sphere {
         x: axis.map(|a| a.x),
         y: axis.map(|a| a.y),
@@ -187,9 +165,16 @@ static SPHERE: LazyLock<Sphere> = LazyLock::new(|| {
     }
 });
 
-/// A square of a face of the cube around the sphere. The face is that of piece `k`; `n` squares lie along its side.
-fn part(k: usize, n: usize, place: [usize; 2]) -> Bounds {
-    let face = k / (SIDE * SIDE);
+/// The smallest cosine between `axis` and a corner of a box seen from the origin, with a margin for rounding.
+pub(crate) fn far_cos(b: &Bounds, axis: Vec3) -> f32 {
+    let corner = |c: usize| {
+        Vec3::from_array([0, 1, 2].map(|i| if c >> i & 1 == 0 { b.min[i] } else { b.max[i] }))
+    };
+    (0..8).map(|c| corner(c).normalize().dot(axis)).fold(1.0, f32::min) - 1e-4
+}
+
+/// A square of a face of the cube around the sphere; `n` squares lie along the side of the face.
+pub(crate) fn square(face: usize, n: usize, place: [usize; 2]) -> Bounds {
     let (axis, side) = (face / 2, if face.is_multiple_of(2) { -1.0 } else { 1.0 });
     let (mut min, mut max) = (Vec3::splat(side), Vec3::splat(side));
     for (across, place) in [(axis + 1) % 3, (axis + 2) % 3].into_iter().zip(place) {
@@ -201,42 +186,16 @@ fn part(k: usize, n: usize, place: [usize; 2]) -> Bounds {
 
 /// The gain of a glossy light.
 pub fn gain(scene: &Scene, lit: &LitSurface) -> Gain {
-    lit.bsdf(scene).map_or_else(Gain::default, |bsdf| gain_of(&bsdf, lit.wo, PARTS))
-}
-
-/// The gain of a BSDF for light between `wo` and other directions. Each piece of the sphere is bounded in `parts` x `parts`
-/// parts: more are tighter and take longer.
-pub(crate) fn gain_of(bsdf: &Bsdf, wo: Vec3, parts: usize) -> Gain {
+    let Some(bsdf) = lit.bsdf(scene) else { return Gain::default() };
     let mut gain = Gain { both_sides: !bsdf.is_flat() || bsdf.transmits(), ..Gain::default() };
     for k in 0..PIECES {
-        for i in 0..parts * parts {
-            let place = [k % SIDE * parts + i % parts, k / SIDE % SIDE * parts + i / parts];
-            let square = part(k, SIDE * parts, place);
-            let bound = bsdf.bound(wo, &Toward::new(Vec3::ZERO, &square));
+        for i in 0..PARTS * PARTS {
+            let place = [k % SIDE * PARTS + i % PARTS, k / SIDE % SIDE * PARTS + i / PARTS];
+            let square = square(k / (SIDE * SIDE), SIDE * PARTS, place);
+            let bound = bsdf.bound(lit.wo, &Toward::new(Vec3::ZERO, &square));
             gain.most[k] = gain.most[k].max(store(bound.f_cos.max()));
             gain.over_cos[k] = gain.over_cos[k].max(store(bound.f.max()));
         }
     }
     gain
-}
-
-/// Compute the gains of clusters from the gains of their members. Children follow their parents. `weight` is the power of
-/// a light, or the strength of a gather point, summed over a cluster.
-pub(crate) fn join_gains(
-    gains: &mut [Gain],
-    children: impl Fn(u32) -> Option<[u32; 2]>,
-    weight: impl Fn(u32) -> Rgb,
-) {
-    // A gain is dropped once it is joined, so that few of them take memory.
-    let mut exact: Vec<Option<Box<Exact>>> = vec![None; gains.len()];
-    for k in (0..gains.len()).rev() {
-        let Some(children) = children(k as u32) else { continue };
-        let mut part = |c: u32| {
-            exact[c as usize].take().unwrap_or_else(|| Box::new((&gains[c as usize]).into()))
-        };
-        let parts = children.map(&mut part);
-        let joined = Exact::join([&parts[0], &parts[1]], children.map(&weight));
-        gains[k] = (&joined).into();
-        exact[k] = Some(Box::new(joined));
-    }
 }

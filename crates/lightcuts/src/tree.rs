@@ -9,7 +9,7 @@ use glam::Vec3;
 use vpl::{Kind, Vpl, Vpls};
 
 use crate::cluster::{Cluster, join_all};
-use crate::gain::{Gain, gain, join_gains};
+use crate::gain::{Exact, Gain, gain};
 
 /// How the lights of a tree emit. Each kind has a tree of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -148,7 +148,18 @@ impl Tree {
             _ => Gain::default(),
         };
         let mut gains: Vec<Gain> = self.nodes.par_iter().map(of_light).collect();
-        join_gains(&mut gains, |k| self.node(k).children(), |k| self.node(k).power);
+        // Children follow their parents. A gain is dropped once it is joined, so that few of them take memory.
+        let mut exact: Vec<Option<Box<Exact>>> = vec![None; self.nodes.len()];
+        for k in (0..self.nodes.len()).rev() {
+            let Some(children) = self.nodes[k].children() else { continue };
+            let mut part = |c: u32| {
+                exact[c as usize].take().unwrap_or_else(|| Box::new((&gains[c as usize]).into()))
+            };
+            let parts = children.map(&mut part);
+            let joined = Exact::join([&parts[0], &parts[1]], children.map(|c| self.node(c).power));
+            gains[k] = (&joined).into();
+            exact[k] = Some(Box::new(joined));
+        }
         gains
     }
 }

@@ -10,6 +10,7 @@
 //!
 //! Read next: `pairs.rs` (split, representatives, estimate), `tree.rs` (the gather tree and its bounds), `gather.rs`.
 
+mod cube;
 mod gather;
 mod pairs;
 mod tree;

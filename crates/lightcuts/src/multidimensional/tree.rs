@@ -8,9 +8,9 @@ use gi_core::math::{Bounds, Cone, Rgb};
 use gi_core::rng::{bits_to_unit, hash_words};
 use glam::Vec3;
 
+use super::cube::CubeMap;
 use super::gather::{Gather, Kind};
 use crate::bound::{Receives, max_cos};
-use crate::gain::{Gain, GainToward, gain_of, join_gains};
 
 /// A gather point or a cluster of gather points.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +25,8 @@ pub(super) struct GatherNode {
     pub(super) representative: u32,
     /// Sum of strength times f of the Lambertian points.
     lambert: Rgb,
-    /// Sum of the strengths of all other points.
+    /// Largest strength of each channel of the other points, as a fraction of the point's strongest channel. Times the
+    /// bounds of the node's [`CubeMap`], it bounds their sum.
     glossy: Rgb,
     /// Whether shading uses the geometric normals.
     is_flat: bool,
@@ -39,8 +40,8 @@ pub(super) struct GatherTree {
     pub(super) kind: Kind,
     /// The root first; parents before children.
     nodes: Vec<GatherNode>,
-    /// One gain per node, for the points that are not Lambertian; empty if there are none.
-    gains: Vec<Gain>,
+    /// One map per node, for the points that are not Lambertian; empty if there are none.
+    maps: Vec<CubeMap>,
 }
 
 impl GatherNode {
@@ -54,7 +55,10 @@ impl GatherNode {
         let site = &gather.at.site;
         let (lambert, glossy) = match site.lambert() {
             Some((f, _)) => (gather.strength * f, Rgb::BLACK),
-            None => (Rgb::BLACK, gather.strength),
+            None => {
+                let strongest = gather.strength.max().max(f32::MIN_POSITIVE);
+                (Rgb::BLACK, gather.strength / strongest)
+            }
         };
         GatherNode {
             bounds: Bounds { min: site.p, max: site.p },
@@ -69,15 +73,15 @@ impl GatherNode {
     }
 
     /// The bound of the points that are not Lambertian; `cos` bounds the cosine on the side of the eye.
-    fn glossy_bound(&self, gain: &Gain, toward: &Toward, mut cos: f32) -> ScatterBound {
-        let GainToward { mut most, over_cos } = gain.from(toward);
+    fn glossy_bound(&self, map: &CubeMap, toward: &Toward, mut cos: f32) -> ScatterBound {
+        let [mut f_cos, f] = map.from(toward);
         if self.is_flat {
-            if gain.both_sides {
+            if map.both_sides {
                 cos = cos.max(max_cos(toward, -self.cone.axis, self.cone.angle.cos()));
             }
-            most = most.min(over_cos * cos);
+            f_cos = f_cos.min(f * cos);
         }
-        ScatterBound { f: self.glossy * over_cos, f_cos: self.glossy * most }
+        ScatterBound { f: self.glossy * f, f_cos: self.glossy * f_cos }
     }
 
     fn join(a: &Self, b: &Self, child: u32, seed: u32) -> Self {
@@ -90,7 +94,7 @@ impl GatherNode {
             strength,
             representative: if first { a.representative } else { b.representative },
             lambert: a.lambert + b.lambert,
-            glossy: a.glossy + b.glossy,
+            glossy: a.glossy.zip(b.glossy, f32::max),
             is_flat: a.is_flat && b.is_flat,
             child,
         }
@@ -129,8 +133,8 @@ impl GatherTree {
         for (k, &(.., child)) in layout.iter().enumerate().rev().filter(|(_, l)| l.2 != 0) {
             nodes[k] = GatherNode::join(&nodes[child], &nodes[child + 1], child as u32, seed);
         }
-        let gains = gains(&nodes, gathers);
-        GatherTree { kind, nodes, gains }
+        let maps = maps(&nodes, gathers);
+        GatherTree { kind, nodes, maps }
     }
 
     /// A node.
@@ -167,28 +171,29 @@ impl GatherTree {
             None => GatherCluster::Point(representative),
             Some(_) => GatherCluster::Cluster {
                 node,
-                gain: self.gains.get(k as usize).filter(|_| !node.glossy.is_black()),
+                map: self.maps.get(k as usize).filter(|_| !node.glossy.is_black()),
                 most: representative.at.site.most,
             },
         }
     }
 }
 
-/// Gains of all nodes; none if all points are Lambertian.
-fn gains(nodes: &[GatherNode], gathers: &[Gather]) -> Vec<Gain> {
+/// The maps of all nodes; none if all points are Lambertian, or there is only one.
+fn maps(nodes: &[GatherNode], gathers: &[Gather]) -> Vec<CubeMap> {
     if nodes[0].glossy.is_black() || nodes.len() == 1 {
         return Vec::new();
     }
-    let of_point = |node: &GatherNode| match node.children() {
-        None if !node.glossy.is_black() => {
-            let site = &gathers[node.representative as usize].at.site;
-            gain_of(site.bsdf, site.wo, 1)
-        }
-        _ => Gain::default(),
-    };
-    let mut gains: Vec<Gain> = nodes.iter().map(of_point).collect();
-    join_gains(&mut gains, |k| nodes[k as usize].children(), |k| nodes[k as usize].glossy);
-    gains
+    let mut maps = vec![CubeMap::EMPTY; nodes.len()];
+    for (k, node) in nodes.iter().enumerate().rev().filter(|(_, n)| !n.glossy.is_black()) {
+        maps[k] = match node.children() {
+            Some([a, b]) => CubeMap::join(&maps[a as usize], &maps[b as usize]),
+            None => {
+                let Gather { at, strength, .. } = &gathers[node.representative as usize];
+                CubeMap::new(at.site.bsdf, at.site.wo, strength.max())
+            }
+        };
+    }
+    maps
 }
 
 /// Order gather points by the middle of the longest side of their box, and return the number of points below it.
@@ -221,8 +226,8 @@ pub(super) enum GatherCluster<'g, 's, 'a> {
     Cluster {
         /// The node.
         node: &'g GatherNode,
-        /// The gain of the points that are not Lambertian, if there are any.
-        gain: Option<&'g Gain>,
+        /// The map of the points that are not Lambertian, if there are any.
+        map: Option<&'g CubeMap>,
         /// The clamp of the geometry term.
         most: f32,
     },
@@ -244,11 +249,11 @@ impl Receives for GatherCluster<'_, '_, '_> {
                 let ScatterBound { f, f_cos } = gather.at.site.scatter(toward);
                 ScatterBound { f: f * gather.strength, f_cos: f_cos * gather.strength }
             }
-            Self::Cluster { node, gain, .. } => {
+            Self::Cluster { node, map, .. } => {
                 let cos = max_cos(toward, node.cone.axis, node.cone.angle.cos());
                 let bound = ScatterBound { f: node.lambert, f_cos: node.lambert * cos };
-                match gain {
-                    Some(gain) => bound + node.glossy_bound(gain, toward, cos),
+                match map {
+                    Some(map) => bound + node.glossy_bound(map, toward, cos),
                     None => bound,
                 }
             }
