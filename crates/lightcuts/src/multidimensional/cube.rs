@@ -13,7 +13,7 @@ use glam::Vec3;
 use crate::gain::{far_cos, square};
 
 /// Number of squares along the side of a face, and in all.
-const SIDE: usize = 5;
+const SIDE: usize = 6;
 const SQUARES: usize = 6 * SIDE * SIDE;
 
 /// Upper bounds for each square of the cube. They are bits of floats that are not negative, which sort like the values: the
