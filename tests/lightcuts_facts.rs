@@ -120,7 +120,7 @@ fn a_cut_for_one_camera_path_is_the_cut_of_its_points() {
 
 #[test]
 fn errors_of_pixels_stay_below_the_threshold_and_cuts_grow_slower_than_their_gather_points() {
-    for (scene, defines) in [("gallery.xml", &[("lights", "512")][..]), ("cornell-glossy.xml", &[])]
+    for (scene, defines) in [("gallery.xml", &[("lights", "64")][..]), ("cornell-glossy.xml", &[])]
     {
         let world = World::load(scene, [20, 15], defines);
         let with = |gather: u32| {
@@ -153,9 +153,9 @@ fn errors_of_pixels_stay_below_the_threshold_and_cuts_grow_slower_than_their_gat
 
 #[test]
 fn camera_paths_of_a_pixel_follow_the_filter() {
-    let world = World::load("gallery.xml", [18, 12], &[]);
+    let world = World::load("gallery.xml", [12, 9], &[]);
     let film = |filter: Filter, params: &Params, seed: u32| {
-        let mut film = Film::new([18, 12], filter, Show::Direct);
+        let mut film = Film::new([12, 9], filter, Show::Direct);
         let setting = world.setting(seed, Show::Direct);
         let mut technique = Lightcuts::prepare(setting, params).expect("valid parameters");
         (0..4).for_each(|k| technique.pass(k, &mut film));
@@ -163,7 +163,7 @@ fn camera_paths_of_a_pixel_follow_the_filter() {
     };
     for filter in [Filter::Gaussian { stddev: 0.5 }, Filter::Lanczos { lobes: 3 }] {
         let mut pairs = exact_pairs(8);
-        pairs.lights.total = 64;
+        pairs.lights.total = 32;
         let cuts = Params { method: Method::All, ..pairs.clone() };
         // Pixels one by one: a filter that is too wide blurs edges, and changes no mean.
         let of = |params: &Params| -> Vec<Vec<f64>> {
@@ -171,7 +171,7 @@ fn camera_paths_of_a_pixel_follow_the_filter() {
                 let film = film(filter, params, seed);
                 film.radiance().into_iter().map(|c| f64::from(c.luminance())).collect()
             };
-            (0..24).map(pixels).collect()
+            (0..16).map(pixels).collect()
         };
         let (a, b) = (of(&pairs), of(&cuts));
         let level = sidak(1e-3, a[0].len());
