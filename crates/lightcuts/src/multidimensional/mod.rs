@@ -37,7 +37,7 @@ use tree::GatherTree;
 /// Choose the cut of a pixel: refine the cut of all pairs of roots.
 fn choose(product: &Product, limits: &Limits, cut: &mut Cut<Pair>) {
     for (g, gather_tree) in product.trees.iter().enumerate() {
-        let at = &product.gathers[gather_tree.node(0).representative as usize].at;
+        let at = &product.gathers[gather_tree.members(0)[0] as usize].at;
         for (l, light_tree) in product.lights.forest.trees.iter().enumerate() {
             if at.counts(light_tree) {
                 let root = |tree: usize| NodeId { tree: tree as u32, node: 0 };
@@ -61,8 +61,8 @@ fn light_by_product_cut<'a>(
     c: f32,
     seed: u32,
 ) -> Lit {
-    let trees = GatherTree::build_all(gathers, c, seed);
-    let product = Product { lights, gathers, trees: &trees, c };
+    let trees = GatherTree::build_all(gathers, c);
+    let product = Product { lights, gathers, trees: &trees, c, seed };
     let mut cut = Cut::default();
     choose(&product, limits, &mut cut);
     product.add_up(&mut cut, limits)

@@ -2,6 +2,7 @@
 //! split of a pair on one of its sides. And the light of a finished cut.
 
 use gi_core::math::Rgb;
+use gi_core::rng::{bits_to_unit, hash_words};
 
 use super::gather::Gather;
 use super::tree::GatherTree;
@@ -19,6 +20,8 @@ pub(super) struct Pair {
     pub(super) gather: NodeId,
     /// The lights.
     pub(super) light: NodeId,
+    /// The representative point.
+    pub(super) point: u32,
     /// The light that the representative light brings to the representative point, with shadows and the clamped geometry
     /// term: at unit power, and divided by the colour of the point.
     pub(super) unit: Rgb,
@@ -44,12 +47,15 @@ pub(super) struct Product<'p, 'l, 's, 'a> {
     pub(super) trees: &'p [GatherTree],
     /// Length by which directions are compared with positions.
     pub(super) c: f32,
+    /// For the choice of representatives.
+    pub(super) seed: u32,
 }
 
 impl Product<'_, '_, '_, '_> {
     /// Add a pair to a cut, with a shadow ray between the representatives.
     pub(super) fn add(&self, cut: &mut Cut<Pair>, gather: NodeId, light: NodeId) {
-        let mut pair = Pair { error: 0.0, gather, light, unit: Rgb::BLACK, kept: 1.0 };
+        let point = self.draw(gather, light);
+        let mut pair = Pair { error: 0.0, gather, light, point, unit: Rgb::BLACK, kept: 1.0 };
         let is_single = self.is_single(&pair);
         cut.bounds += u32::from(!is_single);
         let bound = self.bound(&pair);
@@ -57,8 +63,7 @@ impl Product<'_, '_, '_, '_> {
         if !is_single && bound.is_none() {
             return;
         }
-        let point =
-            &self.gathers[self.gather_tree(&pair).node(gather.node).representative as usize];
+        let point = &self.gathers[point as usize];
         let shape = &self.lights.forest.trees[light.tree as usize];
         let representative = shape.node(light.node).representative as usize;
         if let Some(c) = self.lights.prepared.connect_unit(representative, &point.at.receiver) {
@@ -84,9 +89,7 @@ impl Product<'_, '_, '_, '_> {
             Side::Gather => {
                 let tree = self.gather_tree(&parent);
                 let children = tree.node(parent.gather.node).children().expect("it is a cluster");
-                let same = |k: u32| {
-                    tree.node(k).representative == tree.node(parent.gather.node).representative
-                };
+                let same = |k: u32| tree.members(k).contains(&parent.point);
                 [heir.gather.node, other.gather.node] = heir_first(children, same);
             }
             Side::Light => {
@@ -103,6 +106,13 @@ impl Product<'_, '_, '_, '_> {
         let bound = self.bound(&heir);
         self.weigh(cut, number, bound);
         self.add(cut, other.gather, other.light);
+    }
+
+    /// The representative point of a pair. The paper has one per gather cluster. Pairs of the same cluster would then err
+    /// in the same direction, and their errors would add up. So each pair draws its own.
+    fn draw(&self, gather: NodeId, light: NodeId) -> u32 {
+        let pair = [gather.tree, gather.node, light.tree, light.node, self.seed];
+        self.trees[gather.tree as usize].draw(gather.node, bits_to_unit(hash_words(&pair)))
     }
 
     /// The side that is refined: the larger one, which makes the bound loose [Walter06, 4.3]. Positions and directions are

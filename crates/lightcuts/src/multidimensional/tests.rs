@@ -65,9 +65,9 @@ fn at_pixels(
             let most = [f32::INFINITY, 4.0, 0.1][rng.next_below(3) as usize];
             let gathers = gathers(&points, most, &mut rng);
             let c = scene.radius();
-            let trees = GatherTree::build_all(&gathers, c, k);
+            let trees = GatherTree::build_all(&gathers, c);
             if !trees.is_empty() {
-                test(&Product { lights: &lights, gathers: &gathers, trees: &trees, c });
+                test(&Product { lights: &lights, gathers: &gathers, trees: &trees, c, seed: k });
             }
         }
     }
@@ -98,7 +98,8 @@ fn unshadowed_estimate(product: &Product, gather: NodeId, light: NodeId) -> Rgb 
     let tree = &product.lights.forest.trees[light.tree as usize];
     let representative = tree.node(light.node).representative;
     let power = product.lights.prepared.set().lights[representative as usize].power;
-    let point = &product.gathers[node.representative as usize];
+    let members = product.trees[gather.tree as usize].members(gather.node);
+    let point = &product.gathers[members[light.node as usize % members.len()] as usize];
     let value = unshadowed(product.lights, &point.at, representative, tree.is_direct());
     let unit =
         value.zip(power, |v, p| if p > 0.0 { v / p } else { 0.0 }).zip(point.colour, |v, c| v / c);
@@ -113,7 +114,7 @@ fn check_pairs(product: &Product, [g, l]: [u32; 2], checked: &mut Checked) {
     for k in (0..gather_tree.len()).rev() {
         let node = gather_tree.node(k);
         brings[k as usize] = match node.children() {
-            None => brought(product, node.representative, l),
+            None => brought(product, gather_tree.members(k)[0], l),
             Some([a, b]) => {
                 let both = brings[a as usize].iter().zip(&brings[b as usize]);
                 both.map(|(a, b)| *a + *b).collect()
@@ -125,7 +126,7 @@ fn check_pairs(product: &Product, [g, l]: [u32; 2], checked: &mut Checked) {
             }
             let (gather, light) = (NodeId { tree: g, node: k }, NodeId { tree: l, node: i });
             let truth = brings[k as usize][i as usize];
-            let pair = Pair { error: 0.0, gather, light, unit: Rgb::BLACK, kept: 1.0 };
+            let pair = Pair { error: 0.0, gather, light, point: 0, unit: Rgb::BLACK, kept: 1.0 };
             let bound = product.bound(&pair);
             checked.check(truth, bound.unwrap_or_default(), &(light_tree.family, k, i));
             let Some(bound) = bound else { continue };
@@ -214,7 +215,8 @@ fn every_cut_partitions_the_pairs_that_can_contribute() {
             for pair in cut.clusters() {
                 let lights = &product.lights.forest.trees[pair.light.tree as usize];
                 let gathers = &product.trees[pair.gather.tree as usize];
-                for point in gathers.members(pair.gather.node) {
+                assert!(gathers.members(pair.gather.node).contains(&pair.point));
+                for &point in gathers.members(pair.gather.node) {
                     let row = &mut seen[point as usize];
                     lights.members(pair.light.node).iter().for_each(|&k| row[k as usize] += 1);
                 }
@@ -252,7 +254,7 @@ fn no_pair_of_a_finished_cut_exceeds_the_allowed_error_and_larger_errors_give_sm
 }
 
 #[test]
-fn every_gather_node_contains_its_points_and_shares_a_representative_with_a_child() {
+fn every_gather_node_contains_its_points() {
     let mut nodes = 0;
     at_pixels(0..6, [4, 40], |product| {
         let mut seen = vec![0; product.gathers.len()];
@@ -261,10 +263,8 @@ fn every_gather_node_contains_its_points_and_shares_a_representative_with_a_chil
             for k in 0..tree.len() {
                 let node = tree.node(k);
                 let members = tree.members(k);
-                assert!(members.contains(&node.representative));
                 if let Some(children) = node.children() {
-                    let same = |c: u32| tree.node(c).representative == node.representative;
-                    assert!(children.into_iter().any(same));
+                    assert_eq!(children.map(|c| tree.members(c)).concat(), members);
                 }
                 let mut strength = Rgb::BLACK;
                 for gather in members.iter().map(|&k| &product.gathers[k as usize]) {
@@ -284,20 +284,20 @@ fn every_gather_node_contains_its_points_and_shares_a_representative_with_a_chil
 }
 
 #[test]
-fn a_point_is_the_representative_in_proportion_to_its_strength() {
+fn points_are_representatives_in_proportion_to_their_strength() {
     let scene = rubble(1);
     let mut rng = Pcg::new(43, 0);
     let points = points(&scene, 100, 3.0, &mut rng);
     let gathers = gathers(&points[..12], f32::INFINITY, &mut rng);
     let (trials, mut counts) = (4000, [0u32; 12]);
-    for seed in 0..trials {
-        for tree in GatherTree::build_all(&gathers, scene.radius(), seed) {
-            counts[tree.node(0).representative as usize] += 1;
+    for tree in GatherTree::build_all(&gathers, scene.radius()) {
+        for _ in 0..trials {
+            counts[tree.draw(0, rng.next_f32()) as usize] += 1;
         }
     }
     let n = f64::from(trials);
-    for tree in GatherTree::build_all(&gathers, scene.radius(), 0) {
-        for k in tree.members(0) {
+    for tree in GatherTree::build_all(&gathers, scene.radius()) {
+        for &k in tree.members(0) {
             let gather = &gathers[k as usize];
             let mine = (gather.strength * gather.colour).luminance();
             let share = f64::from(mine / tree.node(0).strength.luminance());

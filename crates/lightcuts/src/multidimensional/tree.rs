@@ -5,7 +5,6 @@
 
 use gi_core::bsdf::{ScatterBound, Toward};
 use gi_core::math::{Bounds, Cone, Rgb};
-use gi_core::rng::{bits_to_unit, hash_words};
 use glam::Vec3;
 
 use super::cube::CubeMap;
@@ -21,8 +20,8 @@ pub(super) struct GatherNode {
     pub(super) cone: Cone,
     /// Sum of strength times colour.
     pub(super) strength: Rgb,
-    /// The representative point, sampled in proportion to that from the representatives of the children.
-    pub(super) representative: u32,
+    /// The points below, as a range of [`GatherTree::order`].
+    range: [u32; 2],
     /// Sum of strength times f of the Lambertian points.
     lambert: Rgb,
     /// Largest strength of each channel of the other points, as a fraction of the point's strongest channel. Times the
@@ -40,6 +39,8 @@ pub(super) struct GatherTree {
     pub(super) kind: Kind,
     /// The root first; parents before children.
     nodes: Vec<GatherNode>,
+    /// The gather points in the order of the leaves.
+    order: Vec<u32>,
     /// One map per node, for the points that are not Lambertian; empty if there are none.
     maps: Vec<CubeMap>,
 }
@@ -51,7 +52,7 @@ impl GatherNode {
         (self.child != 0).then_some([self.child, self.child + 1])
     }
 
-    fn leaf(gather: &Gather, number: u32) -> Self {
+    fn leaf(gather: &Gather, range: [u32; 2]) -> Self {
         let site = &gather.at.site;
         let (lambert, glossy) = match site.lambert() {
             Some((f, _)) => (gather.strength * f, Rgb::BLACK),
@@ -64,7 +65,7 @@ impl GatherNode {
             bounds: Bounds { min: site.p, max: site.p },
             cone: Cone::new(gather.normal),
             strength: gather.strength * gather.colour,
-            representative: number,
+            range,
             lambert,
             glossy,
             is_flat: site.is_flat(),
@@ -84,15 +85,12 @@ impl GatherNode {
         ScatterBound { f: self.glossy * f, f_cos: self.glossy * f_cos }
     }
 
-    fn join(a: &Self, b: &Self, child: u32, seed: u32) -> Self {
-        let strength = a.strength + b.strength;
-        let u = bits_to_unit(hash_words(&[seed, a.representative, b.representative]));
-        let first = u * strength.luminance() < a.strength.luminance();
+    fn join(a: &Self, b: &Self, child: u32) -> Self {
         GatherNode {
             bounds: a.bounds.union(b.bounds),
             cone: a.cone.union(&b.cone),
-            strength,
-            representative: if first { a.representative } else { b.representative },
+            strength: a.strength + b.strength,
+            range: [a.range[0], b.range[1]],
             lambert: a.lambert + b.lambert,
             glossy: a.glossy.zip(b.glossy, f32::max),
             is_flat: a.is_flat && b.is_flat,
@@ -103,16 +101,16 @@ impl GatherNode {
 
 impl GatherTree {
     /// The trees of the gather points of a pixel, one for each kind. Directions count like positions times `c`.
-    pub(super) fn build_all(gathers: &[Gather], c: f32, seed: u32) -> Vec<Self> {
+    pub(super) fn build_all(gathers: &[Gather], c: f32) -> Vec<Self> {
         let mut numbers: Vec<u32> = (0..gathers.len() as u32).collect();
         numbers.sort_by_key(|&k| gathers[k as usize].kind);
         let kind = |k: &u32| gathers[*k as usize].kind;
         let kinds = numbers.chunk_by_mut(|a, b| kind(a) == kind(b));
-        kinds.map(|members| Self::build(gathers, members, c, seed)).collect()
+        kinds.map(|members| Self::build(gathers, members, c)).collect()
     }
 
     /// The tree of some gather points of one kind. Changes the order of `members`.
-    fn build(gathers: &[Gather], members: &mut [u32], c: f32, seed: u32) -> Self {
+    fn build(gathers: &[Gather], members: &mut [u32], c: f32) -> Self {
         let kind = gathers[members[0] as usize].kind;
         // Lay out the tree: the members below each node, and its first child.
         let mut layout = vec![(0, members.len(), 0)];
@@ -126,15 +124,15 @@ impl GatherTree {
             }
             k += 1;
         }
-        let leaf = |&(from, ..): &(usize, usize, usize)| {
-            GatherNode::leaf(&gathers[members[from] as usize], members[from])
+        let leaf = |&(from, to, _): &(usize, usize, usize)| {
+            GatherNode::leaf(&gathers[members[from] as usize], [from as u32, to as u32])
         };
         let mut nodes: Vec<GatherNode> = layout.iter().map(leaf).collect();
         for (k, &(.., child)) in layout.iter().enumerate().rev().filter(|(_, l)| l.2 != 0) {
-            nodes[k] = GatherNode::join(&nodes[child], &nodes[child + 1], child as u32, seed);
+            nodes[k] = GatherNode::join(&nodes[child], &nodes[child + 1], child as u32);
         }
-        let maps = maps(&nodes, gathers);
-        GatherTree { kind, nodes, maps }
+        let maps = maps(&nodes, |node| &gathers[members[node.range[0] as usize] as usize]);
+        GatherTree { kind, nodes, order: members.to_vec(), maps }
     }
 
     /// A node.
@@ -144,12 +142,19 @@ impl GatherTree {
     }
 
     /// The gather points below a node.
-    #[cfg(test)]
-    pub(super) fn members(&self, k: u32) -> Vec<u32> {
-        match self.node(k).children() {
-            Some([a, b]) => [self.members(a), self.members(b)].concat(),
-            None => vec![self.node(k).representative],
+    pub(super) fn members(&self, k: u32) -> &[u32] {
+        let [from, to] = self.node(k).range.map(|i| i as usize);
+        &self.order[from..to]
+    }
+
+    /// Choose a representative point below a node in proportion to strength times colour, by a random number.
+    pub(super) fn draw(&self, mut k: u32, mut u: f32) -> u32 {
+        while let Some([a, b]) = self.node(k).children() {
+            let [first, both] = [a, k].map(|k| self.node(k).strength.luminance());
+            let share = if both > 0.0 { first / both } else { 0.5 };
+            (k, u) = if u < share { (a, u / share) } else { (b, (u - share) / (1.0 - share)) };
         }
+        self.members(k)[0]
     }
 
     /// Number of nodes.
@@ -166,20 +171,23 @@ impl GatherTree {
         gathers: &'g [Gather<'s, 'a>],
     ) -> GatherCluster<'g, 's, 'a> {
         let node = self.node(k);
-        let representative = &gathers[node.representative as usize];
+        let first = &gathers[self.members(k)[0] as usize];
         match node.children() {
-            None => GatherCluster::Point(representative),
+            None => GatherCluster::Point(first),
             Some(_) => GatherCluster::Cluster {
                 node,
                 map: self.maps.get(k as usize).filter(|_| !node.glossy.is_black()),
-                most: representative.at.site.most,
+                most: first.at.site.most,
             },
         }
     }
 }
 
 /// The maps of all nodes; none if all points are Lambertian, or there is only one.
-fn maps(nodes: &[GatherNode], gathers: &[Gather]) -> Vec<CubeMap> {
+fn maps<'g, 's: 'g, 'a: 's>(
+    nodes: &[GatherNode],
+    point: impl Fn(&GatherNode) -> &'g Gather<'s, 'a>,
+) -> Vec<CubeMap> {
     if nodes[0].glossy.is_black() || nodes.len() == 1 {
         return Vec::new();
     }
@@ -188,7 +196,7 @@ fn maps(nodes: &[GatherNode], gathers: &[Gather]) -> Vec<CubeMap> {
         maps[k] = match node.children() {
             Some([a, b]) => CubeMap::join(&maps[a as usize], &maps[b as usize]),
             None => {
-                let Gather { at, strength, .. } = &gathers[node.representative as usize];
+                let Gather { at, strength, .. } = point(node);
                 CubeMap::new(at.site.bsdf, at.site.wo, strength.max())
             }
         };
