@@ -182,6 +182,14 @@ mod tests {
     }
 
     #[test]
+    fn rows_of_the_pyramid_are_brightened_to_one_mean_and_never_darkened() {
+        let views = |level: f32| vec![vec![Rgb::grey(level); 4], vec![Rgb::grey(level); 4]];
+        assert_eq!(exposure(&views(0.025)), ROW_MEAN / 0.05);
+        assert_eq!(exposure(&views(30.0)), 1.0);
+        assert_eq!(exposure(&views(0.0)), 1.0);
+    }
+
+    #[test]
     fn the_pyramid_has_each_way_at_its_place() {
         let size = [13, 12];
         let mut all = vec![Rgb::BLACK; 13 * 12];
@@ -189,7 +197,8 @@ mod tests {
         for segments in 1..=LONGEST {
             for s in 0..=segments {
                 level += 1.0;
-                place(&mut all, &[Rgb::grey(level); 13 * 12], size, [s, segments]);
+                let view = [Rgb::grey(level); 13 * 12];
+                place(&mut all, &view, size, [s, segments], 1.0);
             }
         }
         // 20 ways of 2 x 2 pixels, none over another.
