@@ -1,4 +1,4 @@
-//! Multidimensional lightcuts [Walter06]: one cut for all camera paths of a pixel.
+//! Multidimensional lightcuts \[Walter06\]: one cut for all camera paths of a pixel.
 //!
 //! | | |
 //! |---|---|
