@@ -25,7 +25,7 @@ REFERENCES := $(FIGURES_OUT)/reference-$(QUALITY)
 
 # $(call q,QUICK,DEFAULT,FULL): a value that depends on the quality.
 q = $(if $(filter quick,$(QUALITY)),$(1),$(if $(filter full,$(QUALITY)),$(3),$(2)))
-SIZE := $(call q,128x128,320x320,1024x1024)
+SIZE := $(call q,128x128,288x288,1024x1024)
 WIDE := $(call q,160x90,480x270,1280x720)
 , := ,
 # The folder of the current figure.
@@ -322,11 +322,11 @@ figure-34:
 figure-35:
 	mkdir -p $D
 	$(BIN)/pathtrace scenes/bulb.xml $(RUN) --spp $(call q,128,192,256) -o $D/paths.exr
-	$(BIN)/pathtrace scenes/bulb.xml $(RUN) --mode bdpt --spp $(call q,32,64,64) -o $D/bdpt.exr
-	$(BIN)/pathtrace scenes/bulb.xml $(RUN) --mode vcm --spp $(call q,32,64,64) -o $D/vcm.exr
+	$(BIN)/pathtrace scenes/bulb.xml $(RUN) --mode bdpt --spp $(call q,32,48,64) -o $D/bdpt.exr
+	$(BIN)/pathtrace scenes/bulb.xml $(RUN) --mode vcm --spp $(call q,32,48,64) -o $D/vcm.exr
 	$(BIN)/photonmap scenes/bulb.xml $(RUN) --photons $(PHOTONS) --caustic-photons $(call q,100000,1000000,1000000) --spp $(call q,16,32,32) -o $D/photonmap.exr
-	$(BIN)/ppm scenes/bulb.xml $(RUN) --passes $(call q,64,128,192) -o $D/ppm.exr
-	$(BIN)/pathtrace $(SPHERES) --size $(OVER_WIDE) --quiet --mode bdpt --show strategies --spp $(call q,8,16,32) -o $D/ways.exr
+	$(BIN)/ppm scenes/bulb.xml $(RUN) --passes $(call q,64,96,192) -o $D/ppm.exr
+	$(BIN)/pathtrace $(SPHERES) --size $(OVER_WIDE) --quiet --mode bdpt --show strategies --spp $(call q,8,8,32) -o $D/ways.exr
 	$(DRAW) figure $D --slide 35,38 --columns 4 --title "All light is caustic" \
 	  --caption "A lamp inside a glass shell: paths from the eye find it only by chance. Through the shell, bidirectional path tracing sees the walls only by chance too; merging finds that light. Times are shown below the pictures. Last: what each way to connect a path finds in a Cornell box. A row per number of segments, 1 to 5; from left to right, 0, 1, 2, ... vertices on the light's side." \
 	  --claim "spread(paths[0.1 0.1 0.3 0.3]) > 2 * spread(vcm[0.1 0.1 0.3 0.3])" --claim "spread(paths[0.1 0.1 0.3 0.3]) > 2 * spread(ppm[0.1 0.1 0.3 0.3])" \
@@ -353,12 +353,12 @@ figure-36:
 # the pixel hides what the radius does. The first radius is large enough that its bias shows. Theory: noise^2 ~ n^-beta, and
 # bias^2 ~ r^4 ~ n^-2(1 - beta).
 BETAS := 0.5 0.67 0.8 1
-LADDER := $(call q,4 16 64,4 16 64 256,4 16 64 256 1024)
+LADDER := $(call q,4 16 64,4 16 64 128,4 16 64 256 1024)
 BLOB := $(BIN)/ppm $(SPHERES) --origin 110,150,-60 --target 145,0,160 --fov 16 --size 128x128 --quiet --method ppa --component caustic --photons $(call q,5000,10000,10000)
 BLOB_PART := 0.1,0.3,0.8,0.32
 figure-39:
 	mkdir -p $D
-	$(BLOB) --initial-radius 0.012 --alpha 0.67 --seed 7 --passes $(call q,256,1536,8192) -o $D/reference.exr
+	$(BLOB) --initial-radius 0.012 --alpha 0.67 --seed 7 --passes $(call q,256,1024,8192) -o $D/reference.exr
 	for s in 1 2; do for b in $(BETAS); do for n in $(LADDER); do $(BLOB) --initial-radius 0.025 --alpha $$b --seed $$s --passes $$n -o $D/beta-$$b-$$n-$$s.exr; done; done; done
 	$(foreach b,$(BETAS),$(DRAW) measure $D/beta-$b.csv --layer Caustic --part $(BLOB_PART) --reference $D/reference.exr $(foreach n,$(LADDER),$n=$D/beta-$b-$n-1.exr$(,)$D/beta-$b-$n-2.exr) &&) true
 	$(DRAW) plot $D/noise.svg --title "Noise" --x "passes n (N grows with them)" --y "noise^2, relative" --log xy --slopes $(foreach b,$(BETAS),"beta $b"=$D/beta-$b.csv:x:noise) \
