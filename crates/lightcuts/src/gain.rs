@@ -8,14 +8,15 @@
 use std::sync::LazyLock;
 
 use gi_core::bsdf::Toward;
-use gi_core::math::{Bounds, Rgb};
+use gi_core::math::Rgb;
 use gi_core::scene::Scene;
 use glam::Vec3;
 use vpl::LitSurface;
 
-/// Number of pieces along the side of a face of the cube around the sphere, and in all.
-const SIDE: usize = 3;
-const PIECES: usize = 6 * SIDE * SIDE;
+use crate::squares::Squares;
+
+/// Number of pieces: 3 x 3 on each face of a cube around the sphere.
+const PIECES: usize = 6 * 3 * 3;
 /// Number of parts along the side of a piece whose bounds are computed separately.
 const PARTS: usize = 2;
 
@@ -115,74 +116,31 @@ impl Gain {
     #[inline]
     pub fn toward(&self, toward: &Toward) -> GainToward {
         let (axis, sin, cos) = toward.around();
-        let sphere = &*SPHERE;
-        // Loops without branches, so that the compiler can vectorise them.
-        let mut touched = [u8::MAX; PIECES];
-        if sin < 1.0 {
-            for (k, touched) in touched.iter_mut().enumerate() {
-                // Light travels opposite to the direction in which the point sees the light.
-                let between = sphere.x[k] * axis.x + sphere.y[k] * axis.y + sphere.z[k] * axis.z;
-                let touches = -between >= sphere.cos[k] * cos - sphere.sin[k] * sin;
-                *touched = if touches { u8::MAX } else { 0 };
-            }
-        }
+        // Light travels opposite to the direction in which the point sees the light.
+        let touched = SPHERE.squares.touched((-axis, sin, cos), [0, u8::MAX]);
         let (mut most, mut over_cos) = (0, 0);
         for ((t, m), o) in touched.iter().zip(&self.most).zip(&self.over_cos) {
             most = most.max(m & t);
             over_cos = over_cos.max(o & t);
         }
         GainToward {
-            most: sphere.bounds[usize::from(most)],
-            over_cos: sphere.bounds[usize::from(over_cos)],
+            most: SPHERE.bounds[usize::from(most)],
+            over_cos: SPHERE.bounds[usize::from(over_cos)],
         }
     }
 }
 
-/// The pieces of the sphere, as cones around them: axes, and cosines and sines of the half angles.
+/// The pieces of the sphere.
 struct Sphere {
-    x: [f32; PIECES],
-    y: [f32; PIECES],
-    z: [f32; PIECES],
-    cos: [f32; PIECES],
-    sin: [f32; PIECES],
+    squares: Squares<PIECES>,
     /// The bounds that stored numbers stand for.
     bounds: [f32; 256],
 }
 
-static SPHERE: LazyLock<Sphere> = LazyLock::new(|| {
-    let face = |k: usize| k / (SIDE * SIDE);
-    let boxes: [Bounds; PIECES] =
-        std::array::from_fn(|k| square(face(k), SIDE, [k % SIDE, k / SIDE % SIDE]));
-    let axis = boxes.map(|b| b.center().normalize());
-    let cos: [f32; PIECES] = std::array::from_fn(|k| far_cos(&boxes[k], axis[k]));
-    Sphere {
-        x: axis.map(|a| a.x),
-        y: axis.map(|a| a.y),
-        z: axis.map(|a| a.z),
-        cos,
-        sin: cos.map(|c| (1.0 - c * c).sqrt()),
-        bounds: std::array::from_fn(|k| read(k as u8)),
-    }
+static SPHERE: LazyLock<Sphere> = LazyLock::new(|| Sphere {
+    squares: Squares::new(),
+    bounds: std::array::from_fn(|k| read(k as u8)),
 });
-
-/// The smallest cosine between `axis` and a corner of a box seen from the origin, with a margin for rounding.
-pub(crate) fn far_cos(b: &Bounds, axis: Vec3) -> f32 {
-    let corner = |c: usize| {
-        Vec3::from_array([0, 1, 2].map(|i| if c >> i & 1 == 0 { b.min[i] } else { b.max[i] }))
-    };
-    (0..8).map(|c| corner(c).normalize().dot(axis)).fold(1.0, f32::min) - 1e-4
-}
-
-/// A square of a face of the cube around the sphere; `n` squares lie along the side of the face.
-pub(crate) fn square(face: usize, n: usize, place: [usize; 2]) -> Bounds {
-    let (axis, side) = (face / 2, if face.is_multiple_of(2) { -1.0 } else { 1.0 });
-    let (mut min, mut max) = (Vec3::splat(side), Vec3::splat(side));
-    for (across, place) in [(axis + 1) % 3, (axis + 2) % 3].into_iter().zip(place) {
-        let at = |i: usize| 2.0 * i as f32 / n as f32 - 1.0;
-        (min[across], max[across]) = (at(place), at(place + 1));
-    }
-    Bounds { min, max }
-}
 
 /// The gain of a glossy light.
 pub fn gain(scene: &Scene, lit: &LitSurface) -> Gain {
@@ -190,9 +148,8 @@ pub fn gain(scene: &Scene, lit: &LitSurface) -> Gain {
     let mut gain = Gain { both_sides: !bsdf.is_flat() || bsdf.transmits(), ..Gain::default() };
     for k in 0..PIECES {
         for i in 0..PARTS * PARTS {
-            let place = [k % SIDE * PARTS + i % PARTS, k / SIDE % SIDE * PARTS + i / PARTS];
-            let square = square(k / (SIDE * SIDE), SIDE * PARTS, place);
-            let bound = bsdf.bound(lit.wo, &Toward::new(Vec3::ZERO, &square));
+            let part = Squares::<PIECES>::part(k, PARTS, [i % PARTS, i / PARTS]);
+            let bound = bsdf.bound(lit.wo, &Toward::new(Vec3::ZERO, &part));
             gain.most[k] = gain.most[k].max(store(bound.f_cos.max()));
             gain.over_cos[k] = gain.over_cos[k].max(store(bound.f.max()));
         }

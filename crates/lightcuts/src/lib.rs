@@ -39,6 +39,7 @@ pub mod reconstruct;
 pub mod record;
 pub mod sample;
 mod sources;
+mod squares;
 mod tally;
 #[cfg(test)]
 mod test_scenes;

@@ -7,14 +7,12 @@
 use std::sync::LazyLock;
 
 use gi_core::bsdf::{Bsdf, Toward};
-use gi_core::math::Bounds;
 use glam::Vec3;
 
-use crate::gain::{far_cos, square};
+use crate::squares::Squares;
 
-/// Number of squares along the side of a face, and in all.
-const SIDE: usize = 6;
-const SQUARES: usize = 6 * SIDE * SIDE;
+/// Number of squares: 6 x 6 on each face.
+const SQUARES: usize = 6 * 6 * 6;
 
 /// Upper bounds for each square of the cube. They are bits of floats that are not negative, which sort like the values: the
 /// compiler can vectorise the maximum of integers.
@@ -58,17 +56,7 @@ impl CubeMap {
     /// The bounds of f cos and of f for light from these directions.
     #[inline]
     pub(super) fn from(&self, toward: &Toward) -> [f32; 2] {
-        let (axis, sin, cos) = toward.around();
-        let cube = &*CUBE;
-        // Loops without branches, so that the compiler can vectorise them.
-        let mut touched = [u32::MAX; SQUARES];
-        if sin < 1.0 {
-            for (k, touched) in touched.iter_mut().enumerate() {
-                let between = cube.x[k] * axis.x + cube.y[k] * axis.y + cube.z[k] * axis.z;
-                let touches = between >= cube.cos[k] * cos - cube.sin[k] * sin;
-                *touched = if touches { u32::MAX } else { 0 };
-            }
-        }
+        let touched = CUBE.squares.touched(toward.around(), [0, u32::MAX]);
         let (mut f_cos, mut f) = (0, 0);
         for ((t, a), b) in touched.iter().zip(&self.f_cos).zip(&self.f) {
             (f_cos, f) = (f_cos.max(a & t), f.max(b & t));
@@ -77,27 +65,11 @@ impl CubeMap {
     }
 }
 
-/// The squares: directions into them, and cones around them as axes, cosines and sines of the half angles.
+/// The squares, and the directions into them.
 struct Cube {
+    squares: Squares<SQUARES>,
     toward: [Toward; SQUARES],
-    x: [f32; SQUARES],
-    y: [f32; SQUARES],
-    z: [f32; SQUARES],
-    cos: [f32; SQUARES],
-    sin: [f32; SQUARES],
 }
 
-static CUBE: LazyLock<Cube> = LazyLock::new(|| {
-    let boxes: [Bounds; SQUARES] =
-        std::array::from_fn(|k| square(k / (SIDE * SIDE), SIDE, [k % SIDE, k / SIDE % SIDE]));
-    let axis = boxes.map(|b| b.center().normalize());
-    let cos: [f32; SQUARES] = std::array::from_fn(|k| far_cos(&boxes[k], axis[k]));
-    Cube {
-        toward: boxes.map(|b| Toward::new(Vec3::ZERO, &b)),
-        x: axis.map(|a| a.x),
-        y: axis.map(|a| a.y),
-        z: axis.map(|a| a.z),
-        cos,
-        sin: cos.map(|c| (1.0 - c * c).sqrt()),
-    }
-});
+static CUBE: LazyLock<Cube> =
+    LazyLock::new(|| Cube { squares: Squares::new(), toward: Squares::<SQUARES>::toward() });
