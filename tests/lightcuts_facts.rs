@@ -209,7 +209,7 @@ fn with_sampled_lights_the_mean_picture_is_that_of_the_path_tracer() {
         ] {
             // The path tracer hardly ever finds the sun through glass, but photons would.
             let (bound, caustics) = (BoundOptions::compensated(4.0), Caustics::Path.into());
-            // Cuts of pairs are without bias only with all pairs.
+            // The multidimensional method is unbiased only if its cut consists of all pairs.
             let params = Params { method, samples, bound, caustics, ..exact_pairs(2) };
             // The choices change after each pass, so learned lights get more passes.
             let passes = match method {

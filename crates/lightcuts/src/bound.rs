@@ -18,8 +18,8 @@ pub trait Receives {
     /// strength.
     fn scatter(&self, toward: &Toward) -> ScatterBound;
 
-    /// The clamp of the geometry term of lights on surfaces, per squared world unit. `None` if there is no clamp, or if f
-    /// times the clamp is not a bound of the clamped light.
+    /// The clamp of the geometry term of lights on surfaces, per squared world unit. `None` without a clamp, and if shading normals
+    /// are not the geometric ones: then f times the clamp does not bound the light.
     fn clamp(&self) -> Option<f32>;
 }
 

@@ -52,6 +52,7 @@ use gi_core::bsdf::Bsdf;
 use gi_core::caustics::FocusedLight;
 use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
 use gi_core::film::{Film, Sample as PixelSample};
+use gi_core::filter::FilterPlaces;
 use gi_core::math::Rgb;
 use gi_core::sampler::Sampler;
 use gi_core::technique::{Picture, Setting, Technique};
@@ -230,7 +231,8 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
     fn pictures(&self, film: &Film) -> Vec<Picture> {
         let prepared = Prepared::new(&self.lights.vpls, self.setting.scene);
         let lights = self.lights(&prepared);
-        let cut_of_pixel = |pixel: [usize; 2]| self.cut_of_pixel(&lights, film, pixel);
+        let places = FilterPlaces::new(film.filter().filter());
+        let cut_of_pixel = |pixel: [usize; 2]| self.cut_of_pixel(&lights, &places, pixel);
         let of_pixels = self.params.method == Method::Multidimensional;
         let cut_of_pixel: Option<CutOfPixel> = of_pixels.then_some(&cut_of_pixel);
         let subject = Subject { view: self.view(), lights: &lights, choose, cut_of_pixel };

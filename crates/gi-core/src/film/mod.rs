@@ -188,12 +188,7 @@ impl Film {
             return;
         }
         progress::begin(progress::PIXELS, self.tiles.corners.len() as u64);
-        self.for_each_pixel(self.nothing(), Tile::Sampled, |film, at, pixel, _, ()| {
-            let (weight, sample) = sample(at);
-            pixel.add_surface(&sample);
-            pixel.add(weight, &sample.radiance, film.show);
-            film.show.of(&sample.radiance)
-        });
+        self.add_weighted(Tile::Sampled, sample);
         self.passes += u32::from(!progress::is_abandoned());
         self.watched = None;
     }
@@ -203,13 +198,18 @@ impl Film {
         if progress::is_abandoned() {
             return;
         }
-        self.for_each_pixel(self.nothing(), Tile::Filtered, |film, at, pixel, _, ()| {
-            let sample = sample(at);
+        self.add_weighted(Tile::Filtered, |at| (1.0, sample(at)));
+        self.passes += 1;
+    }
+
+    /// Add to every pixel a sum of weights, and a sample whose radiance is multiplied by them.
+    fn add_weighted(&mut self, tile: Tile, sample: impl Fn([usize; 2]) -> (f32, Sample) + Sync) {
+        self.for_each_pixel(self.nothing(), tile, |film, at, pixel, _, ()| {
+            let (weight, sample) = sample(at);
             pixel.add_surface(&sample);
-            pixel.add(1.0, &sample.radiance, film.show);
+            pixel.add(weight, &sample.radiance, film.show);
             film.show.of(&sample.radiance)
         });
-        self.passes += 1;
     }
 
     /// Call `work` for every pixel, tiles in parallel, with the pixel's position, its index in the tile, and the tile's entry of

@@ -2,7 +2,7 @@
 
 use super::{Filter, STEPS};
 
-/// Samples positions around a pixel in proportion to the magnitude of a filter.
+/// Importance sampling of a filter: positions around a pixel with densities in proportion to the magnitude of the filter.
 #[derive(Clone, Debug)]
 pub struct FilterPlaces {
     filter: Filter,

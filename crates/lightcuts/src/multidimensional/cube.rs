@@ -53,7 +53,7 @@ impl CubeMap {
         }
     }
 
-    /// The bounds of f cos and of f for light from these directions.
+    /// Upper bounds of f cos and of f over these directions.
     #[inline]
     pub(super) fn from(&self, toward: &Toward) -> [f32; 2] {
         let touched = CUBE.squares.touched(toward.around(), [0, u32::MAX]);

@@ -95,16 +95,15 @@ impl<'a> Lightcuts<'a> {
         });
     }
 
-    /// The light of a pixel and the size of its cut, for a picture of cut sizes.
+    /// The light and the cut size of a pixel, for `--show cut-size`.
     pub(crate) fn cut_of_pixel(
         &self,
         lights: &Lights<'_, 'a>,
-        film: &Film,
+        places: &FilterPlaces,
         pixel: [usize; 2],
     ) -> Lit {
-        let places = FilterPlaces::new(film.filter().filter());
         let index = self.lights.pass;
-        let paths = self.paths(&places, pixel, index);
+        let paths = self.paths(places, pixel, index);
         self.light_pixel(lights, &paths.points, pixel, index)
     }
 
