@@ -2,8 +2,9 @@
 //! Only this module and its submodules read XML; `pbrt` makes the same tree of its own format.
 
 use std::cell::{Cell, RefCell};
-use std::collections::{BTreeMap, BTreeSet, HashMap};
-use std::path::PathBuf;
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use gi_core::math::Rgb;
 use glam::{DAffine3, DVec3};
@@ -97,7 +98,7 @@ pub(crate) enum Value {
     Color(Rgb),
     Spectrum(Spectrum),
     Vector(DVec3),
-    Transform(DAffine3),
+    Transform(Box<DAffine3>),
 }
 
 impl Value {
@@ -153,13 +154,23 @@ pub(crate) struct Object {
     pub(crate) plugin_span: Span,
     pub(crate) id: Option<String>,
     /// Folder of the file that contains the object; file names are relative to it.
-    pub(crate) folder: PathBuf,
+    pub(crate) folder: Arc<Path>,
     properties: Vec<Property>,
     children: Vec<Child>,
     /// Property names that the code asked for; candidates for "did you mean".
-    asked: RefCell<BTreeSet<&'static str>>,
+    asked: RefCell<Vec<&'static str>>,
     /// Whether the code asked for any property. Unused properties are reported only for such objects.
     touched: Cell<bool>,
+}
+
+impl Object {
+    /// Note that the code asks for a property.
+    fn ask(&self, name: &'static str) {
+        let mut asked = self.asked.borrow_mut();
+        if !asked.contains(&name) {
+            asked.push(name);
+        }
+    }
 }
 
 /// A whole scene file.
@@ -230,7 +241,8 @@ impl Document {
     /// Warn about every property and child that was given but not used.
     pub(crate) fn report_unused(&self, report: &Report) {
         for object in self.objects.iter().filter(|o| o.touched.get()) {
-            let asked = object.asked.borrow();
+            let mut asked = object.asked.borrow().clone();
+            asked.sort_unstable();
             let what = format!("{} `{}`", object.class.tag(), object.plugin);
             for p in object.properties.iter().filter(|p| !p.used.get()) {
                 let hint = report.suggestion(&p.name, asked.iter().copied());

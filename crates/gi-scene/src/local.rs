@@ -124,7 +124,7 @@ fn extent(node: Node<'_>, mesh: &impl Fn(ObjectId) -> Option<Extent>) -> Option<
 
 fn to_world(node: Node<'_>) -> DAffine3 {
     match node.peek("to_world") {
-        Some((Value::Transform(m), _)) => *m,
+        Some((Value::Transform(m), _)) => **m,
         _ => DAffine3::IDENTITY,
     }
 }

@@ -1,8 +1,9 @@
 //! Builds a document piece by piece, for formats other than XML.
 
 use std::cell::{Cell, RefCell};
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::{Child, Class, Document, Object, ObjectId, Property, Target, Value};
 use crate::diagnostics::{Report, Span};
@@ -31,19 +32,29 @@ impl Document {
 
     /// Add an object, which belongs to no other yet. `tag` is the word of the file that introduced it.
     pub(crate) fn add(&mut self, class: Class, tag: &str, plugin: &str, span: Span) -> ObjectId {
+        let folder =
+            self.shared_folder(self.search.first().map_or(Path::new("."), PathBuf::as_path));
         self.objects.push(Object {
             class,
             tag: tag.to_owned(),
             plugin: plugin.to_owned(),
             plugin_span: span,
             id: None,
-            folder: self.search.first().cloned().unwrap_or_else(|| PathBuf::from(".")),
+            folder,
             properties: Vec::new(),
             children: Vec::new(),
-            asked: RefCell::new(BTreeSet::new()),
+            asked: RefCell::default(),
             touched: Cell::new(false),
         });
         self.objects.len() - 1
+    }
+
+    /// A folder for a new object: the last object's, if it is the same.
+    pub(super) fn shared_folder(&self, folder: &Path) -> Arc<Path> {
+        match self.objects.last() {
+            Some(last) if *last.folder == *folder => last.folder.clone(),
+            _ => folder.into(),
+        }
     }
 
     /// Give an object a property. No warning follows if it is not used: the format's reader has its own.

@@ -70,7 +70,7 @@ impl<'a> Node<'a> {
     pub(super) fn find(self, name: &'static str) -> Option<&'a Property> {
         let object = self.object();
         object.touched.set(true);
-        object.asked.borrow_mut().insert(name);
+        object.ask(name);
         let found = object.properties.iter().rev().find(|p| p.name == name)?;
         found.used.set(true);
         Some(found)
@@ -184,7 +184,7 @@ impl<'a> Node<'a> {
 
     fn transform64(self, name: &'static str) -> DAffine3 {
         let read = |v: &Value| match v {
-            Value::Transform(m) => Some(*m),
+            Value::Transform(m) => Some(**m),
             _ => None,
         };
         self.get(name, "a transform", read).unwrap_or(DAffine3::IDENTITY)
@@ -221,7 +221,7 @@ impl<'a> Node<'a> {
     ) -> Option<Node<'a>> {
         let object = self.object();
         object.touched.set(true);
-        object.asked.borrow_mut().insert(name);
+        object.ask(name);
         let mut named = object.children.iter().filter(|c| c.name == name);
         named.find_map(|c| {
             let node = self.resolve(c).filter(|n| wanted(*n))?;

@@ -1,5 +1,5 @@
 use std::cell::{Cell, RefCell};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -202,10 +202,10 @@ impl<'r> Parser<'r> {
             plugin: plugin.to_lowercase(),
             plugin_span: element.span_of("type"),
             id: element.text("id").map(str::to_owned),
-            folder: folder.to_owned(),
+            folder: self.doc.shared_folder(folder),
             properties: Vec::new(),
             children: Vec::new(),
-            asked: RefCell::new(BTreeSet::new()),
+            asked: RefCell::default(),
             touched: Cell::new(false),
         });
         self.doc.objects.len() - 1
