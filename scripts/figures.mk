@@ -157,7 +157,7 @@ figure-14: $(REFERENCES)-small/cornell-box.indirect.exr
 	  few.png="30 rays per record" many.png="$(lastword $(RAYS)) rays per record" rays.svg="error against rays" accuracy.svg="error against allowed error"
 
 # ------------------------------------------------------------------ 15 to 20: radiance caching
-RAD = $(BIN)/radcache $(GLOSSY) $(RUN) --component indirect --rays $(call q,200,1000,1000) --glossy-rays $(call q,500,2000,2000)
+RAD = $(BIN)/radcache $(GLOSSY) $(RUN) --component indirect --rays $(call q,200,1000,2000) --glossy-rays $(call q,500,2000,4000)
 figure-15: $(REFERENCES)/cornell-glossy.indirect.exr
 	mkdir -p $D
 	$(RAD) --mode rho-e --spp $(call q,8,32,32) -o $D/naive.exr

@@ -164,14 +164,22 @@ fn range(
     low..high + room
 }
 
-/// A logarithmic axis, with numbers at 1, 2 and 5 of every decade if it is short, and at powers of ten if it is long.
+/// A logarithmic axis. The shorter it is, the more digits of every decade have a number.
 fn log_axis(
     range: std::ops::Range<f64>,
 ) -> impl AsRangedCoord<Value = f64, CoordDescType: ValueFormatter<f64>> {
-    let is_short = range.end < 300.0 * range.start;
-    let numbers = ticks(&range, if is_short { &[1, 2, 5] } else { &[1] });
+    let numbers = ticks(&range, digits_with_number(range.end / range.start));
     let lines = ticks(&range, &[1, 2, 3, 4, 5, 6, 7, 8, 9]);
     range.log_scale().with_key_points(numbers).with_light_points(lines)
+}
+
+/// The digits of a decade that have a number, on an axis whose end is `ratio` times its start.
+fn digits_with_number(ratio: f64) -> &'static [u32] {
+    match ratio {
+        r if r < 6.0 => &[1, 2, 3, 4, 5, 6, 7, 8, 9],
+        r if r < 300.0 => &[1, 2, 5],
+        _ => &[1],
+    }
 }
 
 /// These digits times powers of ten, as far as they are within the range.
@@ -218,5 +226,14 @@ mod tests {
     fn ticks_are_within_the_range() {
         assert_eq!(ticks(&(0.3..25.0), &[1, 2, 5]), [0.5, 1.0, 2.0, 5.0, 10.0, 20.0]);
         assert_eq!(ticks(&(0.5..2e3), &[1]), [1.0, 10.0, 100.0, 1000.0]);
+    }
+
+    #[test]
+    fn the_axes_of_narrow_ranges_have_three_numbers() {
+        for start in [0.0013, 0.0024, 0.0055, 0.0072] {
+            let range = start..3.3 * start;
+            let numbers = ticks(&range, digits_with_number(3.3));
+            assert!(numbers.len() >= 3, "{range:?}: {numbers:?}");
+        }
     }
 }
