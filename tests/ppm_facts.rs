@@ -6,6 +6,7 @@ mod hard_scenes;
 use gi_core::camera::CameraSpec;
 use gi_core::eye::PathLimits;
 use gi_core::film::{Film, Show};
+use gi_core::filter::Filter;
 use gi_core::geometry::{Geometry, Shape};
 use gi_core::light::LightSource;
 use gi_core::material::{Distribution, Material, Roughness};
@@ -262,4 +263,20 @@ fn light_through_glass_onto_surfaces_seen_through_glass_is_found() {
     assert!(p > ALPHA, "{truth} against {}: p = {p:.1e}", means.mean());
     // The uncertainty is small enough to detect a factor of the squared index, or light that is counted twice.
     assert!(variance + means.variance_of_mean() < (0.05 * truth).powi(2));
+}
+
+#[test]
+fn a_pass_of_ppa_has_the_same_bits_after_other_passes_and_in_a_shard_of_its_own() {
+    let world = World::load("cornell-spheres.xml", [48, 40], &[]);
+    let params = with(Method::Ppa, 2000);
+    let film = |passes: std::ops::Range<u32>, counts: u32| {
+        let mut ppm = Ppm::prepare(world.setting(0, Show::All), &params).expect("no file is read");
+        let new = || Film::new([48, 40], Filter::Box, Show::All);
+        let (mut before, mut film) = (new(), new());
+        for pass in passes {
+            ppm.pass(pass, if pass < counts { &mut before } else { &mut film });
+        }
+        film.layers()
+    };
+    assert!(film(0..7, 6) == film(6..7, 6));
 }

@@ -234,3 +234,56 @@ fn shards_of_one_saved_cache_or_map_have_the_bits_of_a_single_run() {
         assert_refused(&case.run("m.exr", &merge), 2, &["another set of records or photons"]);
     }
 }
+
+#[test]
+fn lights_of_the_last_pass_are_drawn_and_written_after_a_merge_and_after_resuming_a_finished_run() {
+    for (name, flags) in [
+        ("instant-radiosity", ["--show", "vpls,connections", "--vpls-out"]),
+        ("lightcuts", ["--show", "clusters", "--lights-out"]),
+    ] {
+        let program = PROGRAMS.iter().find(|program| program.name == name).expect("a program");
+        let case = Case::of(program, &flags[..2]);
+        let written = |what: &str, more: &[&str]| {
+            let [lights, stats] = ["lights.csv", "stats.json"].map(|name| case.folder.at(name));
+            let picture = case.picture(&[&[flags[2], &lights, "--stats", &stats], more].concat());
+            let stats = std::fs::read_to_string(stats).expect("statistics");
+            let mut stats: serde_json::Value = serde_json::from_str(&stats).expect("JSON");
+            let mut numbers = stats["technique"].take();
+            numbers.as_object_mut().expect("names").remove("tree_seconds");
+            let lights = std::fs::read_to_string(lights).expect("a table");
+            assert!(lights.lines().count() > 3, "{name}, {what}: there are no lights");
+            (picture, lights, numbers)
+        };
+        let whole = written("whole", &["--spp", "7"]);
+        let shards = case.shards(&[3, 4]);
+        let merge = ["--merge", shards[1].as_str(), "--merge", &shards[0]];
+        let kept = case.folder.at("kept");
+        case.picture(&["--spp", "7", "--checkpoint", &kept]);
+        let resume = ["--spp", "7", "--checkpoint", kept.as_str(), "--resume"];
+        for (what, flags) in [("merged", &merge[..]), ("resumed", &resume[..])] {
+            let again = written(what, flags);
+            case.assert_same(what, &whole.0, &again.0);
+            assert!(whole.1 == again.1, "{name}, {what}: other lights");
+            assert_eq!(whole.2, again.2, "{name}, {what}");
+        }
+    }
+}
+
+#[test]
+fn numbers_of_the_last_pass_are_known_after_a_merge() {
+    let case = Case::of(&PROGRAMS[0], &["--mode", "vcm"]);
+    let shards = case.shards(&[1, 1]);
+    let stats = case.folder.at("stats.json");
+    case.picture(&["--merge", &shards[0], "--merge", &shards[1], "--stats", &stats]);
+    let stats = std::fs::read_to_string(stats).expect("statistics");
+    let stats: serde_json::Value = serde_json::from_str(&stats).expect("JSON");
+    assert!(stats["technique"]["light_vertices"].as_f64() > Some(0.0), "{stats}");
+}
+
+#[test]
+fn a_merge_that_is_to_resume_is_refused() {
+    let case = Case::of(&PROGRAMS[0], &[]);
+    let shards = case.shards(&[1]);
+    let output = case.run("m.exr", &["--merge", &shards[0], "--resume"]);
+    assert_refused(&output, 2, &["--merge", "--resume"]);
+}

@@ -1,5 +1,6 @@
 //! Checkpoints: a run's state in a file, so that another run goes on from there or adds its passes up with others.
 
+use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -83,23 +84,38 @@ impl<'a> Keeper<'a> {
     }
 }
 
-/// A checkpoint of this scene, camera, and so on.
+/// A whole checkpoint.
 pub(crate) struct Checkpoint {
     path: PathBuf,
     bytes: Vec<u8>,
 }
 
-/// A name and a value of an identity.
-type Pair<'b> = (&'b str, &'b str);
-
-/// What a checkpoint holds.
-struct Parts<'b> {
-    passes: Range<u32>,
-    state: &'b [u8],
-    film: &'b [u8],
+/// Which passes a checkpoint holds.
+pub(crate) struct Summary {
+    pub(crate) seed: String,
+    pub(crate) passes: Range<u32>,
 }
 
 impl Checkpoint {
+    /// Check that a file is of this identity, apart from the values that may differ. `identity` may be without what is only known after
+    /// preparation. Only the beginning of the file is read, unless something is wrong.
+    pub(crate) fn look(
+        path: &Path,
+        identity: &Identity,
+        may_differ: &[&str],
+    ) -> Result<Summary, Failure> {
+        if let Some(start) = start(path)
+            && let Ok(head) = Head::read(&mut Reader::new(&start))
+            && head.check(identity, may_differ).is_ok()
+        {
+            return Ok(head.summary());
+        }
+        // The causes are told apart with the whole file: what seems to be of another scene may be damaged.
+        let whole = Self::read(path)?;
+        let (head, _) = whole.parts(identity, may_differ).map_err(|e| whole.refuse(e))?;
+        Ok(head.summary())
+    }
+
     /// Read a checkpoint, and check that it is whole.
     pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
         let bytes = files::read(path).map_err(|e| Failure::Input(format!("error: {e}")))?;
@@ -115,12 +131,6 @@ impl Checkpoint {
         Ok(checkpoint)
     }
 
-    /// Check that it has this identity, apart from the values that may differ. `identity` may be without what is
-    /// only known after preparation.
-    pub(crate) fn check(&self, identity: &Identity, may_differ: &[&str]) -> Result<(), Failure> {
-        self.parts(identity, may_differ).map(|_| ()).map_err(|e| self.refuse(e))
-    }
-
     /// Take a run's state from it; returns the passes that were made.
     pub(crate) fn resume<'t>(
         &self,
@@ -130,35 +140,53 @@ impl Checkpoint {
         film: &mut Film,
     ) -> Result<Range<u32>, Failure> {
         let mut resume = || {
-            let parts = self.parts(identity, may_differ)?;
-            technique.restore(parts.state)?;
-            film.restore(parts.film)?;
-            Ok(parts.passes)
+            let (head, [state, its_film]) = self.parts(identity, may_differ)?;
+            technique.restore(state)?;
+            film.restore(its_film)?;
+            Ok(head.passes)
         };
         resume().map_err(|e| self.refuse(e))
     }
 
-    /// A value of its identity; empty if it has none of this name.
-    pub(crate) fn value(&self, name: &str) -> Result<String, Failure> {
-        let (identity, _) = self.identity().map_err(|e| self.refuse(e))?;
-        let value = identity.iter().find(|(its_name, _)| *its_name == name);
-        Ok(value.map_or_else(String::new, |(_, value)| value.to_string()))
-    }
-
-    /// Its identity, and what follows.
-    fn identity(&self) -> Result<(Vec<Pair<'_>>, Reader<'_>), String> {
+    /// What it says of itself, and the states of the technique and of the film.
+    fn parts(
+        &self,
+        identity: &Identity,
+        may_differ: &[&str],
+    ) -> Result<(Head<'_>, [&[u8]; 2]), String> {
         // The checksum is right.
         let mut r = Reader::new(&self.bytes[..self.bytes.len() - CHECKSUM]);
+        let head = Head::read(&mut r)?;
+        head.check(identity, may_differ)?;
+        let states = [r.bytes()?, r.bytes()?];
+        r.end()?;
+        Ok((head, states))
+    }
+
+    fn refuse(&self, cause: String) -> Failure {
+        refuse(&self.path, &cause)
+    }
+}
+
+/// What a checkpoint says of itself before the states.
+struct Head<'b> {
+    /// The identity: names and values.
+    pairs: Vec<(&'b str, &'b str)>,
+    passes: Range<u32>,
+}
+
+impl<'b> Head<'b> {
+    fn read(r: &mut Reader<'b>) -> Result<Self, String> {
         r.text()?;
         let pairs = (0..r.u32()?).map(|_| Ok((r.text()?, r.text()?)));
         let pairs = pairs.collect::<Result<Vec<_>, String>>()?;
-        Ok((pairs, r))
+        Ok(Head { pairs, passes: r.u32()?..r.u32()? })
     }
 
-    fn parts(&self, identity: &Identity, may_differ: &[&str]) -> Result<Parts<'_>, String> {
-        let (its, mut r) = self.identity()?;
+    fn check(&self, identity: &Identity, may_differ: &[&str]) -> Result<(), String> {
         for (k, (name, value)) in identity.iter().enumerate() {
-            let Some((_, its_value)) = its.get(k).filter(|(its_name, _)| its_name == name) else {
+            let Some((_, its_value)) = self.pairs.get(k).filter(|(its_name, _)| its_name == name)
+            else {
                 return Err("it is of another version".into());
             };
             if its_value == value || may_differ.contains(&name.as_str()) {
@@ -170,15 +198,34 @@ impl Checkpoint {
                 if is_short { format!(": {its_value}, not {value}") } else { String::new() };
             return Err(format!("it is of another {name}{values}"));
         }
-        let passes = r.u32()?..r.u32()?;
-        let (state, film) = (r.bytes()?, r.bytes()?);
-        r.end()?;
-        Ok(Parts { passes, state, film })
+        Ok(())
     }
 
-    fn refuse(&self, cause: String) -> Failure {
-        refuse(&self.path, &cause)
+    fn summary(&self) -> Summary {
+        let seed = self.pairs.iter().find(|(name, _)| *name == "seed");
+        let seed = seed.map_or_else(String::new, |(_, seed)| seed.to_string());
+        Summary { seed, passes: self.passes.clone() }
     }
+}
+
+/// Number of bytes that heads fit in, unless a command line was very long.
+const HEAD: u64 = 1 << 16;
+
+/// The first bytes of a checkpoint, if the file is as long as they say.
+fn start(path: &Path) -> Option<Vec<u8>> {
+    let mut file = files::open_regular(path).ok()?;
+    let mut start = Vec::new();
+    file.by_ref().take(HEAD).read_to_end(&mut start).ok()?;
+    let mut r = Reader::new(&start);
+    (r.clone().text().ok()? == MAGIC).then_some(())?;
+    Head::read(&mut r).ok()?;
+    let state = r.u64().ok()?;
+    let film = ((start.len() - r.len()) as u64).checked_add(state)?;
+    file.seek(SeekFrom::Start(film)).ok()?;
+    let mut length = [0; size_of::<u64>()];
+    file.read_exact(&mut length).ok()?;
+    let end = (film + length.len() as u64).checked_add(u64::from_le_bytes(length))?;
+    (file.metadata().ok()?.len() == end.checked_add(CHECKSUM as u64)?).then_some(start)
 }
 
 /// What is said of a checkpoint that cannot be used.

@@ -98,7 +98,7 @@ pub struct Common {
     #[arg(help_heading = BUDGET, long, value_name = "K", default_value_t = 0)]
     pub first_pass: u32,
     /// Make no passes, but add up the passes of checkpoints; give the option once per file
-    #[arg(help_heading = RUN, long, value_name = "FILE", conflicts_with_all = ["checkpoint", "first_pass", "spp", "time"])]
+    #[arg(help_heading = RUN, long, value_name = "FILE", conflicts_with_all = ["checkpoint", "first_pass", "resume", "spp", "time"])]
     pub merge: Vec<PathBuf>,
     /// Rewrite the picture and its view during the run, at this interval or at a longer one so that it takes less than 1 % of
     /// the time; 0 turns it off [default: 10s if standard error is a terminal, else 0]

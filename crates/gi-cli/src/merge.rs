@@ -6,49 +6,56 @@ use std::path::Path;
 use gi_core::film::Film;
 use gi_core::technique::Technique;
 
-use crate::checkpoint::{Checkpoint, Identity, refuse};
+use crate::checkpoint::{Checkpoint, Identity, Summary, refuse};
 use crate::say::say;
 use crate::{Common, Failure};
 
-/// Which passes a checkpoint holds.
+/// A file, and which passes it holds.
 struct Shard<'a> {
     path: &'a Path,
     seed: String,
     passes: Range<u32>,
 }
 
-/// Add up the passes of checkpoints, in any order. One is in memory at a time.
+/// Add up the passes of checkpoints, in any order. One is in memory at a time. Returns the number of the last pass.
 pub(crate) fn merge<'a>(
     technique: &mut impl Technique<'a>,
     common: &Common,
     [film, spare]: [&mut Film; 2],
     identity: &Identity,
-) -> Result<(), Failure> {
+) -> Result<u32, Failure> {
     let independent = technique.passes_are_independent();
     let differs: &[&str] = if independent { &[] } else { &["seed"] };
-    let mut shards = Vec::new();
-    for path in &common.merge {
-        let checkpoint = Checkpoint::read(path)?;
+    let look = |path| {
+        let Summary { seed, passes } = Checkpoint::look(path, identity, differs)?;
+        Ok(Shard { path, seed, passes })
+    };
+    let shards = common.merge.iter().map(|path| look(path));
+    let mut shards = shards.collect::<Result<Vec<Shard>, Failure>>()?;
+    // Their order on the command line must not matter.
+    shards.sort_by_key(|shard| {
+        (shard.passes.start, shard.passes.end, shard.seed.len(), shard.seed.clone())
+    });
+    if independent { check_ranges(&shards) } else { check_seeds(&shards) }?;
+    for shard in &shards {
+        let checkpoint = Checkpoint::read(shard.path)?;
         let passes = checkpoint.resume(identity, differs, technique, spare)?;
+        if passes != shard.passes {
+            return Err(refuse(shard.path, "another program has just written it"));
+        }
         film.merge(spare);
-        shards.push(Shard { path, seed: checkpoint.value("seed")?, passes });
     }
-    if independent {
-        return check_ranges(shards);
-    }
-    check_seeds(&shards)?;
-    if !common.quiet {
+    if !independent && !common.quiet {
         say(format!(
             "the passes of this method build on each other: the picture is the mean over {} runs with their own seeds, weighted by their passes",
             shards.len()
         ));
     }
-    Ok(())
+    Ok(shards.iter().map(|shard| shard.passes.end).max().unwrap_or(0).saturating_sub(1))
 }
 
-/// Check that every pass from the first to the last is there once.
-fn check_ranges(mut shards: Vec<Shard>) -> Result<(), Failure> {
-    shards.sort_by_key(|shard| (shard.passes.start, shard.passes.end));
+/// Check that every pass from the first to the last is there once. The shards are sorted.
+fn check_ranges(shards: &[Shard]) -> Result<(), Failure> {
     let mut next = 0;
     for shard in shards {
         let Range { start, end } = shard.passes;
@@ -109,15 +116,15 @@ mod tests {
     }
 
     #[test]
-    fn ranges_of_passes_may_come_in_any_order_but_every_pass_must_be_there_once() {
-        assert!(check_ranges(shards(&[4..9, 0..3, 3..4])).is_ok());
-        let cause = |ranges: &[Range<u32>]| match check_ranges(shards(ranges)) {
+    fn every_pass_must_be_there_once() {
+        assert!(check_ranges(&shards(&[0..3, 3..4, 4..9])).is_ok());
+        let cause = |ranges: &[Range<u32>]| match check_ranges(&shards(ranges)) {
             Err(failure) => failure.text().to_string(),
             Ok(()) => panic!("{ranges:?} were accepted"),
         };
         assert!(cause(&[0..3, 2..5]).contains("its passes 2 are in another file"));
         assert!(cause(&[0..3, 0..3]).contains("0 to 2 are in another file"));
-        assert!(cause(&[5..9, 0..3]).contains("no file holds 3 to 4"));
+        assert!(cause(&[0..3, 5..9]).contains("no file holds 3 to 4"));
         assert!(cause(&[1..9, 9..10]).contains("no file holds 0;"));
     }
 }

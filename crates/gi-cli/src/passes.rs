@@ -137,6 +137,9 @@ impl<'a> Making<'a> {
                 }
             }
         }
+        if self.made.len() as u32 == before && before > 0 {
+            technique.recall(self.made.end - 1, film);
+        }
     }
 
     /// Make the first pass. It can take long, so previews show the tiles that are finished.
@@ -204,9 +207,10 @@ impl<'a> Making<'a> {
 /// Check that the checkpoints that the run needs are of this scene, camera and so on, before the technique prepares.
 pub(crate) fn check_checkpoints(common: &Common, identity: &Identity) -> Result<(), Failure> {
     let resumed = common.checkpoint.iter().filter(|_| common.resume);
-    resumed.into_iter().try_for_each(|path| Checkpoint::read(path)?.check(identity, &[]))?;
+    let check = |path, may_differ| Checkpoint::look(path, identity, may_differ).map(|_| ());
+    resumed.into_iter().try_for_each(|path| check(path, &[]))?;
     // Runs whose passes build on each other differ in the seed.
-    common.merge.iter().try_for_each(|path| Checkpoint::read(path)?.check(identity, &["seed"]))
+    common.merge.iter().try_for_each(|path| check(path, &["seed"]))
 }
 
 /// A number of passes, in words.

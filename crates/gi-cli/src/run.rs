@@ -219,7 +219,8 @@ fn make_passes<'a, 't, T: Technique<'t>>(
     let common = about.common;
     if !common.merge.is_empty() {
         let mut spare = Film::new(film.size(), film.filter().filter(), common.component);
-        merge(technique, common, [film, &mut spare], identity)?;
+        let last = merge(technique, common, [film, &mut spare], identity)?;
+        technique.recall(last, film);
         return Ok(None);
     }
     let mut passes = Making::begin(technique, common, film, identity, start)?;

@@ -53,6 +53,10 @@ pub trait Technique<'a>: Send + Sized {
     /// Make pass number `index` and add it to the film.
     fn pass(&mut self, index: u32, film: &mut Film);
 
+    /// Make again what pass `index` left in `self`, such as its virtual lights, because another process has made the passes of
+    /// `film`. Statistics, pictures and files describe it.
+    fn recall(&mut self, _index: u32, _film: &Film) {}
+
     /// Whether the technique's own stopping criterion is met.
     fn is_done(&self) -> bool {
         false

@@ -75,11 +75,7 @@ impl<'a> Technique<'a> for InstantRadiosity<'a> {
 
     /// Make a set of virtual point lights, and illuminate one sample per pixel by all of them.
     fn pass(&mut self, index: u32, film: &mut Film) {
-        self.vpls = self.shoot(index);
-        if self.params.vsl {
-            self.spheres = Spheres::round(&self.vpls.lights, self.setting.scene);
-        }
-        self.focused.shoot(self.setting.scene, self.setting.seed, index);
+        self.make_lights(index);
         self.totals.add(&self.vpls);
         let bound = self.bound(index);
         let lights = Prepared::new(&self.vpls, self.setting.scene);
@@ -99,6 +95,10 @@ impl<'a> Technique<'a> for InstantRadiosity<'a> {
             }
             walk.sample()
         });
+    }
+
+    fn recall(&mut self, index: u32, _: &Film) {
+        self.make_lights(index);
     }
 
     fn save_state(&self) -> Vec<u8> {
@@ -135,6 +135,15 @@ impl<'a> Technique<'a> for InstantRadiosity<'a> {
 }
 
 impl InstantRadiosity<'_> {
+    /// Make the lights of a pass, and the photons of light over mirrors and glass.
+    fn make_lights(&mut self, index: u32) {
+        self.vpls = self.shoot(index);
+        if self.params.vsl {
+            self.spheres = Spheres::round(&self.vpls.lights, self.setting.scene);
+        }
+        self.focused.shoot(self.setting.scene, self.setting.seed, index);
+    }
+
     /// The lights of a pass. Its light paths continue the sequence of the passes before it.
     fn shoot(&self, index: u32) -> Vpls {
         // If none of their light is shown, make none.

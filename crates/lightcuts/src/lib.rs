@@ -178,10 +178,7 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
         if let Some(learned) = &mut self.learned {
             return learned.pass(&self.setting, self.params.limits, index, film);
         }
-        if index != self.lights.pass && !self.params.fixed_lights {
-            self.make_lights_and_trees(index);
-        }
-        self.focused.shoot(self.setting.scene, self.setting.seed, index);
+        self.make_light_of_pass(index);
         let prepared = Prepared::new(&self.lights.vpls, self.setting.scene);
         let lights = self.lights(&prepared);
         if self.params.method == Method::Multidimensional {
@@ -197,6 +194,12 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
             return picture::add_pass(&blocks, film, take, light);
         }
         film.add_pass(|pixel| self.sample_pixel(&lights, pixel, index, |_| None));
+    }
+
+    fn recall(&mut self, index: u32, _: &Film) {
+        if self.learned.is_none() {
+            self.make_light_of_pass(index);
+        }
     }
 
     fn passes_are_independent(&self) -> bool {
@@ -249,6 +252,14 @@ impl<'a> Lightcuts<'a> {
     fn make_lights_and_trees(&mut self, index: u32) {
         self.lights = PassLights::make(&self.setting, &self.params, self.pilot, index);
         self.tally.built(&self.lights.vpls, self.lights.building);
+    }
+
+    /// Make the lights of a pass with their trees, and the photons of light over mirrors and glass.
+    fn make_light_of_pass(&mut self, index: u32) {
+        if index != self.lights.pass && !self.params.fixed_lights {
+            self.make_lights_and_trees(index);
+        }
+        self.focused.shoot(self.setting.scene, self.setting.seed, index);
     }
 
     /// Lights and trees, prepared to illuminate points.

@@ -82,10 +82,15 @@ impl<'a> Technique<'a> for PathTracer<'a> {
             }
             Mode::Light => self.light_pass(index, film),
             Mode::Bdpt | Mode::Vcm => {
-                let plan = self.plan.expect("made for this mode");
-                let paths = Bidirectional::new(self.setting, &self.params, plan, index);
+                let paths = self.bidirectional(index);
                 self.kept = paths.pass(index, film, self.pyramid.as_mut());
             }
+        }
+    }
+
+    fn recall(&mut self, index: u32, film: &Film) {
+        if self.plan.is_some() {
+            self.kept = self.bidirectional(index).kept(index, film);
         }
     }
 
@@ -139,7 +144,13 @@ impl<'a> Technique<'a> for PathTracer<'a> {
     }
 }
 
-impl PathTracer<'_> {
+impl<'a> PathTracer<'a> {
+    /// Paths from both ends, of pass `index`.
+    fn bidirectional(&self, index: u32) -> Bidirectional<'a> {
+        let plan = self.plan.expect("made for these modes");
+        Bidirectional::new(self.setting, &self.params, plan, index)
+    }
+
     /// A path from the eye: at every vertex add emitted light, sample a light, and sample the BSDF for the next
     /// direction.
     #[inline]

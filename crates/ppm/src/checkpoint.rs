@@ -2,12 +2,12 @@
 
 use gi_core::bytes::{Reader, Writer};
 
+use crate::Ppm;
 use crate::error::Moments;
 use crate::initial::AtBounds;
 use crate::region::Region;
 use crate::shows::{Row, Trace};
-use crate::statistics::Statistics;
-use crate::{Counts, Ppm};
+use crate::statistics::{Counts, Statistics};
 
 impl Ppm<'_> {
     pub(crate) fn write_state(&self) -> Vec<u8> {

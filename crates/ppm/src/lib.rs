@@ -38,11 +38,12 @@ use gi_core::technique::{Picture, Setting, Technique};
 
 pub use crate::error::Moments;
 use crate::initial::{AtBounds, PILOT};
+use crate::methods::probabilistic_radius;
 pub use crate::params::{Figure, Method, Params};
 use crate::photons::{Emission, Photon, Photons};
 use crate::region::{Look, Region};
 pub use crate::shows::Trace;
-use crate::statistics::{Pass, Statistics};
+use crate::statistics::{Counts, Pass, Statistics};
 
 /// Progressive photon mapping.
 pub struct Ppm<'a> {
@@ -53,31 +54,6 @@ pub struct Ppm<'a> {
     at_bounds: AtBounds,
     traces: Vec<Trace>,
     counts: Counts,
-}
-
-/// Counts since the start of the run.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Counts {
-    pub(crate) passes: u32,
-    pub(crate) paths: u64,
-    pub(crate) stored: u64,
-    /// Number of photons that contributed, over all pixels and passes.
-    pub(crate) contributed: u64,
-    /// The latest estimate of the picture's error; infinite if there is none yet.
-    pub(crate) error: f64,
-}
-
-impl Counts {
-    /// These counts of a stored run, added to those of the runs before. The error is that of the last run.
-    pub(crate) fn after(self, before: &Counts) -> Counts {
-        Counts {
-            passes: before.passes + self.passes,
-            paths: before.paths + self.paths,
-            stored: before.stored + self.stored,
-            contributed: before.contributed + self.contributed,
-            error: self.error,
-        }
-    }
 }
 
 /// Fewest light paths of a pass, unless `--photons` sets their number, if the irradiance of sensors is computed. One path per pixel would
@@ -113,7 +89,7 @@ impl<'a> Technique<'a> for Ppm<'a> {
     /// One pass: trace photons, build the grid, then gather at every pixel.
     fn pass(&mut self, index: u32, film: &mut Film) {
         let photons = trace(&self.setting, &self.params, &self.emission, index);
-        let grid = Photons::build(&photons, self.mean_radius());
+        let grid = Photons::build(&photons, self.mean_radius(index));
         drop(photons);
         let look = Look {
             setting: &self.setting,
@@ -159,6 +135,18 @@ impl<'a> Technique<'a> for Ppm<'a> {
 
     fn is_done(&self) -> bool {
         self.counts.error < self.params.stop_at_error
+    }
+
+    fn recall(&mut self, index: u32, _: &Film) {
+        if self.params.method == Method::Ppa {
+            let look = Look {
+                setting: &self.setting,
+                params: &self.params,
+                index,
+                moments: self.needs_moments(),
+            };
+            self.pixels.for_each_row_mut(|region| look.choose_radius(region));
+        }
     }
 
     /// Only the probabilistic radius does not depend on earlier passes.
@@ -266,10 +254,17 @@ impl Ppm<'_> {
         p.method == Method::Adaptive || p.stop_at_error > 0.0 || p.figures.contains(&Figure::Error)
     }
 
-    /// Mean radius over the picture, world units.
-    fn mean_radius(&self) -> f32 {
+    /// Mean radius over the picture before pass `index`, world units. The order in which photons are added depends on it, so with
+    /// [`Method::Ppa`] it must not depend on earlier passes.
+    fn mean_radius(&self, index: u32) -> f32 {
         let pixels = self.setting.camera.size().iter().product::<usize>() as f64;
-        (self.pixels.sum(|r| r.statistics.radius) / pixels) as f32
+        let sum = match self.params.method {
+            Method::Ppa => {
+                self.pixels.sum(|r| r.initial) * probabilistic_radius(index, self.params.alpha)
+            }
+            _ => self.pixels.sum(|r| r.statistics.radius),
+        };
+        (sum / pixels) as f32
     }
 
     /// The root of the estimated relMSE of the picture's luminance: (noise^2 + bias^2) / (radiance^2 + 0.01). Infinite

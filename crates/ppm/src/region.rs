@@ -111,7 +111,7 @@ impl<'a> Look<'_, 'a> {
     }
 
     /// Choose the radius for methods that do not derive it from R, N and M.
-    fn choose_radius(&self, region: &mut Region) {
+    pub(crate) fn choose_radius(&self, region: &mut Region) {
         let radius = match self.params.method {
             Method::Ppm | Method::Sppm => return,
             Method::Ppa => region.initial * probabilistic_radius(self.index, self.params.alpha),

@@ -43,6 +43,31 @@ impl Statistics {
     }
 }
 
+/// Counts since the start of the run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Counts {
+    pub(crate) passes: u32,
+    pub(crate) paths: u64,
+    pub(crate) stored: u64,
+    /// Number of photons that contributed, over all pixels and passes.
+    pub(crate) contributed: u64,
+    /// The latest estimate of the picture's error; infinite if there is none yet.
+    pub(crate) error: f64,
+}
+
+impl Counts {
+    /// These counts of a stored run, added to those of the runs before. The error is that of the last run.
+    pub(crate) fn after(self, before: &Counts) -> Counts {
+        Counts {
+            passes: before.passes + self.passes,
+            paths: before.paths + self.paths,
+            stored: before.stored + self.stored,
+            contributed: before.contributed + self.contributed,
+            error: self.error,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

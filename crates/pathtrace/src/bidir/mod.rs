@@ -92,6 +92,11 @@ impl<'a> Bidirectional<'a> {
         paths.light.memory()
     }
 
+    /// Number of vertices of light paths that a pass keeps, and the memory that they need in bytes.
+    pub(crate) fn kept(&self, index: u32, film: &Film) -> (u64, u64) {
+        LightPaths::trace(self, index, film.filter()).memory()
+    }
+
     /// Trace the light paths of a pass.
     pub(crate) fn trace(&self, index: u32, filter: &FilterTable) -> PassPaths {
         let light = LightPaths::trace(self, index, filter);
