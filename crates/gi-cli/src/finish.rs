@@ -52,7 +52,11 @@ impl Finished<'_> {
             failures.extend(making.end(technique, self.film).err());
         }
         if let Some(path) = &common.stats {
-            let json = self.about.statistics(self.so_far, mean(self.film), clock.elapsed());
+            let mean = match self.output.sensors() {
+                Some(sensors) => sensors.mean(self.film),
+                None => mean(self.film),
+            };
+            let json = self.about.statistics(self.so_far, mean, clock.elapsed());
             failures.extend(save_bytes(path, format!("{json:#}\n").as_bytes()).err());
         }
         if !common.quiet {

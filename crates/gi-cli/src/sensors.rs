@@ -4,8 +4,9 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use clap::{ArgMatches, Command};
-use gi_core::camera::Sensor;
+use gi_core::camera::{Sensor, SensorFilm};
 use gi_core::files;
+use gi_core::film::Film;
 use gi_core::image_io::Layers;
 use gi_core::scene::Scene;
 use glam::{DVec3, Vec3};
@@ -30,6 +31,15 @@ const MOST: usize = 1 << 26;
 const MOST_SAMPLES: usize = 256;
 const FILM: usize = 1 << 16;
 
+/// The groups of columns of the output, and the layers that they come from.
+const GROUPS: [(&str, &str); 5] = [
+    ("", ""),
+    ("se_", "Variance."),
+    ("direct_", "Direct."),
+    ("indirect_", "Indirect."),
+    ("caustic_", "Caustic."),
+];
+
 /// The columns of an input.
 const COLUMNS: &str = "x,y,z,nx,ny,nz";
 
@@ -50,9 +60,22 @@ impl Sensors {
         (FILM / self.0.len()).clamp(1, MOST_SAMPLES)
     }
 
-    /// The size of the film: a column of pixels for each point.
+    /// The size of the film.
     pub(crate) fn film_size(&self) -> [usize; 2] {
-        [self.0.len(), self.samples()]
+        self.film().size()
+    }
+
+    fn film(&self) -> SensorFilm {
+        SensorFilm::new(self.0.len(), self.samples())
+    }
+
+    /// The mean over all points of what a film shows.
+    pub(crate) fn mean(&self, film: &Film) -> [f64; 3] {
+        let radiance = film.radiance();
+        std::array::from_fn(|c| {
+            let of_point = |k| self.mean_of(k, |i| f64::from(radiance[i].to_array()[c]));
+            (0..self.0.len()).map(of_point).sum::<f64>() / self.0.len() as f64
+        })
     }
 
     /// The points in the coordinates of a scene that was moved by `shift`.
@@ -65,18 +88,15 @@ impl Sensors {
     /// The table of results: each point with its irradiance, the standard errors, and the components.
     pub(crate) fn table(&self, layers: &Layers) -> Vec<u8> {
         let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
-        let groups = [
-            ("", "", false),
-            ("se_", "Variance.", true),
-            ("direct_", "Direct.", false),
-            ("indirect_", "Indirect.", false),
-            ("caustic_", "Caustic.", false),
-        ];
-        for (ours, layer, is_variance) in groups {
+        for (ours, layer) in GROUPS {
             for channel in ["R", "G", "B"] {
-                if let Some(values) = layers.channel(&format!("{layer}{channel}")) {
-                    let name = format!("{ours}{}", channel.to_lowercase());
-                    columns.push((name, self.means(values, is_variance)));
+                let find = |layer| layers.channel(&format!("{layer}{channel}"));
+                if let Some(values) = find(layer) {
+                    let values = match (layer, find("")) {
+                        ("Variance.", Some(shown)) => self.errors(shown, values),
+                        _ => self.means(values),
+                    };
+                    columns.push((format!("{ours}{}", channel.to_lowercase()), values));
                 }
             }
         }
@@ -95,12 +115,30 @@ impl Sensors {
         text.into_bytes()
     }
 
-    /// The mean of each point over its column of pixels, or the standard error of that mean from the variances of the pixels.
-    fn means(&self, pixels: &[f32], are_variances: bool) -> Vec<f64> {
-        let (count, samples) = (self.0.len(), self.samples() as f64);
-        let sum = |k: usize| pixels[k..].iter().step_by(count).map(|v| f64::from(*v)).sum::<f64>();
-        let mean = |k: usize| if are_variances { sum(k).sqrt() } else { sum(k) } / samples;
-        (0..count).map(mean).collect()
+    /// The mean of each point over its pixels.
+    fn means(&self, pixels: &[f32]) -> Vec<f64> {
+        (0..self.0.len()).map(|k| self.mean_of(k, |i| f64::from(pixels[i]))).collect()
+    }
+
+    /// The mean of a function of the pixels of point `k`.
+    fn mean_of(&self, k: usize, value: impl Fn(usize) -> f64) -> f64 {
+        self.film().pixels_of(k).map(value).sum::<f64>() / self.samples() as f64
+    }
+
+    /// The standard error of the mean of each point, from the variances of its pixels over the passes. A single pass has none; then the
+    /// spread of the pixels takes their place. It is NaN if there is only one sample.
+    fn errors(&self, pixels: &[f32], variances: &[f32]) -> Vec<f64> {
+        let samples = self.samples() as f64;
+        let one_pass = variances.iter().all(|v| *v == 0.0);
+        let error = |k: usize| {
+            if !one_pass {
+                return (self.mean_of(k, |i| f64::from(variances[i])) / samples).sqrt();
+            }
+            let mean = self.mean_of(k, |i| f64::from(pixels[i]));
+            let square = self.mean_of(k, |i| (f64::from(pixels[i]) - mean).powi(2));
+            (square / (samples - 1.0)).sqrt()
+        };
+        (0..self.0.len()).map(error).collect()
     }
 }
 
@@ -217,8 +255,25 @@ mod tests {
     }
 
     #[test]
-    fn many_points_have_one_sample_each_per_pass() {
+    fn the_standard_error_of_a_single_pass_is_not_zero() {
+        let sensors = Sensors(parse("1,2,3,0,0,1\n4,5,6,0,0,1").expect("two points"));
+        let [width, height] = sensors.film_size();
+        let (none, samples) = (vec![0.0; width * height], height as f64);
+        // The first point is 1 and 3 in turn, the second 0.5.
+        let value = |k: usize| if k % 2 == 1 { 0.5 } else { 1.0 + (k / 2 % 2 * 2) as f32 };
+        let pixels: Vec<f32> = (0..width * height).map(value).collect();
+        assert_eq!(sensors.errors(&pixels, &none), [(1.0 / (samples - 1.0)).sqrt(), 0.0]);
+        let many = Sensors(vec![Row { p: DVec3::ZERO, n: DVec3::Z }; 100_000]);
+        let [width, height] = many.film_size();
+        let errors = many.errors(&vec![1.0; width * height], &vec![0.0; width * height]);
+        assert!(errors.iter().all(|e| e.is_nan()), "one sample has no standard error");
+    }
+
+    #[test]
+    fn many_points_have_one_sample_each_per_pass_and_take_no_more_memory_than_a_picture() {
         let sensors = Sensors(vec![Row { p: DVec3::ZERO, n: DVec3::Z }; 100_000]);
-        assert_eq!(sensors.film_size(), [100_000, 1]);
+        assert_eq!(sensors.samples(), 1);
+        let tiles = |size| Film::memory(size, gi_core::filter::Filter::Box);
+        assert!(tiles(sensors.film_size()) < 2 * tiles([320, 320]));
     }
 }

@@ -2,14 +2,12 @@
 
 mod sensor;
 
-use std::sync::Arc;
-
 use glam::{Affine3A, Vec2, Vec3};
 
 use crate::math::sqr;
 use crate::ray::Ray;
 use crate::warp;
-pub use sensor::Sensor;
+pub use sensor::{Sensor, SensorFilm};
 
 /// A camera as the scene describes it. Local axes: it looks along +z, +y is up, **+x is to the left** (as in Mitsuba).
 #[derive(Clone, Debug)]
@@ -72,7 +70,7 @@ pub struct Camera {
     /// Area of a pixel on the film plane: at z = 1 for perspective, in world units for orthographic cameras.
     pixel_area: f32,
     /// If there are any, each pixel measures the irradiance of one of them, and nothing is projected.
-    sensors: Option<Arc<[Sensor]>>,
+    sensors: Option<sensor::Sensors>,
 }
 
 /// The connection of a point of the world with the camera.

@@ -48,8 +48,8 @@ impl<'a> EyeWalk<'a> {
         let camera = setting.camera;
         let stream = (y * camera.size()[0] + x) as u32;
         let mut sampler = Sampler::new(setting.seed, stream, index);
-        if let Some(sensors) = camera.sensors() {
-            return Self::at_sensor(setting, limits, &sensors[x], sampler);
+        if let Some(sensor) = camera.sensor_at([x, y]) {
+            return Self::at_sensor(setting, limits, sensor, sampler);
         }
         let [u, v] = place(sampler.next_2d());
         let lens = if camera.has_lens() { sampler.next_2d() } else { [0.5; 2] };
@@ -72,8 +72,8 @@ impl<'a> EyeWalk<'a> {
         let limits = PathLimits { max_depth: None, rr_depth: u32::MAX };
         let [w, h] = setting.camera.size().map(|n| n as f32);
         let [x, y] = sampler.next_2d();
-        if let Some(sensors) = setting.camera.sensors() {
-            let sensor = &sensors[(x * w) as usize % sensors.len()];
+        let pixel = [(x * w) as usize, (y * h) as usize];
+        if let Some(sensor) = setting.camera.sensor_at(pixel) {
             return Self::at_sensor(setting, limits, sensor, sampler);
         }
         let ray = setting.camera.ray([x * w, y * h], sampler.next_2d());
