@@ -1,6 +1,7 @@
 """Checks the package and executes the notebook. Set GILAB_BIN, and start in the folder of the repository."""
 
 import json
+import os
 import tempfile
 from pathlib import Path
 
@@ -42,7 +43,11 @@ def check_errors(folder):
 
 
 def check_notebook(folder):
-    cells = json.loads(Path("python/notebooks/lecture.ipynb").read_text(encoding="utf-8"))["cells"]
+    notebook = Path("python/notebooks/lecture.ipynb").resolve()
+    cells = json.loads(notebook.read_text(encoding="utf-8"))["cells"]
+    os.environ["GILAB_BIN"] = str(Path(os.environ["GILAB_BIN"]).resolve())
+    os.environ.setdefault("GILAB_FIGURES", str(folder))
+    os.chdir(notebook.parent)  # Jupyter starts there.
     scope = {}
     for cell in cells:
         if cell["cell_type"] == "code":

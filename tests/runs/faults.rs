@@ -115,6 +115,7 @@ fn a_picture_too_large_for_the_disk_is_not_half_written_and_other_files_are_kept
         let text = said(&output);
         assert_eq!(output.status.code(), Some(1), "{}: {text}", program.name);
         assert!(text.contains("cannot write") && text.contains("out.exr"), "{text}");
+        assert!(!text.contains(".part"), "a temporary name: {text}");
         assert_eq!(folder.files(), ["out.png", "s.json"], "{}", program.name);
     }
 }

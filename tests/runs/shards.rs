@@ -181,10 +181,18 @@ fn a_light_that_was_added_belongs_to_the_scene_of_checkpoints_caches_and_maps() 
 #[test]
 fn runs_of_a_method_whose_passes_build_on_each_other_merge_over_their_seeds() {
     let ppm = PROGRAMS.iter().find(|program| program.name == "ppm").expect("a program");
-    let case = Case::of(ppm, &[]);
+    for method in ["sppm", "adaptive", "ppm"] {
+        merge_over_seeds(&Case::of(ppm, &["--method", method]));
+    }
+}
+
+fn merge_over_seeds(case: &Case) {
     let render = |seed: &str| {
         let kept = case.folder.at(&format!("seed-{seed}"));
-        (case.picture(&["--spp", "4", "--seed", seed, "--checkpoint", &kept]), kept)
+        // What a run draws or traces does not matter for the merge.
+        let trace = ["--trace-pixel", "3,3", "--trace-out", &case.folder.at("trace.csv")];
+        let flags = ["--spp", "4", "--seed", seed, "--checkpoint", &kept, "--show", "error"];
+        (case.picture(&[&flags[..], &trace].concat()), kept)
     };
     let [(a, kept_a), (b, kept_b)] = ["1", "2"].map(render);
     let merged = case.picture(&["--merge", &kept_a, "--merge", &kept_b]);
@@ -195,6 +203,13 @@ fn runs_of_a_method_whose_passes_build_on_each_other_merge_over_their_seeds() {
     }
     let twice = case.run("m.exr", &["--merge", &kept_a, "--merge", &kept_a]);
     assert_refused(&twice, 2, &["same seed", "seed-1"]);
+    for (flags, word) in [
+        (&["--show", "radius"][..], "--show"),
+        (&["--trace-pixel", "3,3", "--trace-out", &case.folder.at("t.csv")], "--trace-out"),
+    ] {
+        let merge = ["--merge", kept_a.as_str(), "--merge", &kept_b];
+        assert_refused(&case.run("m.exr", &[flags, &merge].concat()), 2, &[word, "one run"]);
+    }
 }
 
 #[test]

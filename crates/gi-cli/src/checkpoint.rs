@@ -131,17 +131,17 @@ impl Checkpoint {
         Ok(checkpoint)
     }
 
-    /// Take a run's state from it; returns the passes that were made.
-    pub(crate) fn resume<'t>(
+    /// Take a run's state from it; `restore` takes that of the technique. Returns the passes that were made.
+    pub(crate) fn resume(
         &self,
         identity: &Identity,
         may_differ: &[&str],
-        technique: &mut impl Technique<'t>,
         film: &mut Film,
+        restore: impl FnOnce(&[u8]) -> Result<(), String>,
     ) -> Result<Range<u32>, Failure> {
-        let mut resume = || {
+        let resume = || {
             let (head, [state, its_film]) = self.parts(identity, may_differ)?;
-            technique.restore(state)?;
+            restore(state)?;
             film.restore(its_film)?;
             Ok(head.passes)
         };

@@ -39,7 +39,8 @@ pub(crate) fn merge<'a>(
     if independent { check_ranges(&shards) } else { check_seeds(&shards) }?;
     for shard in &shards {
         let checkpoint = Checkpoint::read(shard.path)?;
-        let passes = checkpoint.resume(identity, differs, technique, spare)?;
+        let passes =
+            checkpoint.resume(identity, differs, spare, |state| technique.merge_state(state))?;
         if passes != shard.passes {
             return Err(refuse(shard.path, "another program has just written it"));
         }

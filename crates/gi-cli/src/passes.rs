@@ -66,7 +66,8 @@ impl<'a> Making<'a> {
         }
         let mut made = first..first;
         if let (true, Some(path)) = (common.resume, &common.checkpoint) {
-            made = Checkpoint::read(path)?.resume(identity, &[], technique, film)?;
+            let restore = |state: &[u8]| technique.restore(state);
+            made = Checkpoint::read(path)?.resume(identity, &[], film, restore)?;
             if made.start != first {
                 let text = format!(
                     "error: {0} begins with pass {1}; continue it with --first-pass {1}",

@@ -82,12 +82,20 @@ pub fn write_with(path: &Path, fill: impl FnOnce(&mut Out) -> Result<()>) -> Res
     let path = &target(path)?;
     remove_abandoned(path);
     let mut out = BufWriter::new(temporary(path)?);
-    fill(&mut out)?;
-    let part = out.into_inner()?;
+    fill(&mut out).map_err(without_name)?;
+    let part = out.into_inner().map_err(|e| without_name(e.into_error()))?;
     part.as_file().sync_all()?;
     // Whatever fails before this removes the temporary file.
     part.persist(path)?;
     Ok(())
+}
+
+/// An error without the temporary name, which would only confuse.
+fn without_name(error: Error) -> Error {
+    match error.to_string().split_once(" at path ") {
+        Some((cause, _)) => Error::new(error.kind(), cause),
+        None => error,
+    }
 }
 
 /// Check before rendering that `path` can be written. An existing file stays unchanged.
@@ -165,11 +173,7 @@ fn temporary(path: &Path) -> Result<NamedTempFile> {
     builder.prefix(&start).suffix(PART).rand_bytes(RANDOM);
     #[cfg(unix)]
     builder.permissions(rights(path));
-    builder.tempfile_in(folder).map_err(|e| {
-        // The temporary name would only confuse.
-        let text = e.to_string();
-        Error::new(e.kind(), text.split(" at path ").next().unwrap_or_default())
-    })
+    builder.tempfile_in(folder).map_err(without_name)
 }
 
 /// The rights of the file that is replaced, or those of any new file.

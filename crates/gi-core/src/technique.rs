@@ -88,6 +88,14 @@ pub trait Technique<'a>: Send + Sized {
         Reader::new(state).end()
     }
 
+    /// Add the state of another run, whose passes are added to the film. No pass is made afterwards.
+    ///
+    /// # Errors
+    /// As [`Technique::restore`].
+    fn merge_state(&mut self, state: &[u8]) -> Result<(), String> {
+        self.restore(state)
+    }
+
     /// Statistics of the run so far, as names and numbers.
     fn statistics(&self) -> Vec<(String, f64)> {
         Vec::new()

@@ -66,9 +66,8 @@ impl<'a> Technique<'a> for IrradianceCaching<'a> {
         let Setting { scene, camera, seed, show, .. } = setting;
         let mut levels = empty_levels(&setting, params);
         let records_read = match &params.files.cache_in {
-            Some(path) => {
-                file::insert(SavedCache::open(path)?, setting.world, params, &mut levels)?
-            }
+            Some(path) => file::insert(SavedCache::open(path)?, setting.world, params, &mut levels)
+                .map_err(|e| format!("cannot use {}: {e}", path.display()))?,
             None => 0,
         };
         let [width, height] = camera.size();

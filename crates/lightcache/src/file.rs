@@ -87,9 +87,7 @@ impl<B: Body> SavedCache<B> {
     /// One line that names the difference.
     pub fn check(&self, world: u64, settings: &str) -> Result<(), String> {
         if self.world != world {
-            return Err(
-                "the cache was made for another scene: shapes, materials or lights differ".into()
-            );
+            return Err("it was made for another scene: shapes, materials or lights differ".into());
         }
         if self.settings != settings {
             return Err(format!(

@@ -5,7 +5,7 @@
 //! - the sum of 1 if there is a caustic map, 2 if there are maps of media, and 4 if the dipole is used for solids (u32);
 //! - the maximum number of segments of a path, and the layout (u32 each);
 //! - for each map on surfaces: the number of paths and of photons (u64 each), and the photons (21 bytes each: the 20 of the lecture
-//!   [slide 25], and the number of segments);
+//!   [slide 25], and the number of segments, which is 0 if the maximum number is unbounded);
 //! - for media: the number of paths (u64), the fraction of the scatterings that was stored (f32), the number of media (u32), and for
 //!   each medium the number of photons (u64) and the photons;
 //! - a checksum of everything before (u64).

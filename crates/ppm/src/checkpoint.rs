@@ -24,12 +24,10 @@ impl Ppm<'_> {
         w.into_bytes()
     }
 
-    pub(crate) fn read_state(&mut self, state: &[u8]) -> Result<(), String> {
-        if self.counts.passes > 0 && !self.params.figures.is_empty() {
-            return Err("`--show` draws the state of one run: leave it out of a merge".into());
-        }
+    /// Read a state. Unless the run `goes_on` from it, it may be that of another seed or with other pictures.
+    pub(crate) fn read_state(&mut self, state: &[u8], goes_on: bool) -> Result<(), String> {
         let mut r = Reader::new(state);
-        if r.u32()? != u32::from(self.needs_moments()) {
+        if r.u32()? != u32::from(self.needs_moments()) && goes_on {
             return Err("one of the two runs estimates its error, the other does not: give both or neither --stop-at-error or --show error".into());
         }
         let passes = r.u32()?;
@@ -40,17 +38,20 @@ impl Ppm<'_> {
         let mut damage = Ok(());
         pixels.for_each_row_mut(|region| {
             if damage.is_ok() {
-                damage = region.read(&mut r);
+                damage = region.read(&mut r, goes_on);
             }
         });
         damage?;
         let traces = (0..r.u32()?).map(|_| Trace::read(&mut r)).collect::<Result<Vec<_>, _>>()?;
         r.end()?;
-        if !traces.iter().map(|t| t.at).eq(self.traces.iter().map(|t| t.at)) {
+        if goes_on && !traces.iter().map(|t| t.at).eq(self.traces.iter().map(|t| t.at)) {
             return Err("it traces other pixels".into());
         }
         self.counts = counts.after(&self.counts);
-        (self.at_bounds, self.pixels, self.traces) = (at_bounds, pixels, traces);
+        (self.at_bounds, self.pixels) = (at_bounds, pixels);
+        if goes_on {
+            self.traces = traces;
+        }
         Ok(())
     }
 }
@@ -76,12 +77,17 @@ impl Region {
         self.hits.iter().for_each(|hit| hit.statistics.write(w));
     }
 
-    fn read(&mut self, r: &mut Reader) -> Result<(), String> {
+    /// Unless the run `goes_on` from them, the hit points may be those of another seed; they are not kept.
+    fn read(&mut self, r: &mut Reader, goes_on: bool) -> Result<(), String> {
         self.statistics = Statistics::read(r)?;
         self.initial = r.f64()?;
         self.pass.photons = r.u64()?;
         self.moments = Moments::read(r)?;
-        if r.u32()? as usize != self.hits.len() {
+        let hits = r.u32()?;
+        if !goes_on {
+            return (0..hits).try_for_each(|_| Statistics::read(r).map(|_| ()));
+        }
+        if hits as usize != self.hits.len() {
             return Err("it has other hit points".into());
         }
         self.hits.iter_mut().try_for_each(|hit| {

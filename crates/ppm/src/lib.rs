@@ -159,7 +159,19 @@ impl<'a> Technique<'a> for Ppm<'a> {
     }
 
     fn restore(&mut self, state: &[u8]) -> Result<(), String> {
-        self.read_state(state)
+        self.read_state(state, true)
+    }
+
+    fn merge_state(&mut self, state: &[u8]) -> Result<(), String> {
+        if !self.params.figures.is_empty() {
+            return Err("`--show` draws the state of one run: leave it out of a merge".into());
+        }
+        if !self.traces.is_empty() {
+            return Err(
+                "`--trace-out` writes the passes of one run: leave it out of a merge".into()
+            );
+        }
+        self.read_state(state, false)
     }
 
     fn statistics(&self) -> Vec<(String, f64)> {

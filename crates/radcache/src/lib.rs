@@ -89,7 +89,8 @@ impl<'a> Technique<'a> for RadianceCaching<'a> {
         let mut caches = Caches::empty(&setting, params);
         let order = surfaces.order();
         let records_read = match &params.files.cache_in {
-            Some(path) => file::insert(SavedCache::open(path)?, world, params, order, &mut caches)?,
+            Some(path) => file::insert(SavedCache::open(path)?, world, params, order, &mut caches)
+                .map_err(|e| format!("cannot use {}: {e}", path.display()))?,
             None => 0,
         };
         let [width, height] = camera.size();

@@ -90,7 +90,8 @@ fn damaged_checkpoints_are_refused_or_used() {
     let content = unseal(&whole).expect("it is whole").to_vec();
     let mut resume = |bytes: Vec<u8>| {
         Checkpoint::of_bytes(&path, bytes).is_ok_and(|checkpoint| {
-            checkpoint.resume(&identity, &[], &mut Words(String::new()), &mut film).is_ok()
+            let restore = |state: &[u8]| Words(String::new()).restore(state);
+            checkpoint.resume(&identity, &[], &mut film, restore).is_ok()
         })
     };
     for bit in (0..8 * whole.len()).step_by(13) {
