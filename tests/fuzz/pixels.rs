@@ -10,8 +10,8 @@ use gi_scene::{Options, load};
 use gi_tests::World;
 use glam::Vec3A;
 
-use crate::common::Folder;
-use crate::{corpus, harness};
+use crate::common::{Folder, Slot};
+use crate::corpus;
 
 /// Memory that a scene may take.
 const MEMORY: u64 = 1 << 28;
@@ -19,7 +19,7 @@ const MEMORY: u64 = 1 << 28;
 const SIZE: [usize; 2] = [4, 3];
 
 /// A technique with parameters that make a pass cheap.
-struct Renderer {
+pub(crate) struct Renderer {
     name: &'static str,
     render: fn(&World) -> Result<Film, String>,
 }
@@ -36,7 +36,7 @@ fn render_paths(world: &World, mode: pathtrace::Mode) -> Result<Film, String> {
     render::<pathtrace::PathTracer>(world, &params)
 }
 
-const RENDERERS: [Renderer; 10] = [
+pub(crate) const RENDERERS: [Renderer; 10] = [
     Renderer {
         name: "paths from the eye",
         render: |world| render_paths(world, pathtrace::Mode::Path),
@@ -103,24 +103,32 @@ const RENDERERS: [Renderer; 10] = [
     },
 ];
 
-/// A folder for scenes, with the files that they name.
-pub(crate) struct Target(Folder);
+/// Scenes in a format, in a folder with the files that they name.
+pub(crate) struct Target {
+    /// Small valid scenes.
+    pub(crate) files: Vec<Vec<u8>>,
+    _folder: Folder,
+    input: Slot,
+    options: Options,
+}
 
 impl Target {
-    pub(crate) fn new() -> Self {
-        let folder = Folder::new();
+    /// Scenes in `xml` or `pbrt`.
+    pub(crate) fn new(kind: &str) -> Self {
+        let folder = Folder::in_memory();
         corpus::write_companions(&folder);
-        Target(folder)
+        let input = folder.slot(&format!("scene.{kind}"));
+        let options = Options { max_memory: MEMORY, size: Some(SIZE), ..Options::default() };
+        let mut files = corpus::files(kind);
+        if kind == "xml" {
+            files.extend(corpus::files("sky"));
+        }
+        Target { files, _folder: folder, input, options }
     }
 
     /// Render a scene with one technique, or with all.
-    pub(crate) fn check(
-        &self,
-        name: &str,
-        bytes: &[u8],
-        only: Option<usize>,
-    ) -> Result<bool, String> {
-        let Some(world) = self.world(&self.0.write(name, bytes)) else { return Ok(false) };
+    pub(crate) fn check(&self, bytes: &[u8], only: Option<usize>) -> Result<bool, String> {
+        let Some(world) = self.world(self.input.replace(bytes)) else { return Ok(false) };
         let renderers = RENDERERS.iter().enumerate();
         for (_, r) in renderers.filter(|(k, _)| only.is_none_or(|only| only == *k)) {
             let film = (r.render)(&world).map_err(|why| format!("{}: {why}", r.name))?;
@@ -137,31 +145,29 @@ impl Target {
 
     /// The scene in the same state as in the programs; `None` if it is refused.
     fn world(&self, path: &Path) -> Option<World> {
-        let options = Options { max_memory: MEMORY, size: Some(SIZE), ..Options::default() };
-        let mut loaded = load(path, &options).ok()?;
+        let mut loaded = load(path, &self.options).ok()?;
         loaded.camera.to_world.translation += Vec3A::from(loaded.parts.recentre());
         let scene = Scene::new(loaded.parts).ok()?;
         Some(World { scene, camera: Camera::new(&loaded.camera) })
     }
 }
 
-#[test]
-fn scenes_have_finite_pictures_whatever_is_damaged() {
-    let target = Target::new();
-    let mut count = 0;
-    harness::fuzz("pixels.xml", &corpus::xml(), |bytes| {
+/// Render damaged scenes, each with the next technique.
+#[cfg(test)]
+fn fuzz(kind: &str) {
+    let (target, mut count) = (Target::new(kind), 0);
+    crate::harness::fuzz(&format!("pixels.{kind}"), &target.files, |bytes| {
         count += 1;
-        target.check("scene.xml", bytes, Some(count % RENDERERS.len()))
+        target.check(bytes, Some(count % RENDERERS.len()))
     });
 }
 
 #[test]
+fn scenes_have_finite_pictures_whatever_is_damaged() {
+    fuzz("xml");
+}
+
+#[test]
 fn pbrt_scenes_have_finite_pictures_whatever_is_damaged() {
-    let target = Target::new();
-    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/gi-scene/tests/pbrt/scenes");
-    let mut count = 0;
-    harness::fuzz("pixels.pbrt", &corpus::pbrt(&scenes), |bytes| {
-        count += 1;
-        target.check("scene.pbrt", bytes, Some(count % RENDERERS.len()))
-    });
+    fuzz("pbrt");
 }

@@ -1,24 +1,41 @@
 //! Files that programs write and read again. Most damaged copies get a new checksum, because all others are refused.
 
 use std::path::Path;
+use std::sync::Mutex;
 
-use gi_core::bytes::{Writer, unseal};
+use gi_core::bytes::{Reader, Writer, checksum, unseal};
 use gi_core::film::{Film, Show};
 use gi_core::filter::Filter;
 use gi_core::technique::Technique;
 use gi_tests::World;
 
-use crate::common::Folder;
-use crate::harness;
+use crate::common::{Folder, Slot};
+
+/// Names of all kinds of files: their extensions in `found`.
+pub(crate) const KINDS: [&str; 4] = ["irradiance", "radiance", "photons", "checkpoint"];
+
+/// One of so many files that can be read is used for a pass, because a pass takes much longer.
+const USED: u64 = 10;
 
 /// A kind of file.
 pub(crate) struct Target {
     /// Its extension in `found`.
     pub(crate) name: &'static str,
-    world: World,
-    folder: Folder,
+    world: &'static World,
+    _folder: Folder,
+    input: Slot,
+    functions: Functions,
+    /// A technique and its film, which take the state of a run.
+    run: Mutex<(ppm::Ppm<'static>, Film)>,
+}
+
+/// What there is to do with a kind of file.
+#[derive(Clone, Copy)]
+struct Functions {
     /// Write a file.
     write: fn(&World, &Path) -> Vec<u8>,
+    /// Read the bytes of a file. Where only a pass reads them, this accepts everything.
+    parse: fn(&Target, &[u8]) -> Result<(), String>,
     /// Make a pass with a file.
     read: fn(&World, &Path) -> Result<(), String>,
 }
@@ -59,6 +76,11 @@ fn ppm() -> ppm::Params {
     ppm::Params { photons: 30, initial_photons: 30, ..Default::default() }
 }
 
+/// A run with progressive photon mapping before its first pass.
+fn start(world: &World) -> Result<(ppm::Ppm<'_>, Film), String> {
+    Ok((<ppm::Ppm as Technique>::prepare(world.setting(1, Show::All), &ppm())?, film(world)))
+}
+
 /// The state of a run with progressive photon mapping, and its film, as in a checkpoint.
 fn write_state(world: &World, _: &Path) -> Vec<u8> {
     let (technique, film) = world.run::<ppm::Ppm>(&ppm(), 1, 1, Show::All);
@@ -68,76 +90,122 @@ fn write_state(world: &World, _: &Path) -> Vec<u8> {
     out.seal()
 }
 
+fn restore(run: &mut (ppm::Ppm, Film), bytes: &[u8]) -> Result<(), String> {
+    let mut input = Reader::new(unseal(bytes)?);
+    run.0.restore(input.bytes()?)?;
+    run.1.restore(input.bytes()?)
+}
+
 fn read_state(world: &World, path: &Path) -> Result<(), String> {
-    let bytes = gi_core::files::read(path)?;
-    let mut input = gi_core::bytes::Reader::new(unseal(&bytes)?);
-    let (mut film, setting) = (film(world), world.setting(1, Show::All));
-    let mut technique = <ppm::Ppm as Technique>::prepare(setting, &ppm())?;
-    technique.restore(input.bytes()?)?;
-    film.restore(input.bytes()?)?;
+    let mut run = start(world)?;
+    restore(&mut run, &gi_core::files::read(path)?)?;
+    let (mut technique, mut film) = run;
     technique.pass(1, &mut film);
     film.layers();
     Ok(())
 }
 
-/// All kinds of files.
-pub(crate) fn all() -> Vec<Target> {
-    let target = |name, write, read| {
-        // Matt and glossy surfaces, and a caustic.
-        let world = World::load("cornell-spheres.xml", [4, 4], &[]);
-        Target { name, world, folder: Folder::new(), write, read }
-    };
-    vec![
-        target(
-            "irradiance",
-            |world, path| {
+/// What there is to do with a kind of file.
+fn functions(kind: &str) -> Functions {
+    match kind {
+        "irradiance" => Functions {
+            write: |world, path| {
                 let t = pass::<irrcache::IrradianceCaching>(world, &irrcache(path, false));
                 t.expect("a cache").export(path)
             },
-            |world, path| {
+            parse: |_, bytes| irrcache::file::SavedCache::from_bytes(bytes).map(drop),
+            read: |world, path| {
                 pass::<irrcache::IrradianceCaching>(world, &irrcache(path, true)).map(drop)
             },
-        ),
-        target(
-            "radiance",
-            |world, path| {
+        },
+        "radiance" => Functions {
+            write: |world, path| {
                 let t = pass::<radcache::RadianceCaching>(world, &radcache(path, false));
                 t.expect("a cache").export(path)
             },
-            |world, path| pass::<radcache::RadianceCaching>(world, &radcache(path, true)).map(drop),
-        ),
-        target(
-            "photons",
-            |world, path| {
+            parse: |_, bytes| radcache::file::SavedCache::from_bytes(bytes).map(drop),
+            read: |world, path| {
+                pass::<radcache::RadianceCaching>(world, &radcache(path, true)).map(drop)
+            },
+        },
+        "photons" => Functions {
+            write: |world, path| {
                 let t = pass::<photonmap::PhotonMapping>(world, &photonmap(path, false));
                 t.expect("a map").export(path)
             },
-            |world, path| pass::<photonmap::PhotonMapping>(world, &photonmap(path, true)).map(drop),
-        ),
-        target("checkpoint", write_state, read_state),
-    ]
+            parse: |_, _| Ok(()),
+            read: |world, path| {
+                pass::<photonmap::PhotonMapping>(world, &photonmap(path, true)).map(drop)
+            },
+        },
+        _ => Functions {
+            write: write_state,
+            parse: |target, bytes| restore(&mut target.run.lock().expect("no panic"), bytes),
+            read: read_state,
+        },
+    }
+}
+
+/// All kinds of files.
+pub(crate) fn all() -> Vec<Target> {
+    KINDS.map(Target::new).into()
 }
 
 impl Target {
-    /// Read damaged bytes with a right checksum. Returns whether they are valid.
+    pub(crate) fn new(name: &'static str) -> Self {
+        // Matt and glossy surfaces, and a caustic.
+        let world = Box::leak(Box::new(World::load("cornell-spheres.xml", [4, 4], &[])));
+        let run = Mutex::new(start(world).expect("a run"));
+        let folder = Folder::in_memory();
+        let input = folder.slot("file");
+        Target { name, world, _folder: folder, input, functions: functions(name), run }
+    }
+
+    /// A valid file.
+    fn file(&self) -> Vec<u8> {
+        (self.functions.write)(self.world, &self.input.path)
+    }
+
+    /// A valid file without its checksum.
+    pub(crate) fn content(&self) -> Vec<u8> {
+        unseal(&self.file()).expect("it is whole").to_vec()
+    }
+
+    /// Make a pass with a file.
+    fn read(&self, bytes: &[u8]) -> Result<(), String> {
+        (self.functions.read)(self.world, self.input.replace(bytes))
+    }
+
+    /// Read damaged bytes with a right checksum, and use one of [`USED`] that can be read; a kind without a parser is
+    /// always used. Returns whether they are valid.
     pub(crate) fn check(&self, content: &[u8]) -> Result<bool, String> {
         let mut sealed = Writer::default();
         sealed.raw(content);
-        let path = self.folder.write("file", sealed.seal());
-        Ok((self.read)(&self.world, &path).is_ok())
+        let sealed = sealed.seal();
+        if (self.functions.parse)(self, &sealed).is_err() {
+            return Ok(false);
+        }
+        let is_used = self.name == "photons" || checksum(content).is_multiple_of(USED);
+        Ok(!is_used || self.read(&sealed).is_ok())
     }
 
+    /// Read damaged bytes with a right checksum, and use them. Returns whether they are valid.
+    #[cfg(test)]
+    pub(crate) fn check_and_use(&self, content: &[u8]) -> Result<bool, String> {
+        let mut sealed = Writer::default();
+        sealed.raw(content);
+        Ok(self.read(&sealed.seal()).is_ok())
+    }
+
+    #[cfg(test)]
     fn fuzz(&self) {
-        let path = self.folder.path("file");
-        let whole = (self.write)(&self.world, &path);
-        let content = unseal(&whole).expect("it is whole").to_vec();
-        harness::fuzz(self.name, &[content], |bytes| self.check(bytes));
+        crate::harness::fuzz(self.name, &[self.content()], |bytes| self.check(bytes));
         // Without a right checksum, every damaged file is refused.
+        let whole = self.file();
         for at in (0..whole.len()).step_by(whole.len() / 50 + 1) {
             let mut damaged = whole.clone();
             damaged[at] ^= 0x04;
-            let path = self.folder.write("file", damaged);
-            assert!((self.read)(&self.world, &path).is_err(), "{}: byte {at}", self.name);
+            assert!(self.read(&damaged).is_err(), "{}: byte {at}", self.name);
         }
     }
 }

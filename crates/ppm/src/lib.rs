@@ -120,10 +120,14 @@ impl<'a> Technique<'a> for Ppm<'a> {
         if film.passes() == passes_before {
             return;
         }
-        self.counts.passes += 1;
-        self.counts.paths += u64::from(self.emission.paths);
-        self.counts.stored += grid.len() as u64;
-        self.counts.contributed += self.pixels.sum(|r| r.pass.photons as f64) as u64;
+        let of_pass = Counts {
+            passes: 1,
+            paths: u64::from(self.emission.paths),
+            stored: grid.len() as u64,
+            contributed: self.pixels.sum(|r| r.pass.photons as f64) as u64,
+            error: self.counts.error,
+        };
+        self.counts = of_pass.after(&self.counts);
         let unit = f64::from(self.setting.scene.radius());
         for trace in &mut self.traces {
             trace.push(index, self.counts.passes, self.pixels.get(trace.at), unit);

@@ -56,13 +56,14 @@ pub(crate) struct Counts {
 }
 
 impl Counts {
-    /// These counts of a stored run, added to those of the runs before. The error is that of the last run.
+    /// These counts of a stored run, added to those of the runs before. The error is that of the last run. A damaged checkpoint may
+    /// state any counts, so that a sum stops at the largest number.
     pub(crate) fn after(self, before: &Counts) -> Counts {
         Counts {
-            passes: before.passes + self.passes,
-            paths: before.paths + self.paths,
-            stored: before.stored + self.stored,
-            contributed: before.contributed + self.contributed,
+            passes: before.passes.saturating_add(self.passes),
+            paths: before.paths.saturating_add(self.paths),
+            stored: before.stored.saturating_add(self.stored),
+            contributed: before.contributed.saturating_add(self.contributed),
             error: self.error,
         }
     }

@@ -1,6 +1,8 @@
 //! Small scenes, each in its own folder.
 #![allow(dead_code)] // each test file uses what it needs
 
+use std::fs::File;
+use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
 
 use gi_core::material::Material;
@@ -13,6 +15,18 @@ pub(crate) struct Folder(TempDir);
 impl Folder {
     pub(crate) fn new() -> Self {
         Folder(tempfile::tempdir().unwrap())
+    }
+
+    /// A folder in the machine's memory, where the system has a place for such folders: a disk allows only some hundred
+    /// files per second.
+    pub(crate) fn in_memory() -> Self {
+        tempfile::tempdir_in("/dev/shm").map_or_else(|_| Folder::new(), Folder)
+    }
+
+    /// A file that is replaced many times.
+    pub(crate) fn slot(&self, name: &str) -> Slot {
+        let path = self.path(name);
+        Slot { file: File::create(&path).unwrap(), path }
     }
 
     pub(crate) fn path(&self, name: &str) -> PathBuf {
@@ -41,6 +55,23 @@ impl Folder {
     pub(crate) fn strip(&self, text: &str) -> String {
         let folder = format!("{}/", self.0.path().display());
         text.replace(&folder, "").lines().map(str::trim_end).collect::<Vec<_>>().join("\n")
+    }
+}
+
+/// A file that stays open, because opening takes longer than writing.
+pub(crate) struct Slot {
+    pub(crate) path: PathBuf,
+    file: File,
+}
+
+impl Slot {
+    /// Replace what is in it.
+    pub(crate) fn replace(&self, bytes: &[u8]) -> &Path {
+        let mut file = &self.file;
+        file.rewind().unwrap();
+        file.write_all(bytes).unwrap();
+        file.set_len(bytes.len() as u64).unwrap();
+        &self.path
     }
 }
 

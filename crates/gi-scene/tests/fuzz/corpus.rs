@@ -66,7 +66,7 @@ pub(crate) fn xml() -> Vec<Vec<u8>> {
     let lights = "<emitter type='point'><point name='position' value='0 2 0'/><spectrum name='intensity' value='400:1, 700:2'/></emitter>\n\
         <emitter type='spot'><float name='cutoff_angle' value='20'/><float name='beam_width' value='10'/></emitter>\n\
         <emitter type='directional'><vector name='direction' value='0 -1 0'/></emitter>\n<emitter type='constant'/>\n\
-        <emitter type='sunsky'><float name='turbidity' value='3'/></emitter>\n<shape type='sphere'/>\n";
+        <shape type='sphere'/>\n";
     let old = "<luminaire type='constant'><blackbody name='radiance' temperature='5000K'/></luminaire>\n\
         <shape type='sphere'><transform name='toWorld'><lookAt origin='0 0 5' target='0 0 0' up='0 1 0'/></transform>\n\
         <bsdf type='phong'><srgb name='diffuseReflectance' value='#808080'/><float name='exponent' value='20'/></bsdf></shape>\n\
@@ -79,16 +79,47 @@ pub(crate) fn xml() -> Vec<Vec<u8>> {
     ]
 }
 
-/// The scenes of the tests of the format, which are in this folder, and one that uses the companions.
-pub(crate) fn pbrt(scenes: &Path) -> Vec<Vec<u8>> {
-    let mut paths: Vec<_> = std::fs::read_dir(scenes).unwrap().map(|e| e.unwrap().path()).collect();
+/// Scenes with a sky, which takes longer to compute than anything else in a small scene.
+fn sky() -> Vec<Vec<u8>> {
+    let body = "<emitter type='sunsky'><float name='turbidity' value='3'/><rgb name='albedo' value='0.1 0.2 0.3'/>\
+        <vector name='sun_direction' value='0.3 0.9 0'/><float name='sun_scale' value='2'/></emitter>\n\
+        <emitter type='sky'><transform name='to_world'><rotate x='1' angle='90'/></transform></emitter>\n\
+        <shape type='sphere'/>\n";
+    vec![scene("3.0.0", body), scene("0.6.0", &body.replace("sun_d", "sunD"))]
+}
+
+/// Small valid files of a kind that the loaders read.
+pub(crate) fn files(kind: &str) -> Vec<Vec<u8>> {
+    match kind {
+        "xml" => xml(),
+        "sky" => sky(),
+        "pbrt" => pbrt(),
+        "obj" => obj(),
+        "mtl" => mtl(),
+        "ply" => ply(),
+        "serialized" => serialized(),
+        "vol" => volumes(),
+        "jpg" | "tga" | "bmp" => files_in("crates/gi-scene/tests/fuzz/pictures", kind),
+        _ => pictures(kind),
+    }
+}
+
+/// The files of this kind in a folder of the repository.
+fn files_in(folder: &str, kind: &str) -> Vec<Vec<u8>> {
+    let folder = Path::new(crate::ROOT).join(folder);
+    let mut paths: Vec<_> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
     paths.sort();
-    let scenes = paths.iter().filter(|path| path.extension().is_some_and(|e| e == "pbrt"));
+    let of_kind = paths.iter().filter(|path| path.extension().is_some_and(|e| e == kind));
+    of_kind.map(|path| std::fs::read(path).unwrap()).collect()
+}
+
+/// The scenes of the tests of the format, and one that uses the companions.
+pub(crate) fn pbrt() -> Vec<Vec<u8>> {
     let companions = "WorldBegin\nLightSource \"infinite\" \"string filename\" \"p.pfm\"\n\
         Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"p.pfm\"\n\
         Material \"conductor\" \"texture roughness\" \"t\" \"string normalmap\" \"p.pfm\"\n\
         Shape \"plymesh\" \"string filename\" \"m.ply\" \"texture alpha\" \"t\"\n";
-    let mut files: Vec<_> = scenes.map(|path| std::fs::read(path).unwrap()).collect();
+    let mut files = files_in("crates/gi-scene/tests/pbrt/scenes", "pbrt");
     files.push(companions.into());
     files
 }
@@ -194,7 +225,7 @@ pub(crate) fn scene_of_volume() -> String {
     String::from_utf8(scene("3.0.0", &body)).expect("text")
 }
 
-/// Pictures of a format.
+/// Pictures of a format that we write.
 pub(crate) fn pictures(kind: &str) -> Vec<Vec<u8>> {
     let folder = Folder::new();
     let picture = |[w, h]: [usize; 2], more: &[&str]| {

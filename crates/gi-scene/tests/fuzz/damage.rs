@@ -67,7 +67,8 @@ impl Damage<'_> {
         bytes
     }
 
-    fn once(&mut self, bytes: &mut Vec<u8>) {
+    /// One change.
+    pub(crate) fn once(&mut self, bytes: &mut Vec<u8>) {
         match self.rng.below(10) {
             0 => bytes.truncate(self.rng.below(bytes.len() + 1)),
             1 => self.change_byte(bytes),
