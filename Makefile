@@ -44,13 +44,15 @@ test:
 test-slow:
 	$(CARGO) test --workspace --release -- --include-ignored
 
-# Damage files of every kind, and scenes up to their pixels, MINUTES for each kind: the kinds share the machine.
+# Damage files of every kind, and scenes up to their pixels, MINUTES for each kind. First coverage-guided, where there is
+# a C++ compiler; then blindly, as the tests do: the kinds share the machine.
 MINUTES ?= 10
 fuzz:
+	scripts/fuzz.sh $$(($(MINUTES) * 60))
 	GILAB_FUZZ_SECONDS=$$(($(MINUTES) * 60)) $(CARGO) test --release --workspace --test fuzz -- --nocapture
 	GILAB_FUZZ_SECONDS=$$(($(MINUTES) * 60)) $(CARGO) test --release -p gi-cli --lib damaged -- --nocapture
 
-# Tests of the unsafe code and of the loaders under AddressSanitizer, which needs a nightly toolchain.
+# Tests of the unsafe code and of the loaders under AddressSanitizer.
 asan:
 	scripts/asan.sh
 

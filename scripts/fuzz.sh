@@ -20,19 +20,25 @@ RUSTFLAGS="-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4
     cargo build --release --locked --manifest-path tests/coverage/Cargo.toml --target "$host"
 program=$CARGO_TARGET_DIR/$host/release/coverage
 
-[ $# -gt 0 ] || read -ra list -d '' < <(GILAB_FUZZ_KIND=list "$program"; printf '\0')
+mapfile -t all < <(GILAB_FUZZ_KIND=list "$program" 2>/dev/null)
+for kind in "$@"; do
+    case " ${all[*]} " in
+        *" $kind "*) ;;
+        *) echo "make fuzz: there is no kind \`$kind\`; the kinds are ${all[*]}" >&2; exit 2 ;;
+    esac
+done
 failed=0
-for kind in "${@:-${list[@]}}"; do
+for kind in "${@:-${all[@]}}"; do
     found=$PWD/target/fuzz/$kind
     mkdir -p "$found/corpus"
-    # A busy machine is no hang: the program measures processor time, and this is only for what never ends.
+    # A busy machine is no hang: the program measures processor time, and -timeout is for what never ends.
     if ! GILAB_FUZZ_KIND=$kind GILAB_FUZZ_SEEDS=$found/corpus "$program" -max_total_time="$seconds" -timeout=100 \
-        -rss_limit_mb=2048 -print_final_stats=1 -verbosity=0 -artifact_prefix="$found/" "$found/corpus" \
-        >"$found/log" 2>&1; then
-        echo "make fuzz: $kind fails: see $found/log" >&2
+        -rss_limit_mb=2048 -print_final_stats=1 -artifact_prefix="$found/" "$found/corpus" >"$found/log" 2>&1; then
+        echo "make fuzz: $kind fails, and its input is kept: see $found/log" >&2
         failed=1
     fi
     inputs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$found/log")
-    echo "$kind: $inputs inputs in $seconds s, $(find "$found/corpus" -type f | wc -l) kept because they reach new code"
+    edges=$(grep -o 'cov: [0-9]*' "$found/log" | tail -1)
+    echo "$kind: ${inputs:-unknown number of} inputs in $seconds s, ${edges#cov: } branches of the code reached"
 done
 exit $failed

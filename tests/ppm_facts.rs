@@ -280,18 +280,3 @@ fn a_pass_of_ppa_has_the_same_bits_after_other_passes_and_in_a_shard_of_its_own(
     };
     assert!(film(0..7, 6) == film(6..7, 6));
 }
-
-#[test]
-fn a_checkpoint_that_states_the_largest_counts_does_not_overflow() {
-    let (world, params) = (sphere_world(), with(Method::Sppm, 100));
-    let mut film = Film::new(world.camera.size(), gi_core::filter::Filter::Box, Show::All);
-    let mut run = Ppm::prepare(world.setting(1, Show::All), &params).expect("a run");
-    let mut state = run.save_state();
-    state[4..32].fill(0xff); // passes, paths, and photons that were stored and that contributed
-    for _ in 0..2 {
-        run.restore(&state).expect("a state");
-    }
-    run.pass(0, &mut film);
-    let counts = run.save_state();
-    assert!(counts[4..32].iter().all(|byte| *byte == 0xff));
-}

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-use gi_core::bytes::{Reader, Writer, checksum, unseal};
+use gi_core::bytes::{Reader, Writer, unseal};
 use gi_core::film::{Film, Show};
 use gi_core::filter::Filter;
 use gi_core::technique::Technique;
@@ -15,7 +16,7 @@ use crate::common::{Folder, Slot};
 pub(crate) const KINDS: [&str; 4] = ["irradiance", "radiance", "photons", "checkpoint"];
 
 /// One of so many files that can be read is used for a pass, because a pass takes much longer.
-const USED: u64 = 10;
+const MANY: u64 = 10;
 
 /// A kind of file.
 pub(crate) struct Target {
@@ -27,6 +28,8 @@ pub(crate) struct Target {
     functions: Functions,
     /// A technique and its film, which take the state of a run.
     run: Mutex<(ppm::Ppm<'static>, Film)>,
+    /// Number of files that could be read.
+    parsed: AtomicU64,
 }
 
 /// What there is to do with a kind of file.
@@ -38,6 +41,8 @@ struct Functions {
     parse: fn(&Target, &[u8]) -> Result<(), String>,
     /// Make a pass with a file.
     read: fn(&World, &Path) -> Result<(), String>,
+    /// One of so many files that can be read is used.
+    every: u64,
 }
 
 /// Prepare a technique and make one pass.
@@ -117,6 +122,7 @@ fn functions(kind: &str) -> Functions {
             read: |world, path| {
                 pass::<irrcache::IrradianceCaching>(world, &irrcache(path, true)).map(drop)
             },
+            every: MANY,
         },
         "radiance" => Functions {
             write: |world, path| {
@@ -127,6 +133,7 @@ fn functions(kind: &str) -> Functions {
             read: |world, path| {
                 pass::<radcache::RadianceCaching>(world, &radcache(path, true)).map(drop)
             },
+            every: MANY,
         },
         "photons" => Functions {
             write: |world, path| {
@@ -137,16 +144,19 @@ fn functions(kind: &str) -> Functions {
             read: |world, path| {
                 pass::<photonmap::PhotonMapping>(world, &photonmap(path, true)).map(drop)
             },
+            every: 1,
         },
         _ => Functions {
             write: write_state,
             parse: |target, bytes| restore(&mut target.run.lock().expect("no panic"), bytes),
             read: read_state,
+            every: MANY,
         },
     }
 }
 
 /// All kinds of files.
+#[cfg(test)]
 pub(crate) fn all() -> Vec<Target> {
     KINDS.map(Target::new).into()
 }
@@ -158,7 +168,15 @@ impl Target {
         let run = Mutex::new(start(world).expect("a run"));
         let folder = Folder::in_memory();
         let input = folder.slot("file");
-        Target { name, world, _folder: folder, input, functions: functions(name), run }
+        Target {
+            name,
+            world,
+            _folder: folder,
+            input,
+            functions: functions(name),
+            run,
+            parsed: 0.into(),
+        }
     }
 
     /// A valid file.
@@ -176,8 +194,8 @@ impl Target {
         (self.functions.read)(self.world, self.input.replace(bytes))
     }
 
-    /// Read damaged bytes with a right checksum, and use one of [`USED`] that can be read; a kind without a parser is
-    /// always used. Returns whether they are valid.
+    /// Read damaged bytes with a right checksum, and use some that can be read. Returns whether they are
+    /// valid.
     pub(crate) fn check(&self, content: &[u8]) -> Result<bool, String> {
         let mut sealed = Writer::default();
         sealed.raw(content);
@@ -185,7 +203,7 @@ impl Target {
         if (self.functions.parse)(self, &sealed).is_err() {
             return Ok(false);
         }
-        let is_used = self.name == "photons" || checksum(content).is_multiple_of(USED);
+        let is_used = self.parsed.fetch_add(1, Relaxed).is_multiple_of(self.functions.every);
         Ok(!is_used || self.read(&sealed).is_ok())
     }
 
@@ -213,4 +231,19 @@ impl Target {
 #[test]
 fn files_that_programs_read_again() {
     all().iter().for_each(Target::fuzz);
+}
+
+#[test]
+fn a_checkpoint_that_states_the_largest_counts_does_not_overflow() {
+    let world = World::load("cornell-spheres.xml", [4, 4], &[]);
+    let (mut run, mut film) = start(&world).expect("a run");
+    // Passes, paths, and photons that were stored and that contributed.
+    let counts = 4..32;
+    let mut state = run.save_state();
+    state[counts.clone()].fill(0xff);
+    for _ in 0..2 {
+        run.restore(&state).expect("a state");
+    }
+    run.pass(0, &mut film);
+    assert!(run.save_state()[counts].iter().all(|byte| *byte == 0xff));
 }

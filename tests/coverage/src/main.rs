@@ -17,10 +17,12 @@ mod damage;
 mod harness;
 mod kinds;
 #[path = "../../../crates/gi-scene/tests/fuzz/loaders.rs"]
+#[allow(dead_code)] // kinds.rs has the names
 mod loaders;
 #[path = "../../fuzz/pixels.rs"]
 mod pixels;
 #[path = "../../fuzz/saved.rs"]
+#[allow(dead_code)] // kinds.rs has the names
 mod saved;
 
 use std::alloc::System;
