@@ -18,9 +18,6 @@ pub(crate) const KINDS: [&str; 4] = ["irradiance", "radiance", "photons", "check
 /// One of so many files that can be read is used for a pass, because a pass takes much longer.
 const MANY: u64 = 10;
 
-/// Size of the picture, also of the checkpoints in `found`.
-const SIZE: [usize; 2] = [4, 4];
-
 /// A kind of file.
 pub(crate) struct Target {
     /// Its extension in `found`.
@@ -161,18 +158,13 @@ fn functions(kind: &str) -> Functions {
 /// All kinds of files.
 #[cfg(test)]
 pub(crate) fn all() -> Vec<Target> {
-    KINDS.map(|name| Target::with_size(name, SIZE)).into()
+    KINDS.map(Target::new).into()
 }
 
 impl Target {
-    /// A kind of file. A pixel takes thousands of bytes in a checkpoint, so the film is small there.
     pub(crate) fn new(name: &'static str) -> Self {
-        Target::with_size(name, if name == "checkpoint" { [1, 1] } else { SIZE })
-    }
-
-    fn with_size(name: &'static str, size: [usize; 2]) -> Self {
         // Matt and glossy surfaces, and a caustic.
-        let world = Box::leak(Box::new(World::load("cornell-spheres.xml", size, &[])));
+        let world = Box::leak(Box::new(World::load("cornell-spheres.xml", [4, 4], &[])));
         let run = Mutex::new(start(world).expect("a run"));
         let folder = Folder::in_memory();
         let input = folder.slot("file");
@@ -238,7 +230,7 @@ impl Target {
 
 #[test]
 fn files_that_programs_read_again() {
-    KINDS.map(Target::new).iter().for_each(Target::fuzz);
+    all().iter().for_each(Target::fuzz);
 }
 
 #[test]
