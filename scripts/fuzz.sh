@@ -27,8 +27,9 @@ for kind in "$@"; do
         *) echo "make fuzz: there is no kind \`$kind\`; the kinds are ${all[*]}" >&2; exit 2 ;;
     esac
 done
+[ $# -gt 0 ] || set -- "${all[@]}"
 failed=0
-for kind in "${@:-${all[@]}}"; do
+for kind in "$@"; do
     found=$PWD/target/fuzz/$kind
     mkdir -p "$found/corpus"
     # A busy machine is no hang: the program measures processor time, and -timeout is for what never ends.

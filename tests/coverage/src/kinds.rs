@@ -7,10 +7,13 @@ use crate::loaders::{self, Loader};
 use crate::pixels::{self, RENDERERS};
 use crate::saved;
 
+/// Whether an input is valid, or what must not happen.
+type Check = Box<dyn Fn(&[u8]) -> Result<bool, String>>;
+
 /// A kind of input, with small valid files of it.
 pub(crate) struct Kind {
     pub(crate) files: Vec<Vec<u8>>,
-    check: Box<dyn Fn(&[u8]) -> Result<bool, String>>,
+    check: Check,
     guard: Guard,
 }
 

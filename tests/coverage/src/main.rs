@@ -87,7 +87,7 @@ fuzz_target!(init: start(), |bytes: &[u8]| {
 
 // Half of the changes know what text consists of; the others are libFuzzer's, which know what the code compares with.
 fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {
-    if seed % 2 == 0 {
+    if seed.is_multiple_of(2) {
         return fuzzer_mutate(data, size, max_size);
     }
     KIND.with_borrow(|kind| {
