@@ -303,7 +303,7 @@ figure-33:
 	  --caption "Slabs, glass walls, a pool, and a wall of onyx, under sun and sky. The light under the roof was reflected by the pavement and the ceiling." pavilion.png="photon mapping with final gather"
 
 # Light inside media: most of the light from the stone was scattered many times inside it.
-SOLID = $(BIN)/photonmap --volume-photons $(call q,50000,200000,500000) --volume-lookup $(call q,100,120,200) --photons $(PHOTONS) --spp $(call q,4,8,8)
+SOLID = $(BIN)/photonmap --volume-photons $(call q,50000,200000,500000) --volume-lookup $(call q,100,300,800) --photons $(PHOTONS) --spp $(call q,4,8,8)
 figure-34:
 	mkdir -p $D
 	$(SOLID) scenes/marble.xml $(RUN) -o $D/marble.exr
