@@ -389,6 +389,8 @@ figure-41:
 	  --claim "last(alpha-0.5.csv:radius) < last(alpha-0.9.csv:radius)" \
 	  radius.svg="R of one hit point in the crescent" photons.svg="N of the same hit point" alpha-0.7.radius.png="the map of R for alpha 0.7, after $(PASSES) passes: dark blue is small, where photons are dense"
 
+# $(call passes,N): the number in words.
+passes = $(if $(filter 1,$1),1 pass,$1 passes)
 STAGES := $(call q,1 10 50,1 10 100,1 10 200)
 figure-43:
 	mkdir -p $D
@@ -396,7 +398,7 @@ figure-43:
 	$(DRAW) figure $D --slide 43-46 --columns $(words $(STAGES)) --title "The picture over the passes" \
 	  --caption "A torus inside glass, and the floor of a pool: all light goes through glass or water on its way there and on its way to the eye. Noise and blur shrink together." \
 	  --claim "relmse(pool-10, pool-$(lastword $(STAGES))) < relmse(pool-1, pool-$(lastword $(STAGES)))" --claim "relmse(torus-10, torus-$(lastword $(STAGES))) < relmse(torus-1, torus-$(lastword $(STAGES)))" \
-	  $(foreach n,$(STAGES),torus-$n.png="$n passes") $(foreach n,$(STAGES),pool-$n.png="$n passes")
+	  $(foreach n,$(STAGES),torus-$n.png="$(call passes,$n)") $(foreach n,$(STAGES),pool-$n.png="$(call passes,$n)")
 
 # ------------------------------------------------------------------ 47 to 52: instant radiosity
 VPL = $(BIN)/instant-radiosity $(BOX) $(RUN)
@@ -412,9 +414,9 @@ figure-47:
 
 figure-49:
 	mkdir -p $D
-	$(BIN)/instant-radiosity $(BOX) $(OVER) --vpls 64 --spp $(call q,2,8,16) --show vpls,connections -o $D/vpls.exr
+	$(BIN)/instant-radiosity $(BOX) $(OVER) --vpls 64 --spp $(call q,2,8,16) --show vpls,connections --pixel $(call pixel,234,859,$(OVER_SIZE)) -o $D/vpls.exr
 	$(DRAW) figure $D --slide 49-50 --columns 2 --title "Virtual point lights" \
-	  --caption "Every vertex of a light path becomes a point light; shadow rays connect each visible point with all of them. Green rays reach their light, red ones are occluded." \
+	  --caption "Every vertex of a light path becomes a point light; shadow rays connect each visible point with all of them. Green rays reach their light, orange ones are occluded." \
 	  vpls.vpls.png="where the lights of 64 paths are" vpls.connections.png="shadow rays of one point"
 
 # 16 passes with N/16 lights each give N lights. With 4096 lights, full would take half an hour more.

@@ -10,9 +10,9 @@ use vpl::{BoundOptions, Direct, Termination};
 /// A picture of the lights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Figure {
-    /// Positions of the lights, coloured by the number of scatterings from direct light (dark) up (bright) [slide 49]
+    /// Positions of the lights: white on light sources, others from bright (1 segment) to dark (4 or more) [slide 49]
     Vpls,
-    /// Shadow rays from a pixel to all lights: green if unoccluded, red if occluded [slide 50]
+    /// Shadow rays from a pixel to all lights: green if unoccluded, orange if occluded [slide 50]
     Connections,
 }
 

@@ -96,8 +96,9 @@ pub(super) fn tree<'a>(subject: &Subject<'_, 'a>, film: &Film) -> Picture {
     });
     if let Some(tree) = subject.lights.forest.trees.first() {
         let ends = largest(tree, MOST_LEAVES);
+        let tallest = height(tree, &ends, 0);
         let mut drawing =
-            Drawing { tree, ends: &ends, on_cut: &on_cut, placed: 0, canvas: &mut canvas };
+            Drawing { tree, ends: &ends, tallest, on_cut: &on_cut, placed: 0, canvas: &mut canvas };
         drawing.branch(0);
     }
     let colours =
@@ -113,10 +114,18 @@ pub(super) fn tree<'a>(subject: &Subject<'_, 'a>, film: &Film) -> Picture {
     }
 }
 
+/// The height of a node over the leaves.
+fn height(tree: &Tree, ends: &[u32], k: u32) -> u32 {
+    let children = if ends.contains(&k) { None } else { tree.node(k).children() };
+    children.map_or(0, |[a, b]| 1 + height(tree, ends, a).max(height(tree, ends, b)))
+}
+
 struct Drawing<'d> {
     tree: &'d Tree,
     /// Nodes below which nothing is drawn.
     ends: &'d [u32],
+    /// The height of the root.
+    tallest: u32,
     on_cut: &'d [u32],
     placed: usize,
     canvas: &'d mut Canvas,
@@ -154,7 +163,8 @@ impl Drawing<'_> {
         let [w, h] = self.canvas.size().map(|n| n as f32);
         let across = x / self.ends.len() as f32;
         // The spacing of levels shrinks with height, because trees are deep and thin in places.
-        let up = 1.0 - 1.0 / (1.0 + 0.18 * height as f32);
+        let up = |height: u32| 1.0 - 1.0 / (1.0 + 0.18 * height as f32);
+        let up = up(height) / up(self.tallest.max(1));
         Vec2::new(across * w, h * (0.95 - 0.9 * up))
     }
 }
