@@ -303,7 +303,7 @@ figure-33:
 	  --caption "Slabs, glass walls, a pool, and a wall of onyx, under sun and sky. The light under the roof was reflected by the pavement and the ceiling." pavilion.png="photon mapping with final gather"
 
 # Light inside media: most of the light from the stone was scattered many times inside it.
-SOLID = $(BIN)/photonmap --volume-photons $(call q,50000,200000,500000) --volume-lookup $(call q,100,300,800) --photons $(PHOTONS) --spp $(call q,4,8,8)
+SOLID = $(BIN)/photonmap --volume-photons $(call q,50000,200000,500000) --volume-lookup $(call q,100,300,800) --photons $(PHOTONS) --spp $(call q,4,16,16)
 figure-34:
 	mkdir -p $D
 	$(SOLID) scenes/marble.xml $(RUN) -o $D/marble.exr
@@ -567,7 +567,7 @@ mistake-stored:
 	for w in density per-stored; do $(SHAM) $$w $(BOX) $(PHOTON_RUN) -o $M/$$w.exr; done
 	$(call truth,$(BOX),)
 	$(DRAW) figure $M --slide Mistake-3 --columns 3 --title "Photon power divided by stored photons" --reference $M/reference.exr \
-	  --caption "The power of the lamp is shared by the paths that were emitted, {said(density, emitted)}. Each path is stored at every diffuse surface that it meets, {said(density, stored)} times in all. Dividing by the number of stored photons gives {ratio(per-stored, density)} of the light, and another factor in every scene." \
+	  --caption "The power of the lamp is shared by the paths that were emitted, {said(density, emitted)}. Each path is stored at every diffuse surface that it meets, {said(density, stored)} times in all. Dividing by the number of stored photons gives {ratio(per-stored[0 0.3 1 0.7], density[0 0.3 1 0.7])} of the light, and another factor in every scene." \
 	  --claim "ratio(density[0.3 0.7 0.4 0.1]) in 0.93..1.07" --claim "ratio(per-stored[0 0.3 1 0.7], density[0 0.3 1 0.7]) * said(density, stored) / said(density, emitted) in 0.99..1.01" \
 	  truth.png="truth" density.png="right: divided by emitted paths" per-stored.png="divided by stored photons: {ratio(per-stored[0 0.3 1 0.7], density[0 0.3 1 0.7])} times"
 
