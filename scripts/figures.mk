@@ -14,7 +14,7 @@ QUALITY ?= default
 FIGURES_OUT ?= out/figures
 BIN := target/release
 DRAW := $(BIN)/figures
-ifeq ($(filter quick default full,$(QUALITY)),)
+ifneq ($(words $(QUALITY)) $(filter quick default full,$(QUALITY)),1 $(QUALITY))
 $(error QUALITY=$(QUALITY) is unknown: use quick, default or full)
 endif
 # Each quality has its own references, because their sizes differ.
@@ -123,7 +123,7 @@ figure-12: $(REFERENCES)/cornell-box.indirect.exr
 	for g in off both; do $(IRR) --rays 1000 $(LECTURE) --gradients $$g --stats $D/$$g.json -o $D/fine-$$g.exr; done
 	for p in without with; do $(DRAW) difference $D/$$p-error.svg $D/$$p.exr --reference $< --most 0.5; done
 	$(DRAW) figure $D --slide 12 --columns 2 --exposure 2 --inset 0.16,0.2,0.26,0.26,2 --title "Irradiance gradients" --reference $< \
-	  --caption "The same {stat(with.json:technique.records)} records (1000 rays each, w > 2), interpolated without and with gradients. Without them, every record shows as a disc with a step at its rim; with them the error is {relmse(without) / relmse(with)} times smaller. With w > 10 as on the slide, {stat(both.json:technique.records)} records are so dense that gradients change little: relMSE {relmse(fine-off)} without, {relmse(fine-both)} with." \
+	  --caption "The same {stat(with.json:technique.records)} records (1000 rays each, w > 2), interpolated without and with gradients. Without them, every record shows as a disc with a step at its rim; with them the error is {relmse(without) / relmse(with)} times smaller. With w > 10 as on the slide, {stat(both.json:technique.records)} records are so dense that gradients change little: relMSE {relmse(fine-off)} without, {relmse(fine-both)} with, noise of the reference included." \
 	  --claim "relmse(with) < 0.6 * relmse(without)" --claim "relmse(fine-both) < relmse(fine-off)" --claim "relmse(fine-both) > 0.25 * relmse(fine-off)" \
 	  --claim "stat(with.json:technique.records) / stat(without.json:technique.records) in 1..1" \
 	  without.png="without gradients" with.png="with gradients" without-error.svg="relative error, without" with-error.svg="relative error, with"
@@ -151,7 +151,7 @@ figure-14: $(REFERENCES)-small/cornell-box.indirect.exr
 	$(DRAW) plot $D/rays.svg --title "Error against rays per record" --x "rays per record" --y "relMSE" --log xy "w > 10"=$D/rays.csv:x:relmse
 	$(DRAW) plot $D/accuracy.svg --title "Error against allowed error" --x "allowed error a (records are used where w > 1/a)" --y "relMSE" --log xy "1000 rays"=$D/accuracy.csv:x:relmse
 	$(DRAW) figure $D --slide 14 --columns 2 --exposure 2 --title "More rays" \
-	  --caption "More rays make better records: from 30 to $(lastword $(RAYS)) rays per record the error falls by a factor of {first(rays.csv:relmse) / last(rays.csv:relmse)}, but most of that by the first 1000. What remains is the error of interpolation, which the allowed error a controls." \
+	  --caption "More rays make better records: from 30 to $(lastword $(RAYS)) rays per record the error falls by a factor of {first(rays.csv:relmse) / last(rays.csv:relmse)}, but most of that by the first 1000. What remains is the error of interpolation, which the allowed error a controls, and the noise of the reference." \
 	  --claim "last(rays.csv:relmse) < 0.4 * first(rays.csv:relmse)" --claim "first(accuracy.csv:relmse) < 0.6 * last(accuracy.csv:relmse)" \
 	  --claim "at(rays.csv:x:relmse, 1000) < 0.5 * (first(rays.csv:relmse) + last(rays.csv:relmse))" \
 	  few.png="30 rays per record" many.png="$(lastword $(RAYS)) rays per record" rays.svg="error against rays" accuracy.svg="error against allowed error"
@@ -229,7 +229,7 @@ figure-23:
 	mkdir -p $D
 	$(PM_OVER) --gather direct --show photons --stats $D/photons.json -o $D/photons.exr
 	$(DRAW) figure $D --slide 23 --columns 1 --title "Photon density" \
-	  --caption "Every photon of the global map as a dot: their density gives the irradiance. Yellow photons came straight from the lamp, red ones through glass or mirror only, blue ones were scattered by a wall before." \
+	  --caption "Every visible photon of the global map as a dot: their density gives the irradiance. Yellow photons came straight from the lamp, red ones through glass or mirror only, blue ones were scattered by a wall before." \
 	  --claim "stat(photons.json:technique.global_photons) / $(PHOTONS) in 0.95..1.1" photons.photons.png="{stat(photons.json:technique.global_photons)} photons"
 
 # The probe reads the irradiance of a map at a point of the floor. The truth is pi L / albedo, from the reference.
@@ -258,7 +258,7 @@ figure-26:
 	sed -e 's|<ref id="mirror"/>|<ref id="white"/>|' -e 's|"meshes/|"$(CURDIR)/scenes/meshes/|' $(SPHERES) > $D/scene.xml
 	$(BIN)/photonmap $D/scene.xml $(OVER) --photons $(PHOTONS) --caustic-photons $(PHOTONS) --spp 1 --show photons --stats $D/photons.json -o $D/photons.exr
 	$(DRAW) figure $D --slide 26 --columns 2 --title "Two photon maps" \
-	  --caption "The global map contains the light that any surface received (the left ball is diffuse here). The caustic map contains only light that came through the glass ball: as many photons, in few places." \
+	  --caption "The global map contains the light that any surface received (the left ball is diffuse here). The caustic map contains only light that the glass ball refracted or reflected: as many photons, dense in one spot, the others reflected over the room." \
 	  --claim "stat(photons.json:technique.caustic_photons) > 0.9 * $(PHOTONS)" \
 	  photons.photons.png="global map: {stat(photons.json:technique.global_photons)} photons" photons.caustic-photons.png="caustic map: {stat(photons.json:technique.caustic_photons)} photons"
 
@@ -285,7 +285,7 @@ figure-31: $(REFERENCES)/cornell-spheres.exr
 	$(BIN)/pathtrace $(SPHERES) $(RUN) --spp $(call q,64,64,64) -o $D/paths.exr
 	for p in gather paths; do $(DRAW) difference $D/$$p-error.svg $D/$$p.exr --reference $< --most 0.5; done
 	$(DRAW) figure $D --slide 31 --columns 2 --inset 0.02,0.6,0.2,0.2,2 --title "Final gather" --reference $< \
-	  --caption "The density is estimated one bounce later: rays from the first diffuse surface average many estimates, so the blotches disappear. Path tracing with as many samples per pixel has {relmse(paths) / relmse(gather)} times the error, most of it in caustics." \
+	  --caption "The density is estimated one bounce later: rays from the first diffuse surface average many estimates, so the blotches disappear. Path tracing with as many samples per pixel has {relmse(paths) / relmse(gather)} times the error, most of it noise of indirect light." \
 	  --claim "relmse(gather) < 0.7 * relmse(paths)" \
 	  gather.png="photon mapping with final gather" paths.png="path tracing" gather-error.svg="relative error, photon mapping" paths-error.svg="relative error, path tracing"
 
@@ -367,7 +367,7 @@ figure-39:
 	  --power "theory: n^-1=-1@1" --power "theory: n^-0.4=-0.4@3" --power "theory: constant=0@4"
 	$(DRAW) plot $D/error.svg --title "Error: noise and bias" --x "passes n" --y "relMSE of the caustic" --log xy $(foreach b,$(BETAS),"beta $b"=$D/beta-$b.csv:x:relmse)
 	$(DRAW) figure $D --slide 39-40 --columns 2 --title "Noise and bias must shrink together" --layer Caustic \
-	  --caption "Of N photons, N^beta are used. Theory: noise^2 falls as n^-beta, bias^2 as r^4 = n^-2(1-beta). With beta = 1 the radius stays constant: its noise falls fastest, but its bias remains, and the error ends there. With beta = 1/2 the bias falls fastest, and the noise slowest. The mean contains the first passes, whose radius is large, so the bias falls later than r^4; photon paths are stratified, so the noise falls a little faster than in theory." \
+	  --caption "Of N photons, N^beta are used. Theory: noise^2 falls as n^-beta, bias^2 as r^4 = n^-2(1-beta). With beta = 1 the radius stays constant: its noise falls fastest, but its bias remains, and the error ends there. With beta = 1/2 the bias falls fastest, and the noise slowest. The mean contains the first passes, whose radius is large, so the bias falls later than r^4; photon paths are stratified, so the noise falls faster than in theory (compare the slopes in the legend)." \
 	  --claim "last(beta-1.csv:relmse) > 2 * last(beta-0.5.csv:relmse)" --claim "last(beta-1.csv:noise) < last(beta-0.5.csv:noise)" \
 	  --claim "slope(beta-1.csv:x:noise) in -1.15..-0.85" --claim "slope(beta-0.5.csv:x:noise) in -0.9..-0.4" --claim "slope(beta-0.5.csv:x:noise) > slope(beta-1.csv:x:noise) + 0.1" \
 	  --claim "last(beta-1.csv:bias) > 0.7 * first(beta-1.csv:bias)" --claim "last(beta-0.5.csv:bias) < 0.6 * first(beta-0.5.csv:bias)" --claim "last(beta-0.5.csv:bias) < 0.3 * last(beta-1.csv:bias)" \
@@ -439,7 +439,7 @@ figure-51: $(REFERENCES)/cornell-box.indirect.exr
 	$(DRAW) measure $D/clamp.csv --reference $D/whole.exr $(foreach c,$(CLAMPS),$c=$D/clamp-$c.exr)
 	$(DRAW) plot $D/clamp.svg --title "Remaining light" --x "bound of the geometry term (1 / squared scene radius)" --y "mean of the clamped picture / unclamped" --log x "red"=$D/clamp.csv:x:ratio_r "green"=$D/clamp.csv:x:ratio_g "blue"=$D/clamp.csv:x:ratio_b
 	$(DRAW) figure $D --slide 51-52 --columns 4 --exposure 2 --title "Instant radiosity: bright spots, dark corners, and remedies" --reference $< \
-	  --caption "Indirect light from more and more lights. Without a bound, every light causes a bright spot near itself. With a bound, corners are too dark. Paths restore the light that was cut off (compensated). Lights as spheres blur instead; with only 64 lights they are so large that the picture is dark ({ratio(spheres-64, unclamped-64) %} of the light), which more lights cure ({ratio(spheres-$(lastword $(COUNTS)), unclamped-$(lastword $(COUNTS))) %})." \
+	  --caption "Indirect light from more and more lights. Without a bound, every light causes a bright spot near itself. With a bound, corners are too dark. Paths restore the light that was cut off (compensated). Lights as spheres blur instead; with only 64 lights they are so large that the picture is dark ({ratio(spheres-64) %} of the light), which more lights cure ({ratio(spheres-$(lastword $(COUNTS))) %})." \
 	  --claim "ratio(clamped-1024, unclamped-1024) < 0.99" --claim "ratio(compensated-1024, unclamped-1024) in 0.95..1.05" --claim "ratio(spheres-64, unclamped-64) < 0.95" --claim "ratio(spheres-$(lastword $(COUNTS)), unclamped-$(lastword $(COUNTS))) > ratio(spheres-64, unclamped-64)" \
 	  --claim "max(unclamped-64) > 3 * max(compensated-64)" --claim "last(clamp.csv:ratio_g) > first(clamp.csv:ratio_g)" \
 	  $(foreach n,$(COUNTS),$(foreach k,$(KINDS),$k-$n.png="$n lights: $k" )) \
@@ -462,7 +462,7 @@ figure-53:
 	$(DRAW) plot $D/cost.svg --title "Cost against the number of lights" --x "points on light sources, and as many on surfaces" --y "seconds for a picture of 32 x 24" --log xy --slopes \
 	  --vertical "crossover=crossing(cuts.csv:x:seconds, all.csv:x:seconds)" "lightcuts"=$D/cuts.csv:x:seconds "all lights"=$D/all.csv:x:seconds
 	$(DRAW) figure $D --slide 53-54 --columns 3 --title "Many lights of all kinds" \
-	  --caption "Sun, sky and indirect light as one set of point lights. The cost of using all of them becomes linear in their number; the cost of cuts grows more slowly. Cuts pay off from about {crossing(cuts.csv:x:seconds, all.csv:x:seconds)} lights." \
+	  --caption "Sun, sky and indirect light as one set of point lights. The curves are of the gallery: the cost of using all lights becomes linear in their number; the cost of cuts grows more slowly. Cuts pay off from about {crossing(cuts.csv:x:seconds, all.csv:x:seconds)} points on light sources, and as many on surfaces." \
 	  --claim "last(all.csv:seconds) > 3 * last(cuts.csv:seconds)" --claim "slope(cuts.csv:x:seconds) < slope(all.csv:x:seconds)" \
 	  patio.png="sun, sky and indirect light" sky.png="sky and indirect light" cost.svg="seconds against lights"
 
@@ -471,7 +471,7 @@ figure-55:
 	mkdir -p $D
 	$(GALLERY) --show clusters -o $D/gallery.exr
 	$(DRAW) figure $D --slide 55-56 --columns 2 --title "Clusters of lights" \
-	  --caption "Lights that are near each other and emit in similar directions are joined to clusters. The lights are drawn over the picture, coloured by cluster, at four levels of the light tree." \
+	  --caption "Lights that are near each other and emit in similar directions are joined to clusters. The lights are drawn over the picture, coloured by cluster, at four levels of the light trees." \
 	  $(foreach n,2 8 32 128,gallery.clusters-$n.png="$n clusters per tree")
 
 figure-57:
