@@ -230,7 +230,7 @@ fn start(path: &Path) -> Option<Vec<u8>> {
 
 /// What is said of a checkpoint that cannot be used.
 pub(crate) fn refuse(path: &Path, cause: &str) -> Failure {
-    Failure::Input(format!("error: cannot use {}: {cause}", path.display()))
+    Failure::Input(format!("error: {}", files::refusal(path, cause)))
 }
 
 #[cfg(test)]

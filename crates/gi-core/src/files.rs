@@ -33,6 +33,11 @@ pub fn read(path: &Path) -> std::result::Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
+/// What is said of a file that can be read, but not used.
+pub fn refusal(path: &Path, cause: &str) -> String {
+    format!("cannot use {}: {cause}", path.display())
+}
+
 /// Open a file. A device might never end, and a FIFO might never begin, so they are refused.
 ///
 /// # Errors

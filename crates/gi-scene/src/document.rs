@@ -102,6 +102,11 @@ pub(crate) enum Value {
 }
 
 impl Value {
+    /// A transform. It is boxed, because it is several times as large as all other values.
+    pub(crate) fn transform(m: DAffine3) -> Self {
+        Value::Transform(Box::new(m))
+    }
+
     /// The kind of value, for messages.
     fn kind(&self) -> &'static str {
         match self {

@@ -31,6 +31,7 @@ use std::path::Path;
 use gi_core::bytes::checksum;
 use gi_core::caustics::FocusedLight;
 use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
+use gi_core::files;
 use gi_core::film::{Film, Show};
 use gi_core::math::{INV_PI, Rgb};
 use gi_core::technique::{Picture, Setting, Technique};
@@ -67,7 +68,7 @@ impl<'a> Technique<'a> for IrradianceCaching<'a> {
         let mut levels = empty_levels(&setting, params);
         let records_read = match &params.files.cache_in {
             Some(path) => file::insert(SavedCache::open(path)?, setting.world, params, &mut levels)
-                .map_err(|e| format!("cannot use {}: {e}", path.display()))?,
+                .map_err(|e| files::refusal(path, &e))?,
             None => 0,
         };
         let [width, height] = camera.size();

@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use gi_core::bytes::{Reader, Writer, unseal};
+use gi_core::files;
 
 /// The part of a cache file that is specific to a technique.
 pub trait Body: Sized {
@@ -53,8 +54,8 @@ impl<B: Body> SavedCache<B> {
     /// # Errors
     /// One line with the file's name and the cause.
     pub fn open(path: &Path) -> Result<Self, String> {
-        let bytes = gi_core::files::read(path)?;
-        Self::from_bytes(&bytes).map_err(|e| format!("cannot use {}: {e}", path.display()))
+        let bytes = files::read(path)?;
+        Self::from_bytes(&bytes).map_err(|e| files::refusal(path, &e))
     }
 
     /// Read the bytes of such a file.

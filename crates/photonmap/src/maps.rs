@@ -155,7 +155,7 @@ fn shoot(setting: &Setting, params: &Params) -> Photons {
 /// # Errors
 /// One line with the file's name and the cause.
 fn load(setting: &Setting, params: &Params, path: &Path) -> Result<Photons, String> {
-    let refused = |cause| format!("cannot use {}: {cause}", path.display());
+    let refused = |cause: String| files::refusal(path, &cause);
     let saved = file::from_bytes(&files::read(path)?).map_err(refused)?;
     saved.check(setting, params).map_err(refused)?;
     let order = if saved.layout == params.layout { Order::Tree } else { Order::Any };

@@ -70,7 +70,7 @@ impl Translator<'_> {
         };
         let sensor = self.doc.add(Class::Sensor, "camera", plugin, span);
         let axes = DAffine3 { matrix3: DMat3::from_diagonal(scale), translation: offset };
-        self.doc.set(sensor, "to_world", span, Value::Transform(Box::new(to_world * axes)));
+        self.doc.set(sensor, "to_world", span, Value::transform(to_world * axes));
         if plugin == "thinlens" {
             self.perspective(sensor, params, half, center);
         } else {

@@ -98,7 +98,7 @@ impl Translator<'_> {
         let light = self.emitter(params, "point");
         let from = params.triple("from", self.report).unwrap_or(DVec3::ZERO);
         self.doc.set(light, "position", params.span_of("from"), Value::Vector(from));
-        self.doc.set(light, "to_world", span, Value::Transform(Box::new(self.state.now.ctm)));
+        self.doc.set(light, "to_world", span, Value::transform(self.state.now.ctm));
         self.doc.set(light, "intensity", params.span_of("I"), Value::Color(intensity));
         light
     }
@@ -126,7 +126,7 @@ impl Translator<'_> {
         let intensity = self.emission(params, "I") * self.power_factor(params, unit);
         let light = self.emitter(params, "spot");
         let place = self.state.now.ctm * DAffine3::from_translation(from);
-        self.doc.set(light, "to_world", span, Value::Transform(Box::new(place)));
+        self.doc.set(light, "to_world", span, Value::transform(place));
         self.doc.set(light, "direction", span, Value::Vector(direction));
         self.doc.set(light, "intensity", params.span_of("I"), Value::Color(intensity));
         let cone = cone as f32;
@@ -142,7 +142,7 @@ impl Translator<'_> {
             irradiance *= lux as f32;
         }
         let light = self.emitter(params, "directional");
-        let to_world = Value::Transform(Box::new(self.state.now.ctm));
+        let to_world = Value::transform(self.state.now.ctm);
         self.doc.set(light, "to_world", params.span, to_world);
         self.doc.set(light, "direction", params.span, Value::Vector(direction));
         self.doc.set(light, "irradiance", params.span_of("L"), Value::Color(irradiance));
@@ -176,7 +176,7 @@ impl Translator<'_> {
         };
         self.doc.set(light, "scale", params.span_of("scale"), Value::Float(scale));
         let to_world = self.state.now.ctm * DAffine3::from_mat3(UPRIGHT);
-        self.doc.set(light, "to_world", span, Value::Transform(Box::new(to_world)));
+        self.doc.set(light, "to_world", span, Value::transform(to_world));
         light
     }
 
@@ -212,7 +212,7 @@ impl Translator<'_> {
             Some(file) => {
                 let picture = self.doc.add(Class::Texture, "area light", "bitmap", file.span);
                 self.doc.set(picture, "filename", file.span, Value::Text(file.text.clone()));
-                let to_uv = Value::Transform(Box::new(super::pictures::downward()));
+                let to_uv = Value::transform(super::pictures::downward());
                 self.doc.set(picture, "to_uv", file.span, to_uv);
                 let scale = self.doc.add(Class::Texture, "area light", "scale", file.span);
                 let factor = Value::Color(Rgb::grey(light.scale as f32));

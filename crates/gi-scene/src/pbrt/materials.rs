@@ -154,12 +154,7 @@ impl Translator<'_> {
             let map = self.doc.add(Class::Texture, "texture", "bitmap", span);
             self.doc.set(map, "filename", file.span, Value::Text(file.text.clone()));
             self.doc.set(map, "raw", span, Value::Bool(true));
-            self.doc.set(
-                map,
-                "to_uv",
-                span,
-                Value::Transform(Box::new(super::pictures::downward())),
-            );
+            self.doc.set(map, "to_uv", span, Value::transform(super::pictures::downward()));
             return self.bent_by(params, "normalmap", map, bsdf);
         }
         let name = if params.has("displacement") { "displacement" } else { "bumpmap" };

@@ -132,12 +132,7 @@ impl Translator<'_> {
             .map(|(name, default)| params.triple(name, report).unwrap_or(default));
         let (from, to) = (from.min(to), from.max(to));
         let cube = DAffine3::from_translation(from) * DAffine3::from_scale(to - from);
-        self.doc.set(
-            medium,
-            "to_world",
-            span,
-            Value::Transform(Box::new(self.state.now.ctm * cube)),
-        );
+        self.doc.set(medium, "to_world", span, Value::transform(self.state.now.ctm * cube));
         self.doc.set(medium, "contents", span, Value::Integer(hash.value() as i64));
         let grid = InlineGrid { size: size.map(|n| n as usize), cells };
         self.doc.inline_grids.borrow_mut().insert(medium, grid);

@@ -19,7 +19,7 @@ impl Translator<'_> {
         let texture = self.doc.add(Class::Texture, "texture", "bitmap", span);
         self.doc.set(texture, "filename", file.span, Value::Text(file.text.clone()));
         let to_uv = self.mapping(params, true);
-        self.doc.set(texture, "to_uv", span, Value::Transform(Box::new(to_uv)));
+        self.doc.set(texture, "to_uv", span, Value::transform(to_uv));
         params.ignore(&["maxanisotropy", "trilinear"]);
         if let Some(wrap) = params.text("wrap") {
             let mode = match wrap.text.as_str() {

@@ -29,7 +29,7 @@ impl Translator<'_> {
         }
         let Some((shape, local)) = self.geometry(params) else { return };
         let span = params.span;
-        let to_world = Value::Transform(Box::new(self.state.now.ctm * local));
+        let to_world = Value::transform(self.state.now.ctm * local);
         self.doc.set(shape, "to_world", span, to_world);
         if self.state.now.reverse_orientation {
             self.doc.set(shape, "flip_normals", span, Value::Bool(true));
@@ -282,7 +282,7 @@ impl Translator<'_> {
             self.doc.register(group, &key, Some(&name.text));
         }
         let instance = self.doc.add(Class::Shape, "ObjectInstance", "instance", name.span);
-        let to_world = Value::Transform(Box::new(self.state.now.ctm));
+        let to_world = Value::transform(self.state.now.ctm);
         self.doc.set(instance, "to_world", name.span, to_world);
         self.doc.refer(instance, "", name.span, &key);
         self.doc.nest(self.scene, "", instance);

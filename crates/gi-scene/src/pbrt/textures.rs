@@ -233,7 +233,7 @@ impl Translator<'_> {
         // A period of Mitsuba's has two squares.
         let half = DAffine3::from_scale(DVec3::new(0.5, 0.5, 1.0));
         let to_uv = half * self.mapping(params, false);
-        self.doc.set(texture, "to_uv", params.span, Value::Transform(Box::new(to_uv)));
+        self.doc.set(texture, "to_uv", params.span, Value::transform(to_uv));
         for (name, tile) in ["color0", "color1"].into_iter().zip(tiles) {
             self.set_factor(texture, name, tile, params.span);
         }

@@ -114,10 +114,15 @@ pub(super) fn tree<'a>(subject: &Subject<'_, 'a>, film: &Film) -> Picture {
     }
 }
 
+/// The children of a node, unless nothing is drawn below it.
+fn drawn_children(tree: &Tree, ends: &[u32], k: u32) -> Option<[u32; 2]> {
+    if ends.contains(&k) { None } else { tree.node(k).children() }
+}
+
 /// The height of a node over the leaves.
 fn height(tree: &Tree, ends: &[u32], k: u32) -> u32 {
-    let children = if ends.contains(&k) { None } else { tree.node(k).children() };
-    children.map_or(0, |[a, b]| 1 + height(tree, ends, a).max(height(tree, ends, b)))
+    drawn_children(tree, ends, k)
+        .map_or(0, |[a, b]| 1 + height(tree, ends, a).max(height(tree, ends, b)))
 }
 
 struct Drawing<'d> {
@@ -134,8 +139,7 @@ struct Drawing<'d> {
 impl Drawing<'_> {
     /// Draw a node and its branches. Returns its horizontal position and its height over the leaves.
     fn branch(&mut self, k: u32) -> (f32, u32) {
-        let children = if self.ends.contains(&k) { None } else { self.tree.node(k).children() };
-        let (x, height) = match children {
+        let (x, height) = match drawn_children(self.tree, self.ends, k) {
             None => {
                 self.placed += 1;
                 (self.placed as f32 - 0.5, 0)

@@ -53,7 +53,7 @@ impl Parser<'_> {
             self.report.error(element.span, "this transform's product is too large", expected);
             m = DAffine3::IDENTITY;
         }
-        self.add(element, parent, Value::Transform(Box::new(m)));
+        self.add(element, parent, Value::transform(m));
     }
 
     /// Read a plain value; warn about other tags and ignore them.
