@@ -40,7 +40,7 @@ impl Finished<'_> {
         let pictures = technique.pictures(self.film);
         let mut layers = layers(self.about, self.film, self.so_far);
         pictures.iter().for_each(|picture| add_layers(&mut layers, picture));
-        failures.extend(self.output.save(&layers).err());
+        failures.extend(self.output.save(&layers, self.so_far.passes).err());
         drop(layers);
         for picture in &pictures {
             failures.extend(self.output.save_view(picture, self.film.size()).err());

@@ -227,7 +227,7 @@ fn make_passes<'a, 't, T: Technique<'t>>(
     let mut previews = Vec::new();
     if let Some(every) = common.preview() {
         let save = |layers, so_far: &SoFar| {
-            output.save(&Layers { metadata: about.metadata(so_far), ..layers })
+            output.save(&Layers { metadata: about.metadata(so_far), ..layers }, so_far.passes)
         };
         previews.push(Preview::new("preview", every, film.size(), save));
     }

@@ -58,11 +58,11 @@ impl Output {
         }
     }
 
-    /// Write the picture and its view, or the table. If one of them fails, the other is written all the same.
-    pub(crate) fn save(&self, layers: &Layers) -> Result<(), Failure> {
+    /// Write the picture and its view, or the table, after a number of passes. If one of them fails, the other is written all the same.
+    pub(crate) fn save(&self, layers: &Layers, passes: u32) -> Result<(), Failure> {
         let format = match &self.kind {
             Kind::Picture(format) => *format,
-            Kind::Table(sensors) => return save_bytes(&self.path, &sensors.table(layers)),
+            Kind::Table(sensors) => return save_bytes(&self.path, &sensors.table(layers, passes)),
         };
         let picture = write(&self.path, format, layers);
         let view = write(&self.path.with_extension("png"), ImageFile::Png, layers);

@@ -85,15 +85,17 @@ impl Sensors {
         self.0.iter().map(place).collect()
     }
 
-    /// The table of results: each point with its irradiance, the standard errors, and the components.
-    pub(crate) fn table(&self, layers: &Layers) -> Vec<u8> {
+    /// The table of results after a number of passes: each point with its irradiance, the standard errors, and the components.
+    pub(crate) fn table(&self, layers: &Layers, passes: u32) -> Vec<u8> {
         let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
         for (ours, layer) in GROUPS {
             for channel in ["R", "G", "B"] {
                 let find = |layer| layers.channel(&format!("{layer}{channel}"));
                 if let Some(values) = find(layer) {
                     let values = match (layer, find("")) {
-                        ("Variance.", Some(shown)) => self.errors(shown, values),
+                        ("Variance.", Some(shown)) => {
+                            self.errors(shown, (passes > 1).then_some(values))
+                        }
                         _ => self.means(values),
                     };
                     columns.push((format!("{ours}{}", channel.to_lowercase()), values));
@@ -127,11 +129,10 @@ impl Sensors {
 
     /// The standard error of the mean of each point, from the variances of its pixels over the passes. A single pass has none; then the
     /// spread of the pixels takes their place. It is NaN if there is only one sample.
-    fn errors(&self, pixels: &[f32], variances: &[f32]) -> Vec<f64> {
+    fn errors(&self, pixels: &[f32], variances: Option<&[f32]>) -> Vec<f64> {
         let samples = self.samples() as f64;
-        let one_pass = variances.iter().all(|v| *v == 0.0);
         let error = |k: usize| {
-            if !one_pass {
+            if let Some(variances) = variances {
                 return (self.mean_of(k, |i| f64::from(variances[i])) / samples).sqrt();
             }
             let mean = self.mean_of(k, |i| f64::from(pixels[i]));
@@ -248,7 +249,7 @@ mod tests {
             let variances = (0..width * height).map(|k| if k % 2 == 1 { 0.0 } else { 4.0 });
             layers.channels.push((format!("Variance.{channel}"), variances.collect()));
         }
-        let table = String::from_utf8(sensors.table(&layers)).expect("text");
+        let table = String::from_utf8(sensors.table(&layers, 4)).expect("text");
         let header = "x,y,z,nx,ny,nz,r,g,b,se_r,se_g,se_b";
         let rows = "1,2,3,0,0,1,2,2,2,0.125,0.125,0.125\n4,5,6,0,0,1,0.5,0.5,0.5,0,0,0";
         assert_eq!(table, format!("{header}\n{rows}\n"));
@@ -258,15 +259,21 @@ mod tests {
     fn the_standard_error_of_a_single_pass_is_not_zero() {
         let sensors = Sensors(parse("1,2,3,0,0,1\n4,5,6,0,0,1").expect("two points"));
         let [width, height] = sensors.film_size();
-        let (none, samples) = (vec![0.0; width * height], height as f64);
+        let samples = height as f64;
         // The first point is 1 and 3 in turn, the second 0.5.
         let value = |k: usize| if k % 2 == 1 { 0.5 } else { 1.0 + (k / 2 % 2 * 2) as f32 };
         let pixels: Vec<f32> = (0..width * height).map(value).collect();
-        assert_eq!(sensors.errors(&pixels, &none), [(1.0 / (samples - 1.0)).sqrt(), 0.0]);
+        assert_eq!(sensors.errors(&pixels, None), [(1.0 / (samples - 1.0)).sqrt(), 0.0]);
         let many = Sensors(vec![Row { p: DVec3::ZERO, n: DVec3::Z }; 100_000]);
         let [width, height] = many.film_size();
-        let errors = many.errors(&vec![1.0; width * height], &vec![0.0; width * height]);
+        let (dark, none) = (vec![0.0; width * height], vec![0.0; width * height]);
+        let errors = many.errors(&dark, None);
         assert!(errors.iter().all(|e| e.is_nan()), "one sample has no standard error");
+        let errors = many.errors(&dark, Some(&none));
+        assert!(
+            errors.iter().all(|e| *e == 0.0),
+            "a point that all passes found dark has no error"
+        );
     }
 
     #[test]
