@@ -12,6 +12,7 @@
 //! | `at(T:X:Y, 5)` | Y in the row whose X is nearest to 5 |
 //! | `crossing(T:X:Y, U:X:Y)` | the last X at which the curves of two tables with equal X cross, on logarithmic axes |
 //! | `holds(T:A:B)` | share of rows in which A is at most B |
+//! | `within(T:A:B, 0 1 2 3)` | number of rows with A from 0 to 1 and B from 2 to 3 |
 //! | `stat(F:key.key)` | a number of a statistics file |
 //!
 //! P is a picture of the figure's folder without `.exr`, `reference` for the figure's reference; `P:Caustic` is a layer of it, and
@@ -19,7 +20,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use gi_stats::log_log_line;
 use serde_json::Value;
 
@@ -49,6 +50,12 @@ fn luminance(rgb: &[f32]) -> f64 {
 fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     let n = values.len().max(1) as f64;
     values.sum::<f64>() / n
+}
+
+/// Four numbers with spaces between them.
+fn numbers(text: &str) -> anyhow::Result<[f64; 4]> {
+    let numbers: Vec<f64> = text.split_whitespace().map(str::parse).collect::<Result<_, _>>()?;
+    numbers.try_into().map_err(|_| anyhow!("expected four numbers, not {text}"))
 }
 
 /// The points that logarithmic axes can show.
@@ -92,12 +99,11 @@ impl Data<'_> {
                 said.parse().with_context(|| format!("{name}: {said}"))
             }
             "crossing" => self.crossing(arguments),
-            "slope" | "first" | "last" | "least" | "most" | "median" | "count" | "at" | "holds" => {
-                self.of_table(function, arguments)
-            }
+            "slope" | "first" | "last" | "least" | "most" | "median" | "count" | "at" | "holds"
+            | "within" => self.of_table(function, arguments),
             "stat" => self.statistic(first),
             _ => bail!(
-                "no function {function}; there are mean, red, green, blue, max, spread, percentile, relmse, rmse, ratio, seconds, said, slope, first, last, least, most, median, count, at, crossing, holds, stat"
+                "no function {function}; there are mean, red, green, blue, max, spread, percentile, relmse, rmse, ratio, seconds, said, slope, first, last, least, most, median, count, at, crossing, holds, within, stat"
             ),
         }
     }
@@ -115,10 +121,7 @@ impl Data<'_> {
         let file = self.file(name)?;
         let picture = Picture::read(&file, layer)?;
         let Some(part) = part else { return Ok(picture) };
-        let numbers: Vec<f64> =
-            part.split_whitespace().map(str::parse).collect::<Result<_, _>>()?;
-        let [x, y, w, h] = numbers[..] else { bail!("expected [X Y W H]") };
-        picture.part([x, y, w, h])
+        picture.part(numbers(part)?)
     }
 
     fn file(&self, name: &str) -> anyhow::Result<PathBuf> {
@@ -172,6 +175,12 @@ impl Data<'_> {
                 let rows = both()?;
                 let within = rows.iter().filter(|(a, b)| *a <= b * (1.0 + 1e-4) + 1e-12).count();
                 Ok(within as f64 / rows.len() as f64)
+            }
+            "within" => {
+                let box_of = arguments.get(1).context("expected TABLE:A:B, LOW HIGH LOW HIGH")?;
+                let [a, b, c, d] = numbers(box_of)?;
+                let inside = |p: &&(f64, f64)| (a..=b).contains(&p.0) && (c..=d).contains(&p.1);
+                Ok(both()?.iter().filter(inside).count() as f64)
             }
             "at" => {
                 let x: f64 = arguments.get(1).context("expected TABLE:X:Y, X")?.parse()?;

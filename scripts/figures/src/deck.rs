@@ -35,23 +35,34 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     std::fs::write(&args.out, page).with_context(|| args.out.display().to_string())
 }
 
-/// One figure as a page.
+/// The most rows of panels on one page: more would be too small to see.
+const ROWS: usize = 2;
+
+/// One figure as a page, or as several if it has many panels. All have the caption.
 fn slide(page: &mut String, folder: &Path, figure: &Value) -> anyhow::Result<()> {
     let (slide, title) = (text(figure, "slide"), escaped(text(figure, "title")));
     let columns = figure["columns"].as_u64().unwrap_or(3).max(1) as usize;
-    let rows = panels(figure).len().div_ceil(columns);
-    writeln!(
-        page,
-        "<section id=\"slide-{slide}\">\n<h2><span>{}</span> {title}</h2>\n\
-         <div class=\"panels\" style=\"--columns:{columns};--rows:{rows}\">",
-        heading(slide)
-    )?;
-    for panel in panels(figure) {
-        let (image, caption) = (image(folder, panel)?, escaped(text(panel, "caption")));
-        let facts = facts(panel);
-        let facts = if facts.is_empty() { facts } else { format!("<small>{facts}</small>") };
-        writeln!(page, "<figure>{image}<figcaption>{caption} {facts}</figcaption></figure>")?;
+    let pages: Vec<&[Value]> = panels(figure).chunks(columns * ROWS).collect();
+    for (k, panels) in pages.iter().enumerate() {
+        let (rows, columns) = (panels.len().div_ceil(columns), columns.min(panels.len()));
+        let (id, part) = match (k, pages.len()) {
+            (0, 1) => (format!(" id=\"slide-{slide}\""), String::new()),
+            (0, n) => (format!(" id=\"slide-{slide}\""), format!(" (1 of {n})")),
+            (k, n) => (String::new(), format!(" ({} of {n})", k + 1)),
+        };
+        writeln!(
+            page,
+            "<section{id}>\n<h2><span>{}</span> {title}{part}</h2>\n\
+             <div class=\"panels\" style=\"--columns:{columns};--rows:{rows}\">",
+            heading(slide)
+        )?;
+        for panel in *panels {
+            let (image, caption) = (image(folder, panel)?, escaped(text(panel, "caption")));
+            let facts = facts(panel);
+            let facts = if facts.is_empty() { facts } else { format!("<small>{facts}</small>") };
+            writeln!(page, "<figure>{image}<figcaption>{caption} {facts}</figcaption></figure>")?;
+        }
+        writeln!(page, "</div>\n<p>{}</p>\n</section>", escaped(text(figure, "caption")))?;
     }
-    writeln!(page, "</div>\n<p>{}</p>\n</section>", escaped(text(figure, "caption")))?;
     Ok(())
 }

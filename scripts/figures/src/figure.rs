@@ -138,7 +138,9 @@ fn describe(args: &Args, panel: &Panel, reference: Option<&Picture>) -> anyhow::
         if own && args.exposure != 0.0 {
             told.insert("exposure".into(), json!(args.exposure));
         }
-        if let Some(reference) = reference.filter(|r| own && r.size == picture.size) {
+        // The panel that shows the reference itself has no error.
+        let compared = own && name_of(&data) != "reference.exr";
+        if let Some(reference) = reference.filter(|r| compared && r.size == picture.size) {
             let errors = Picture::read(&data, args.layer.as_deref())?.errors(reference)?;
             told.insert("relmse".into(), json!(errors.rel_mse));
             told.insert("mean_ratio".into(), json!(errors.mean_ratio));

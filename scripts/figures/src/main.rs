@@ -36,7 +36,7 @@ struct Args {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Write the errors of pictures against a reference as a table: x, seconds, relmse, rmse, ratio_r, ratio_g, ratio_b, noise, bias
+    /// Write the errors of pictures against a reference as a table: x, seconds, pass_seconds, relmse, rmse, ratio_r, ratio_g, ratio_b, noise, bias
     Measure(measure::Args),
     /// Draw curves from the columns of tables
     Plot(plot::Args),

@@ -28,7 +28,8 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let reference = read(args, &args.reference)?;
-    let mut table = String::from("x,seconds,relmse,rmse,ratio_r,ratio_g,ratio_b,noise,bias\n");
+    let mut table =
+        String::from("x,seconds,pass_seconds,relmse,rmse,ratio_r,ratio_g,ratio_b,noise,bias\n");
     for Named { name, file } in &args.pictures {
         let files = file.to_string_lossy();
         let pictures = files.split(',').map(|f| read(args, Path::new(f)));
@@ -36,12 +37,19 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         let errors = pictures.iter().map(|p| p.errors(&reference));
         let errors = errors.collect::<Result<Vec<_>, _>>().with_context(|| files.to_string())?;
         let seconds = pictures[0].said("seconds").unwrap_or("");
+        let number = |name| pictures[0].said(name).and_then(|text| text.parse::<f64>().ok());
+        let of_a_pass =
+            number("seconds").zip(number("passes")).map(|(s, n)| format!("{:.6}", s / n));
+        let of_a_pass = of_a_pass.unwrap_or_default();
         let mean = |of: &dyn Fn(usize) -> f64| {
             (0..errors.len()).map(of).sum::<f64>() / errors.len() as f64
         };
         let [r, g, b] = [0, 1, 2].map(|k| mean(&|i| errors[i].mean_ratio[k]));
         let (relative, rmse) = (mean(&|i| errors[i].rel_mse), mean(&|i| errors[i].rmse));
-        write!(table, "{name},{seconds},{relative:.6e},{rmse:.6e},{r:.5},{g:.5},{b:.5},")?;
+        write!(
+            table,
+            "{name},{seconds},{of_a_pass},{relative:.6e},{rmse:.6e},{r:.5},{g:.5},{b:.5},"
+        )?;
         match &pictures[..] {
             [a, b] => {
                 let [noise, bias] = apart(a, b, &reference);

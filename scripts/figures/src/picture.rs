@@ -1,24 +1,44 @@
 //! Reads pictures that the programs wrote: the radiance of a layer, and the metadata about how it was made.
+//!
+//! A reference may have a twin: `box.twin.exr` beside `box.exr`, rendered with another seed. Then the reference is the mean of
+//! both, and errors do not contain its noise; see [`compare_with_twins`].
 
 use std::path::Path;
 
 use anyhow::{Context, anyhow, bail};
 use gi_core::image_io::{ImageFile, Layers, read_exr, write_file};
-use gi_stats::metrics::{Metrics, compare};
+use gi_stats::metrics::{Metrics, compare, compare_with_twins};
 
 use crate::inset::Inset;
 
 /// A layer of an EXR.
 pub(crate) struct Picture {
     pub(crate) size: [usize; 2],
-    /// Interleaved RGB, row by row.
+    /// Interleaved RGB, row by row. With a twin, the mean of both.
     pub(crate) rgb: Vec<f32>,
+    /// RGB of the picture and of its twin.
+    twins: Option<[Vec<f32>; 2]>,
     metadata: Vec<(String, String)>,
 }
 
 impl Picture {
-    /// Read the channels R, G, B, or those of a named layer. A layer with one channel is grey.
+    /// Read the channels R, G, B, or those of a named layer, of a picture and of its twin. A layer with one channel is grey.
     pub(crate) fn read(path: &Path, layer: Option<&str>) -> anyhow::Result<Self> {
+        let mut picture = Self::read_one(path, layer)?;
+        let path = path.with_extension("twin.exr");
+        if path.is_file() {
+            let twin = Self::read_one(&path, layer)?;
+            if twin.size != picture.size {
+                bail!("{}: its size is not that of its twin", path.display());
+            }
+            let mean = picture.rgb.iter().zip(&twin.rgb).map(|(a, b)| 0.5 * (a + b)).collect();
+            let first = std::mem::replace(&mut picture.rgb, mean);
+            picture.twins = Some([first, twin.rgb]);
+        }
+        Ok(picture)
+    }
+
+    fn read_one(path: &Path, layer: Option<&str>) -> anyhow::Result<Self> {
         let layers = read_exr(path).map_err(|e| anyhow!("{}: {e}", path.display()))?;
         let names = ["R", "G", "B"].map(|c| layer.map_or(c.into(), |l| format!("{l}.{c}")));
         let grey = || layers.channel(layer?).map(|v| v.iter().flat_map(|v| [*v; 3]).collect());
@@ -29,7 +49,8 @@ impl Picture {
         if let Some(i) = rgb.iter().position(|v| !v.is_finite()) {
             bail!("{}: pixel {} is {}", path.display(), i / 3, rgb[i]);
         }
-        Ok(Picture { size: [layers.width, layers.height], rgb, metadata: layers.metadata })
+        let size = [layers.width, layers.height];
+        Ok(Picture { size, rgb, twins: None, metadata: layers.metadata })
     }
 
     /// The metadata with the key `gi.NAME`.
@@ -41,10 +62,14 @@ impl Picture {
     /// A part of the picture: left, top, width and height as fractions of the picture. At least one pixel.
     pub(crate) fn part(self, part: [f64; 4]) -> anyhow::Result<Self> {
         let [[left, right], [top, bottom]] = pixels_of(part, self.size)?;
-        let row =
-            |y: usize| &self.rgb[3 * (y * self.size[0] + left)..3 * (y * self.size[0] + right)];
-        let rgb = (top..bottom).flat_map(row).copied().collect();
-        Ok(Picture { size: [right - left, bottom - top], rgb, metadata: self.metadata })
+        let of = |rgb: &Vec<f32>| -> Vec<f32> {
+            let row =
+                |y: usize| &rgb[3 * (y * self.size[0] + left)..3 * (y * self.size[0] + right)];
+            (top..bottom).flat_map(row).copied().collect()
+        };
+        let twins = self.twins.as_ref().map(|twins| twins.each_ref().map(of));
+        let size = [right - left, bottom - top];
+        Ok(Picture { size, rgb: of(&self.rgb), twins, metadata: self.metadata })
     }
 
     /// Write a display image, brightened by a power of two, with enlarged parts.
@@ -65,13 +90,18 @@ impl Picture {
         write_file(path, ImageFile::Png, &layers).map_err(|e| anyhow!("{}: {e}", path.display()))
     }
 
-    /// Errors against a reference.
+    /// Errors against a reference. With a twin, MSE, RMSE and relMSE are without its noise.
     pub(crate) fn errors(&self, reference: &Picture) -> anyhow::Result<Metrics> {
         if self.size != reference.size {
             let ([w, h], [rw, rh]) = (self.size, reference.size);
             bail!("{w} x {h} pixels, but the reference has {rw} x {rh}");
         }
-        compare(&self.rgb, &reference.rgb).map_err(|e| anyhow!(e))
+        let mut errors = compare(&self.rgb, &reference.rgb).map_err(|e| anyhow!(e))?;
+        if let Some([a, b]) = &reference.twins {
+            let [mse, rel_mse] = compare_with_twins(&self.rgb, [a, b]).map_err(|e| anyhow!(e))?;
+            errors = Metrics { mse, rmse: mse.max(0.0).sqrt(), rel_mse, ..errors };
+        }
+        Ok(errors)
     }
 }
 

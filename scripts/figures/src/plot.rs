@@ -33,7 +33,7 @@ pub(crate) struct Args {
     /// Add the fitted slope of log y over log x to each curve's name
     #[arg(long)]
     slopes: bool,
-    /// A horizontal line: a name, and an expression over the files beside the drawing
+    /// A horizontal line: a name, in which {EXPRESSION} becomes a number, and an expression over the files beside the drawing
     #[arg(long, value_name = "NAME=Y")]
     level: Vec<String>,
     /// A vertical line
@@ -100,7 +100,7 @@ fn line(text: &str, folder: &Path) -> anyhow::Result<(String, f64)> {
     let (name, y) =
         text.rsplit_once('=').with_context(|| format!("{text}: expected NAME=NUMBER"))?;
     let data = Data { folder, reference: None, layer: None };
-    Ok((name.into(), expr::value(y, &data)?))
+    Ok((expr::filled(name, &data)?, expr::value(y, &data)?))
 }
 
 /// A line of theory. It belongs to a curve, and runs over its range through the middle of its points on logarithmic axes, or stands

@@ -45,7 +45,7 @@ fn pictures_become_tables_drawings_figures_and_a_page_that_needs_nothing_else() 
     succeed(&["measure", &table, "--reference", &reference, &half, &most]);
     let lines = read(&f, "errors.csv");
     // relMSE of 1.2 against 1: 0.04 / 1.01.
-    assert!(lines.contains("\n0.5,2.5,3.960") && lines.contains(",1.20000"), "{lines}");
+    assert!(lines.contains("\n0.5,2.5,,3.960") && lines.contains(",1.20000"), "{lines}");
     let curve = format!("alpha={table}:x:relmse");
     let plot = f.at("errors.svg");
     let titles = ["--title", "Errors", "--x", "alpha", "--y", "relMSE", "--slopes"];
@@ -77,6 +77,12 @@ fn pictures_become_tables_drawings_figures_and_a_page_that_needs_nothing_else() 
     succeed(&["deck", &deck, &folder]);
     let deck = read(&f, "deck.html");
     assert!(deck.contains("Slides 41-42") && deck.matches("data:image/").count() == 3);
+    // Five panels in two columns take two pages.
+    let panels = ["alpha-0.5.png=x"; 5];
+    succeed(&[&["figure", &folder, "--columns", "2"][..], &told, &panels].concat());
+    succeed(&["deck", &f.at("deck.html"), &folder]);
+    let deck = read(&f, "deck.html");
+    assert!(deck.contains("(1 of 2)") && deck.contains("(2 of 2)") && deck.contains("--rows:1"));
 }
 
 #[test]
@@ -110,6 +116,7 @@ fn a_false_claim_fails_the_figure_and_shows_both_sides() {
     let f = Folder::make();
     picture(&f, "a", 1.0, "1");
     picture(&f, "b", 0.5, "1");
+    std::fs::write(f.at("t.csv"), "x,y\n1,2\n1,4\n2,2\n").expect("written");
     let folder = f.at("");
     let told = ["--slide", "12", "--title", "t", "--caption", "c", "a.png=x"];
     for (claim, says) in [
@@ -119,6 +126,8 @@ fn a_false_claim_fails_the_figure_and_shows_both_sides() {
         ("mean(c) < 1", "c.exr"),
         ("median(a) < 1", "median(a)"),
         ("size(a) < 1", "no function size"),
+        ("within(t.csv:x:y, 0 1 2 3) > 1", "is false: 1 > 1"),
+        ("within(t.csv:x:y, 0 1 2) > 1", "expected four numbers"),
         ("relmse(a) < 1", "no --reference"),
         ("mean(a[0 0 2 1]) < 1", "not a part of the picture"),
     ] {
@@ -126,6 +135,21 @@ fn a_false_claim_fails_the_figure_and_shows_both_sides() {
         refuse(&arguments, &["slide 12", says]);
     }
     assert!(!Path::new(&f.at("figure.json")).exists(), "nothing is written for a false claim");
+}
+
+#[test]
+fn the_noise_of_a_reference_with_a_twin_is_not_part_of_the_error() {
+    let f = Folder::make();
+    for (name, grey) in [("reference", 0.9), ("reference.twin", 1.1), ("a", 1.2)] {
+        picture(&f, name, grey, "1");
+    }
+    let told = ["--slide", "12", "--title", "t", "--caption", "c", "a.png=x"];
+    let reference = f.at("reference.exr");
+    // relMSE: (1.2 - 0.9) (1.2 - 1.1) over the squared mean of both references and 0.01.
+    for claim in ["relmse(a) * 1.01 in 0.02999..0.03001", "ratio(a) in 1.1999..1.2001"] {
+        let claim = ["--claim", claim, "--reference", &reference];
+        succeed(&[&["figure", &f.at("")][..], &claim, &told].concat());
+    }
 }
 
 #[test]

@@ -20,6 +20,9 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 0, 0),
 ];
 
+/// Width and height. Small, so that the text is large: on a slide, a drawing may be a quarter of the picture.
+const SIZE: (u32, u32) = (600, 420);
+
 /// Format a number with few digits.
 fn label(v: &f64) -> String {
     let size = v.abs();
@@ -66,20 +69,20 @@ impl Shown<'_> {
     {
         let mut out = String::new();
         {
-            let root = SVGBackend::with_string(&mut out, (720, 480)).into_drawing_area();
+            let root = SVGBackend::with_string(&mut out, SIZE).into_drawing_area();
             root.fill(&WHITE)?;
             let mut chart = ChartBuilder::on(&root)
-                .caption(&self.args.title, (FONT, 20))
+                .caption(&self.args.title, (FONT, 22))
                 .margin(12)
-                .x_label_area_size(44)
-                .y_label_area_size(68)
+                .x_label_area_size(48)
+                .y_label_area_size(78)
                 .build_cartesian_2d(x, y)?;
             chart
                 .configure_mesh()
                 .x_desc(&self.args.x)
                 .y_desc(&self.args.y)
-                .axis_desc_style((FONT, 16))
-                .label_style((FONT, 13))
+                .axis_desc_style((FONT, 18))
+                .label_style((FONT, 16))
                 .x_labels(6)
                 .y_labels(6)
                 .x_label_formatter(&label)
@@ -111,7 +114,7 @@ impl Shown<'_> {
                 .position(self.corner.clone())
                 .background_style(WHITE.mix(0.85))
                 .border_style(RGBColor(180, 180, 180))
-                .label_font((FONT, 14))
+                .label_font((FONT, 16))
                 .draw()?;
             root.present()?;
         }
