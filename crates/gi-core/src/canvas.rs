@@ -104,7 +104,20 @@ pub fn seen_within(scene: &Scene, camera: &Camera, p: Vec3) -> Option<Vec2> {
     Some(Vec2::from_array(c.film))
 }
 
-/// The colour of a number in [0, 1]: viridis, from dark blue over green to yellow. It is readable in grey and for
+/// Give one channel of a picture `value` in the pixels whose centres are in the rectangle from `low` to `high` (pixels).
+pub fn fill(channel: &mut [f32], [width, height]: [usize; 2], low: Vec2, high: Vec2, value: f32) {
+    let range = |axis: usize, end: usize| {
+        let pixel = |edge: f32| ((edge - 0.5).ceil().max(0.0) as usize).min(end);
+        pixel(low[axis])..pixel(high[axis]).max(pixel(low[axis]))
+    };
+    for y in range(1, height) {
+        for x in range(0, width) {
+            channel[y * width + x] = value;
+        }
+    }
+}
+
+/// The colour of a number in [0, 1]: viridis, from violet over green to yellow. It is readable in grey and for
 /// colour-blind readers.
 pub fn viridis(t: f32) -> Rgb {
     let colour = colorous::VIRIDIS.eval_continuous(f64::from(t.clamp(0.0, 1.0)));
@@ -125,6 +138,15 @@ mod tests {
     use crate::math::Frame;
     use crate::scene::SceneParts;
     use crate::texture::Texture;
+
+    #[test]
+    fn rectangles_next_to_each_other_share_no_pixel_and_leave_no_gap() {
+        let mut channel = vec![0.0; 12];
+        for (low, high, value) in [(-3.0, 1.5, 1.0), (1.5, 2.4, 2.0), (2.4, 9.0, 3.0)] {
+            fill(&mut channel, [4, 3], Vec2::new(low, -1.0), Vec2::new(high, 2.0), value);
+        }
+        assert_eq!(channel, [1.0, 2.0, 3.0, 3.0, 1.0, 2.0, 3.0, 3.0, 0.0, 0.0, 0.0, 0.0]);
+    }
 
     #[test]
     fn points_in_glass_are_visible_and_points_behind_walls_are_not() {

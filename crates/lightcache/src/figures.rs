@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use gi_core::canvas::{Canvas, Legend, number, seen_at, viridis};
+use gi_core::canvas::{Canvas, Legend, fill, number, seen_at, viridis};
 use gi_core::film::Film;
 use gi_core::math::{Bounds, Rgb};
 use gi_core::technique::{Picture, Setting};
@@ -25,7 +25,7 @@ impl CacheFigure {
             CacheFigure::Records => records(setting, cache, film),
             CacheFigure::Validity => named("validity", validity(setting, cache, film)),
             CacheFigure::Octree => named("octree", octree(setting, cache, film)),
-            CacheFigure::OctreeSlice => named("octree-slice", octree_slice(cache, film)),
+            CacheFigure::OctreeSlice => octree_slice(cache, film),
             CacheFigure::Weights => weights(setting, cache, film),
         }
     }
@@ -128,9 +128,11 @@ fn octree(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> (Vec<Rgb
 /// Yellow edges of cells over a picture.
 const CELL: Rgb = Rgb::new(0.9, 0.75, 0.3);
 
-/// The cells and records at the bottom of the scene, seen from above. One can count the records of each cell.
-fn octree_slice(cache: &Cache<impl Sited>, film: &Film) -> (Vec<Rgb>, Legend) {
+/// The cells and records at the bottom of the scene, seen from above. One can count the records of each cell. The channel
+/// `records` has the number of records of the cell at each pixel.
+fn octree_slice(cache: &Cache<impl Sited>, film: &Film) -> Picture {
     let [w, h] = film.size();
+    let mut counts = vec![0.0; w * h];
     let mut canvas = Canvas::over([w, h], vec![Rgb::WHITE; w * h]);
     let bounds = Bounds::of(cache.records().iter().map(|r| r.site().p));
     let extent = (bounds.max - bounds.min).max(Vec3::splat(f32::MIN_POSITIVE));
@@ -154,12 +156,16 @@ fn octree_slice(cache: &Cache<impl Sited>, film: &Film) -> (Vec<Rgb>, Legend) {
         let inside = |p: &Vec3| p.cmpge(min).all() && p.cmplt(max).all();
         let records = || cache.records().iter().map(|r| r.site().p).filter(inside);
         records().for_each(|p| canvas.disc(at(p), 1.6 * dot(film), RECORD));
+        let count = records().count();
+        fill(&mut counts, [w, h], corners[0], corners[2], count as f32);
         cells += 1;
-        fullest = fullest.max(records().count());
+        fullest = fullest.max(count);
     }
     let title =
         format!("{cells} cells at the bottom of the scene, at most {fullest} records in one.");
-    (canvas.into_pixels(), Legend::named(&title, [(RECORD, "record")]))
+    let legend = Some(Legend::named(&title, [(RECORD, "record")]));
+    let channels = vec![("records".to_string(), counts)];
+    Picture { name: "octree-slice".into(), channels, view: canvas.into_pixels(), legend }
 }
 
 /// Red records on white paper.

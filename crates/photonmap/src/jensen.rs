@@ -70,8 +70,18 @@ impl HeapTree {
         }
     }
 
-    /// The boxes of all cells down to `depth` levels, for pictures.
-    pub(crate) fn cells(&self, bounds: Bounds, depth: u32) -> Vec<Bounds> {
+    /// The number of photons in the subtree of entry `i`.
+    fn below(&self, i: usize) -> usize {
+        let (mut first, mut last, mut count) = (i, i, 0);
+        while first <= self.len() {
+            count += last.min(self.len()) - first + 1;
+            (first, last) = (2 * first, 2 * last + 1);
+        }
+        count
+    }
+
+    /// All cells down to `depth` levels with their numbers of photons, for pictures.
+    pub(crate) fn cells(&self, bounds: Bounds, depth: u32) -> Vec<(Bounds, usize)> {
         let mut cells = vec![(bounds, 1)];
         for _ in 0..depth {
             let halves = |(cell, i): (Bounds, usize)| {
@@ -83,7 +93,7 @@ impl HeapTree {
             };
             cells = cells.into_iter().flat_map(halves).collect();
         }
-        cells.into_iter().map(|(cell, _)| cell).collect()
+        cells.into_iter().map(|(cell, i)| (cell, self.below(i))).collect()
     }
 
     /// Offer `found` all photons that may be among the nearest to `p`.

@@ -180,25 +180,30 @@ impl KdTree {
         }
     }
 
-    /// The boxes of all cells down to `depth` levels, for pictures: the plane's axis and place cut each.
-    pub(crate) fn cells(&self, bounds: Bounds, depth: u32) -> Vec<Bounds> {
-        let mut cells = vec![(bounds, 0, self.blocks.len())];
+    /// All cells down to `depth` levels with their numbers of photons, for pictures: the plane's axis and place cut each.
+    pub(crate) fn cells(&self, bounds: Bounds, depth: u32) -> Vec<(Bounds, usize)> {
+        let mut cells = vec![(bounds, 0, 0..self.blocks.len())];
         for _ in 0..depth {
             let mut next = Vec::with_capacity(2 * cells.len());
             for (cell, node, leaves) in cells {
-                if leaves < 2 {
+                if leaves.len() < 2 {
                     next.push((cell, node, leaves));
                     continue;
                 }
-                let (Node { plane, axis }, left) = (self.nodes[node], leaves / 2);
+                let (Node { plane, axis }, left) = (self.nodes[node], leaves.len() / 2);
                 let (mut a, mut b) = (cell, cell);
                 a.max[axis as usize] = plane;
                 b.min[axis as usize] = plane;
-                next.extend([(a, node + 1, left), (b, node + left, leaves - left)]);
+                let middle = leaves.start + left;
+                next.push((a, node + 1, leaves.start..middle));
+                next.push((b, node + left, middle..leaves.end));
             }
             cells = next;
         }
-        cells.into_iter().map(|(cell, ..)| cell).collect()
+        let count = |leaves: std::ops::Range<usize>| {
+            (leaves.end * LEAF).min(self.len()) - leaves.start * LEAF
+        };
+        cells.into_iter().map(|(cell, _, leaves)| (cell, count(leaves))).collect()
     }
 }
 

@@ -1,5 +1,6 @@
 //! A photon map: photons in a tree, whatever its layout.
 
+use gi_core::math::Bounds;
 use glam::Vec3;
 
 pub use crate::params::Layout;
@@ -172,8 +173,8 @@ impl PhotonMap {
         }
     }
 
-    /// The boxes that the tree's planes part `bounds` into, `depth` levels down; for pictures.
-    pub fn cells(&self, bounds: gi_core::math::Bounds, depth: u32) -> Vec<gi_core::math::Bounds> {
+    /// The boxes that the tree's planes part `bounds` into, `depth` levels down, with their numbers of photons; for pictures.
+    pub fn cells(&self, bounds: Bounds, depth: u32) -> Vec<(Bounds, usize)> {
         match &self.tree {
             Tree::Jensen(tree) => tree.cells(bounds, depth),
             Tree::Fast(tree) => tree.cells(bounds, depth),

@@ -1,6 +1,6 @@
 //! Technique pictures of photon mapping.
 
-use gi_core::canvas::{Canvas, Legend, seen_at, seen_within, viridis};
+use gi_core::canvas::{Canvas, Legend, fill, seen_at, seen_within, viridis};
 use gi_core::film::Film;
 use gi_core::geometry::Surface;
 use gi_core::math::{Bounds, Frame, Rgb};
@@ -61,11 +61,27 @@ fn gather_legend() -> Legend {
     )
 }
 
+/// The numbers of photons of the drawn cells, and the colours of the drawing. Not all photons of these cells are on the floor.
+fn cells_legend(counts: &[usize], on_floor: usize) -> Legend {
+    let title = format!(
+        "{LEVELS} levels of splits. {} cells of {} to {} photons; {on_floor} photons are on the lowest plane.",
+        counts.len(),
+        counts.iter().min().unwrap_or(&0),
+        counts.iter().max().unwrap_or(&0),
+    );
+    let colours = [
+        (viridis(0.0), "first split (thick)"),
+        (viridis(0.9), "last split (thin)"),
+        (colour(PhotonKind::Caustic), "photon on the lowest plane"),
+    ];
+    Legend::named(&title, colours)
+}
+
 /// Colours of the kinds: yellow, red, blue.
 fn colour(kind: PhotonKind) -> Rgb {
     match kind {
         PhotonKind::Direct => Rgb::new(1.0, 0.8, 0.2),
-        PhotonKind::Caustic => Rgb::new(1.0, 0.2, 0.05),
+        PhotonKind::Caustic => Rgb::new(1.0, 0.03, 0.03),
         PhotonKind::Indirect => Rgb::new(0.15, 0.45, 1.0),
     }
 }
@@ -73,7 +89,7 @@ fn colour(kind: PhotonKind) -> Rgb {
 impl Gatherer<'_, '_> {
     /// All pictures that the parameters ask for.
     pub(crate) fn draw(&self, film: &Film) -> Vec<Picture> {
-        let mut pictures = Vec::new();
+        let (mut pictures, mut cells) = (Vec::new(), Vec::new());
         let mut push = |name: &str, canvas: Canvas, legend: Legend| {
             let (view, legend) = (canvas.into_pixels(), Some(legend));
             pictures.push(Picture { name: name.into(), channels: Vec::new(), view, legend });
@@ -95,10 +111,7 @@ impl Gatherer<'_, '_> {
                         push("volume-photons", self.dots_within(ground(), volume), legend);
                     }
                 }
-                Figure::Cells => {
-                    let (canvas, legend) = self.cells(film.size());
-                    push("cells", canvas, legend);
-                }
+                Figure::Cells => cells.push(self.cells(film.size())),
                 Figure::Gathering => {
                     let [w, h] = film.size();
                     let Some(seen) = self.seen(self.params.probe.unwrap_or([w / 2, h / 2])) else {
@@ -109,6 +122,7 @@ impl Gatherer<'_, '_> {
                 }
             }
         }
+        pictures.extend(cells);
         pictures
     }
 
@@ -200,12 +214,12 @@ impl Gatherer<'_, '_> {
     }
 
     /// The tree's cells at the bottom of the scene, where they contain the lowest photons, and these photons, seen from above. The
-    /// first splits are the thickest.
-    fn cells(&self, size: [usize; 2]) -> (Canvas, Legend) {
+    /// first splits are the thickest. The channel `photons` has the number of photons of the cell at each pixel.
+    fn cells(&self, size: [usize; 2]) -> Picture {
         let [w, h] = size;
         let mut canvas = Canvas::over(size, vec![Rgb::WHITE; w * h]);
-        let photons = || self.maps.global.map.photons().map(|s| s.photon.p());
-        let bounds = Bounds::of(photons());
+        let photons: Vec<Vec3> = self.maps.global.map.photons().map(|s| s.photon.p()).collect();
+        let bounds = Bounds::of(photons.iter().copied());
         let extent = (bounds.max - bounds.min).max(Vec3::splat(f32::MIN_POSITIVE));
         let pixels_per_unit = 0.95 * (w as f32 / extent.x).min(h as f32 / extent.z);
         let middle = 0.5 * (bounds.min + bounds.max);
@@ -216,31 +230,26 @@ impl Gatherer<'_, '_> {
             )
         };
         let (unit, ground) = (w as f32 / 400.0, bounds.min.y + 1e-3 * extent.y);
-        let mut count = 0;
+        let (mut counts, mut channel) = (Vec::new(), vec![0.0; w * h]);
         for level in (0..=LEVELS).rev() {
             let colour = viridis(0.9 * level as f32 / LEVELS as f32);
             let width = unit * (0.7 + 0.35 * (LEVELS - level) as f32);
             let cells = self.maps.global.map.cells(bounds, level);
-            let cut: Vec<&Bounds> = cells.iter().filter(|c| c.min.y <= ground).collect();
-            count = count.max(cut.len());
-            for Bounds { min, max } in cut {
+            for (Bounds { min, max }, count) in cells.into_iter().filter(|c| c.0.min.y <= ground) {
                 let corners = [(min.x, min.z), (max.x, min.z), (max.x, max.z), (min.x, max.z)];
                 let corners = corners.map(|(x, z)| at(x, z));
                 (0..4).for_each(|k| canvas.line(corners[k], corners[(k + 1) % 4], width, colour));
+                if level == LEVELS {
+                    fill(&mut channel, size, corners[0], corners[2], count as f32);
+                    counts.push(count);
+                }
             }
         }
-        let low: Vec<Vec3> = photons().filter(|p| p.y <= ground).collect();
+        let low: Vec<&Vec3> = photons.iter().filter(|p| p.y <= ground).collect();
         low.iter().for_each(|p| canvas.disc(at(p.x, p.z), 1.3 * unit, colour(PhotonKind::Caustic)));
-        let title = format!(
-            "{LEVELS} levels of splits. {count} cells and {} photons on the lowest plane.",
-            low.len()
-        );
-        let colours = [
-            (viridis(0.0), "first split (thick)"),
-            (viridis(0.9), "last split (thin)"),
-            (colour(PhotonKind::Caustic), "photon"),
-        ];
-        (canvas, Legend::named(&title, colours))
+        let legend = cells_legend(&counts, low.len());
+        let (channels, view) = (vec![("photons".to_string(), channel)], canvas.into_pixels());
+        Picture { name: "cells".into(), channels, view, legend: Some(legend) }
     }
 
     /// A line between two points of the world.
