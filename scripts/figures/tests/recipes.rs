@@ -65,13 +65,17 @@ fn references_of_quick_figures_are_not_used_for_others() {
     }
     let log = log(folder.path());
     let references: Vec<&str> = log.lines().filter(|l| l.starts_with("pathtrace")).collect();
-    // One reference of each size; the second run reuses them.
-    assert_eq!(references.len(), 2, "{references:#?}");
+    // One reference with its twin of each size; the last run reuses them.
+    assert_eq!(references.len(), 4, "{references:#?}");
     let size = |line: &str| {
         let mut words = line.split_whitespace().skip_while(|w| *w != "--size");
         words.nth(1).map(str::to_string).expect("a reference has a size")
     };
-    assert_ne!(size(references[0]), size(references[1]), "{references:#?}");
+    let sizes: Vec<String> = references.iter().map(|line| size(line)).collect();
+    assert!(sizes[0] == sizes[1] && sizes[2] == sizes[3], "{references:#?}");
+    assert_ne!(sizes[0], sizes[2], "{references:#?}");
+    let seeds = references.iter().map(|line| line.split_once("--seed").map(|(_, s)| &s[..3]));
+    assert_eq!(seeds.collect::<Vec<_>>(), [Some(" 98"), Some(" 99"), Some(" 98"), Some(" 99")]);
 }
 
 /// What make says and returns, without running any recipe's programs.
