@@ -263,7 +263,7 @@ figure-25:
 	$(DRAW) figure $D --slide 25 --columns 1 --title "The balanced kd-tree" \
 	  --caption "The cells of the tree on the floor, seen from above, with their photons. Each split halves the number of photons, so all cells have about as many, whatever their size; the photons of a cell that are not on the floor are not drawn. A photon takes 20 bytes on the slide: float position, power as RGBE, direction as two bytes, the split axis; here {stat(tree.json:technique.global_bytes) / stat(tree.json:technique.global_photons)} with the tree." \
 	  --claim "max(tree:Cells.photons) < 2.1 * percentile(tree:Cells.photons, 20)" \
-	  --claim "stat(tree.json:technique.global_bytes) / stat(tree.json:technique.global_photons) in 20..21" tree.cells.png="the last of eight levels of splits over {stat(tree.json:technique.global_photons)} photons"
+	  --claim "stat(tree.json:technique.global_bytes) / stat(tree.json:technique.global_photons) in 20..21" tree.cells.png="the splits of {stat(tree.json:technique.global_photons)} photons"
 
 # The mirror ball would spread caustic photons over the whole room, so it is diffuse here.
 figure-26:

@@ -55,19 +55,18 @@ fn caustic_legend() -> Legend {
 
 fn gather_legend() -> Legend {
     let ray = (colour(PhotonKind::Indirect), "gather ray");
-    Legend::named(
-        "One final gather:",
-        [ray, (Rgb::WHITE, "its point, and the estimates at second surfaces")],
-    )
+    Legend::named("One final gather:", [ray, (Rgb::WHITE, "start and ends of the rays")])
 }
 
 /// The numbers of photons of the drawn cells, and the colours of the drawing. Not all photons of these cells are on the floor.
 fn cells_legend(counts: &[usize], on_floor: usize) -> Legend {
+    let (cells, least) = (counts.len(), counts.iter().min().unwrap_or(&0));
+    let each = match counts.iter().max().unwrap_or(&0) {
+        most if most == least => format!("{least}"),
+        most => format!("{least} to {most}"),
+    };
     let title = format!(
-        "{LEVELS} levels of splits. {} cells of {} to {} photons; {on_floor} photons are on the lowest plane.",
-        counts.len(),
-        counts.iter().min().unwrap_or(&0),
-        counts.iter().max().unwrap_or(&0),
+        "At most {LEVELS} levels of splits. {cells} cells of {each} photons; {on_floor} photons are on the lowest plane."
     );
     let colours = [
         (viridis(0.0), "first split (thick)"),

@@ -78,7 +78,8 @@ impl Legend {
         ([w, h + strip], canvas.into_pixels())
     }
 
-    /// The words of the title and the names of colours, broken into lines that fit `width`.
+    /// The words of the title and the names of colours, broken into lines that fit `width`. A name is broken only if no line is
+    /// long enough for it.
     fn lines(&self, width: f32, letter: f32) -> Vec<Vec<(Option<Rgb>, String)>> {
         let mut lines: Vec<Vec<(Option<Rgb>, String)>> = vec![Vec::new()];
         let mut used = letter;
@@ -87,8 +88,8 @@ impl Legend {
             let last = lines.len() - 1;
             match lines[last].last_mut() {
                 Some(_) if full => lines.push(vec![word]),
-                // Words of the title that fit are one text.
-                Some((None, text)) if joins => *text = format!("{text} {}", word.1),
+                // Words that fit are one text.
+                Some((_, text)) if joins => *text = format!("{text} {}", word.1),
                 _ => lines[last].push(word),
             }
             used = needs + if full { letter } else { used };
@@ -98,8 +99,14 @@ impl Legend {
         }
         if let Colours::Named(colours) = &self.colours {
             for (colour, name) in colours {
-                let needs = SWATCH * letter + text_width(name, letter) + GAP * letter;
-                add((Some(*colour), name.clone()), needs, false);
+                let long = letter * (1.0 + SWATCH) + text_width(name, letter) > width;
+                let words: Vec<&str> = if long { name.split(' ').collect() } else { vec![name] };
+                for (k, word) in words.iter().enumerate() {
+                    let first = if k == 0 { SWATCH } else { 0.0 };
+                    let after = if k + 1 == words.len() { GAP } else { SPACE };
+                    let needs = text_width(word, letter) + letter * (first + after);
+                    add(((k == 0).then_some(*colour), (*word).into()), needs, k > 0);
+                }
             }
         }
         lines
@@ -192,6 +199,21 @@ pub fn number(v: f32) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_name_that_is_longer_than_the_picture_is_broken_between_words() {
+        let legend = Legend::named("Title:", [(INK, "short"), (INK, "a name of several words")]);
+        let width = 14.0 * text_width("n", 10.0);
+        let lines = legend.lines(width, 10.0);
+        let text = |line: &Vec<(Option<Rgb>, String)>| {
+            line.iter().map(|(_, text)| text.as_str()).collect::<Vec<_>>().join(" ")
+        };
+        let texts: Vec<String> = lines.iter().map(text).collect();
+        assert_eq!(texts.join(" "), "Title: short a name of several words");
+        assert!(lines.iter().flatten().all(|(_, t)| text_width(t, 10.0) < width), "{texts:?}");
+        let colours = lines.iter().flatten().filter(|(colour, _)| colour.is_some());
+        assert_eq!(colours.count(), 2);
+    }
 
     #[test]
     fn numbers_are_short_and_ticks_are_round() {
