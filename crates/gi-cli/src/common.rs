@@ -73,7 +73,7 @@ pub struct Common {
     /// Horizontal field of view in degrees
     #[arg(help_heading = SCENE, long, value_name = "DEGREES")]
     pub fov: Option<f32>,
-    /// Memory that loading the scene may take: 500M, 8G [default: half of the machine's]
+    /// Memory that reading the scene and building its tree may take: 500M, 8G [default: half of the machine's]
     #[arg(help_heading = SCENE, long, value_name = "BYTES", value_parser = parse_memory)]
     pub max_memory: Option<u64>,
     /// Only print what was read and approximated, what looks wrong, and which program suits the scene

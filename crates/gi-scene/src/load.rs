@@ -43,12 +43,24 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     for warning in loaded.iter_mut().flat_map(|l| l.parts.enclose_media()) {
         report.warn_nowhere(warning);
     }
+    if let Some(loaded) = &loaded {
+        check_tree(&loaded.parts, &report);
+    }
     report.reads(path);
     let files = report.files();
     let memory = report.budget.total();
     let warnings = report.finish()?;
     let loaded = loaded.expect("a scene without errors was built");
     Ok(Loaded { warnings, files, memory, ..loaded })
+}
+
+/// Refuse a scene if the tree of its rays would take more memory than is left. The tree is built later, by the program.
+fn check_tree(parts: &SceneParts, report: &Report) {
+    let mut claim = report.budget.claim("the tree of the rays");
+    if let Err(why) = claim.set(parts.build_bytes()) {
+        let primitives = parts.primitive_count();
+        report.error_nowhere(format!("no tree over {primitives} primitives can be built: {why}"));
+    }
 }
 
 /// Refuse a scene in another XML format: its picture would be black, which misleads.

@@ -27,3 +27,20 @@ pub struct SceneParts {
     /// Position of this origin in the coordinates of the file, see [`SceneParts::recentre`].
     pub origin: Vec3,
 }
+
+/// Memory that [`Scene::new`](super::Scene::new) takes for each primitive while it builds the tree of the rays, in bytes: the peak
+/// of whole runs over scenes of 1.6 to 6.5 million triangles, less the meshes.
+const BUILD_BYTES: u64 = 260;
+
+impl SceneParts {
+    /// Number of triangles, spheres and other primitives. Those of a group count once.
+    pub fn primitive_count(&self) -> usize {
+        let shapes = self.shapes.iter().chain(self.groups.iter().flatten());
+        shapes.map(|shape| shape.geometry.primitive_count()).sum()
+    }
+
+    /// The memory that [`Scene::new`](super::Scene::new) takes at its peak, besides these parts: about, in bytes.
+    pub fn build_bytes(&self) -> u64 {
+        BUILD_BYTES * self.primitive_count() as u64
+    }
+}

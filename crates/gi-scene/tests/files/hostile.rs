@@ -53,6 +53,17 @@ fn an_exr_header_that_claims_100_channels_is_refused() {
 }
 
 #[test]
+fn a_scene_whose_tree_would_take_more_than_the_budget_is_refused_before_it_is_built() {
+    let folder = Folder::new();
+    folder.write("m.obj", format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{}", "f 1 2 3\n".repeat(20_000)));
+    let body = "<shape type='obj'><string name='filename' value='m.obj'/></shape>";
+    within(&folder, 8_000_000, body).expect("mesh and tree take about 6 MB");
+    let shown = within(&folder, 5_000_000, body).unwrap_err();
+    assert!(shown.contains("no tree over 20000 primitives"), "{shown}");
+    assert!(shown.contains("--max-memory"), "{shown}");
+}
+
+#[test]
 fn a_mesh_used_by_200_shapes_takes_no_more_than_the_budget() {
     let folder = Folder::new();
     let vertices: String =
