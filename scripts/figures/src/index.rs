@@ -162,7 +162,7 @@ pub(crate) fn image(folder: &Path, panel: &Value) -> anyhow::Result<String> {
     Ok(format!("<img src=\"{}\" alt=\"{alt}\">", data_uri(kind, &bytes)))
 }
 
-/// Time and errors of a panel, on one line.
+/// Time and errors of a panel, on one line that breaks only between them.
 pub(crate) fn facts(panel: &Value) -> String {
     let mut facts = Vec::new();
     if let Some(seconds) = panel["seconds"].as_str().and_then(|s| s.parse::<f64>().ok()) {
@@ -176,9 +176,19 @@ pub(crate) fn facts(panel: &Value) -> String {
         let mean = panel["mean_ratio"].as_array().map_or(1.0, |r| {
             r.iter().filter_map(Value::as_f64).sum::<f64>() / r.len().max(1) as f64
         });
-        facts.push(format!("mean {:+.1} %", 100.0 * (mean - 1.0)));
+        facts.push(format!("mean {} %", signed(100.0 * (mean - 1.0))));
     }
-    facts.join(" · ")
+    let whole: Vec<String> = facts.iter().map(|fact| fact.replace(' ', "\u{a0}")).collect();
+    whole.join(" · ")
+}
+
+/// A number with its sign and one digit after the point. What rounds to zero has both signs.
+fn signed(v: f64) -> String {
+    let text = format!("{v:+.1}");
+    match text.as_str() {
+        "+0.0" | "-0.0" => "\u{b1}0.0".into(),
+        _ => text.replace('-', "\u{2212}"),
+    }
 }
 
 /// Copy the first panel of every figure to `SLIDE.png` or `SLIDE.svg`.
@@ -193,4 +203,21 @@ pub(crate) fn thumbs(args: &ThumbArgs) -> anyhow::Result<()> {
         std::fs::copy(folder.join(file), &to).with_context(|| to.display().to_string())?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn facts_are_not_broken_inside_and_zero_has_no_sign() {
+        let panel = |mean: f64| json!({ "seconds": "1.23", "relmse": 0.01, "mean_ratio": [mean] });
+        assert_eq!(
+            facts(&panel(0.9999)),
+            "1.2\u{a0}s · relMSE\u{a0}1.00e-2 · mean\u{a0}\u{b1}0.0\u{a0}%"
+        );
+        assert!(facts(&panel(0.97)).ends_with("mean\u{a0}\u{2212}3.0\u{a0}%"));
+    }
 }
