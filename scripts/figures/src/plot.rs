@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
-use plotters::prelude::{BindKeyPoints, IntoLogRange, SeriesLabelPosition};
+use plotters::prelude::{BindKeyPoints, IntoLogRange};
 
 use crate::data::Data;
 use crate::expr;
@@ -83,7 +83,6 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
         verticals: &verticals,
         powers: &powers,
         y_range: [y_range.start, y_range.end],
-        corner: corner(&curves, [x(), y()], [log_x, log_y]),
     };
     let picture = match (log_x, log_y) {
         (false, false) => shown.draw(x(), y()),
@@ -188,34 +187,6 @@ fn ticks(range: &std::ops::Range<f64>, digits: &[u32]) -> Vec<f64> {
     let decades = (low..=high).map(|decade| 10f64.powi(decade));
     let all = decades.flat_map(|ten| digits.iter().map(move |&digit| f64::from(digit) * ten));
     all.filter(|tick| range.contains(tick)).collect()
-}
-
-/// The corner with the fewest points, for the legend.
-fn corner(
-    curves: &[Curve],
-    ranges: [std::ops::Range<f64>; 2],
-    log: [bool; 2],
-) -> SeriesLabelPosition {
-    let share = |v: f64, axis: usize| {
-        let f = |v: f64| if log[axis] { v.ln() } else { v };
-        let r = &ranges[axis];
-        (f(v) - f(r.start)) / (f(r.end) - f(r.start))
-    };
-    let points = || curves.iter().flat_map(|c| &c.points).map(|p| (share(p.0, 0), share(p.1, 1)));
-    let corners = [
-        (SeriesLabelPosition::UpperRight, [true, true]),
-        (SeriesLabelPosition::UpperLeft, [false, true]),
-        (SeriesLabelPosition::LowerLeft, [false, false]),
-        (SeriesLabelPosition::LowerRight, [true, false]),
-    ];
-    let within = |[right, up]: [bool; 2]| {
-        let near = |(x, y): &(f64, f64)| {
-            (if right { 1.0 - x } else { *x }) < 0.45 && (if up { 1.0 - y } else { *y }) < 0.4
-        };
-        points().filter(near).count()
-    };
-    let best = corners.into_iter().min_by_key(|(_, c)| within(*c));
-    best.map_or(SeriesLabelPosition::UpperRight, |(position, _)| position)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Draws curves and lines with axes and a legend.
 
 use gi_stats::log_log_line;
+use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::prelude::*;
 
@@ -21,7 +22,10 @@ const COLOURS: [RGBColor; 7] = [
 ];
 
 /// Width and height. Small, so that the text is large: on a slide, a drawing may be a quarter of the picture.
-const SIZE: (u32, u32) = (600, 420);
+const SIZE: (u32, u32) = (500, 360);
+
+/// Height of a row of the legend, which has two columns below the axes, where it covers no curve.
+const LEGEND_ROW: u32 = 22;
 
 /// Format a number with few digits.
 fn label(v: &f64) -> String {
@@ -56,7 +60,14 @@ pub(super) struct Shown<'a> {
     pub(super) verticals: &'a [(String, f64)],
     pub(super) powers: &'a [Power],
     pub(super) y_range: [f64; 2],
-    pub(super) corner: SeriesLabelPosition,
+}
+
+/// An entry of the legend.
+struct Entry {
+    name: String,
+    colour: RGBColor,
+    /// The curve that it belongs to, whose mark it has; a line without marks has a dash.
+    curve: Option<usize>,
 }
 
 impl Shown<'_> {
@@ -69,20 +80,24 @@ impl Shown<'_> {
     {
         let mut out = String::new();
         {
+            let legend = self.legend();
+            let (_, height) = SIZE;
             let root = SVGBackend::with_string(&mut out, SIZE).into_drawing_area();
             root.fill(&WHITE)?;
-            let mut chart = ChartBuilder::on(&root)
+            let rows = legend.len().div_ceil(2) as u32;
+            let (axes, below) = root.split_vertically(height - LEGEND_ROW * rows);
+            let mut chart = ChartBuilder::on(&axes)
                 .caption(&self.args.title, (FONT, 22))
-                .margin(12)
-                .x_label_area_size(48)
+                .margin(8)
+                .x_label_area_size(50)
                 .y_label_area_size(78)
                 .build_cartesian_2d(x, y)?;
             chart
                 .configure_mesh()
                 .x_desc(&self.args.x)
                 .y_desc(&self.args.y)
-                .axis_desc_style((FONT, 18))
-                .label_style((FONT, 16))
+                .axis_desc_style((FONT, 20))
+                .label_style((FONT, 18))
                 .x_labels(6)
                 .y_labels(6)
                 .x_label_formatter(&label)
@@ -94,78 +109,103 @@ impl Shown<'_> {
                 self.draw_curve(&mut chart, k)?;
             }
             for power in self.powers {
-                let colour = power.curve.map_or(BLACK, |k| COLOURS[k % COLOURS.len()]);
                 let [low, high] = self.y_range;
                 let mut shown = power.points.clone();
                 shown.retain(|p| (low..=high).contains(&p.1));
-                self.draw_line(&mut chart, (&power.name, colour), &shown)?;
+                draw_line(&mut chart, power.colour(), &shown)?;
             }
             let xs = self.curves.iter().flat_map(|c| c.points.iter().map(|p| p.0));
             let [low, high] = xs.fold([f64::MAX, -f64::MAX], |[l, h], x| [l.min(x), h.max(x)]);
-            for (name, y) in self.levels {
-                self.draw_line(&mut chart, (name, BLACK), &[(low, *y), (high, *y)])?;
+            for (_, y) in self.levels {
+                draw_line(&mut chart, BLACK, &[(low, *y), (high, *y)])?;
             }
             let [low, high] = self.y_range;
-            for (name, x) in self.verticals {
-                self.draw_line(&mut chart, (name, BLACK), &[(*x, low), (*x, high)])?;
+            for (_, x) in self.verticals {
+                draw_line(&mut chart, BLACK, &[(*x, low), (*x, high)])?;
             }
-            chart
-                .configure_series_labels()
-                .position(self.corner.clone())
-                .background_style(WHITE.mix(0.85))
-                .border_style(RGBColor(180, 180, 180))
-                .label_font((FONT, 16))
-                .draw()?;
+            draw_legend(&below, &legend)?;
             root.present()?;
         }
         Ok(out)
     }
 
-    /// Draw curve number `k`, with its entry in the legend.
+    /// Draw curve number `k`.
     fn draw_curve<'b, X, Y>(&self, chart: &mut Chart<'b, X, Y>, k: usize) -> Drawn
     where
         X: Ranged<ValueType = f64>,
         Y: Ranged<ValueType = f64>,
     {
-        let (args, c) = (self.args, &self.curves[k]);
+        let (scatter, c) = (self.args.scatter, &self.curves[k]);
         let colour = COLOURS[k % COLOURS.len()];
-        let fit = if args.slopes { log_log_line(&c.points) } else { None };
-        let name = match fit {
-            Some((slope, _)) => format!("{} (slope {slope:.2})", c.name),
-            None => c.name.clone(),
-        };
-        if !args.scatter {
+        if !scatter {
             let line = LineSeries::new(c.points.iter().copied(), colour.stroke_width(2));
             chart.draw_series(line)?;
         }
         // If there are many points, mark only some of them.
-        let every = c.points.len().div_ceil(if args.scatter { 4000 } else { 24 });
-        let size = if args.scatter { 1 } else { 4 };
+        let every = c.points.len().div_ceil(if scatter { 4000 } else { 24 });
+        let size = if scatter { 1 } else { 4 };
         let marked = c.points.iter().copied().step_by(every.max(1));
-        let series = chart.draw_series(marked.map(|p| mark!(k, p, size, colour)))?;
-        series.label(name).legend(move |(x, y)| mark!(k, (x + 10, y), 4, colour));
+        chart.draw_series(marked.map(|p| mark!(k, p, size, colour)))?;
         Ok(())
     }
 
-    /// Draw a dashed line, with its entry in the legend.
-    fn draw_line<'b, X, Y>(
-        &self,
-        chart: &mut Chart<'b, X, Y>,
-        (name, colour): (&str, RGBColor),
-        points: &[(f64, f64)],
-    ) -> Drawn
-    where
-        X: Ranged<ValueType = f64>,
-        Y: Ranged<ValueType = f64>,
-    {
-        let line = DashedLineSeries::new(points.iter().copied(), 7, 4, colour.stroke_width(2));
-        let style = colour.stroke_width(2);
-        // Two elements: one of four points would be a line without a gap.
-        let dash = move |from: i32| PathElement::new([(from, 0), (from + 7, 0)], style);
-        let series = chart.draw_series(line)?.label(name);
-        series.legend(move |at| EmptyElement::at(at) + dash(1) + dash(12));
-        Ok(())
+    /// The legend: curves, with their slopes if these are asked for, then lines.
+    fn legend(&self) -> Vec<Entry> {
+        let curves = self.curves.iter().enumerate().map(|(k, c)| {
+            let fit = if self.args.slopes { log_log_line(&c.points) } else { None };
+            let name = match fit {
+                Some((slope, _)) => format!("{} (slope {slope:.2})", c.name),
+                None => c.name.clone(),
+            };
+            Entry { name, colour: COLOURS[k % COLOURS.len()], curve: Some(k) }
+        });
+        let line = |name: &String, colour| Entry { name: name.clone(), colour, curve: None };
+        let powers = self.powers.iter().map(|p| line(&p.name, p.colour()));
+        let others = self.levels.iter().chain(self.verticals).map(|(name, _)| line(name, BLACK));
+        curves.chain(powers).chain(others).collect()
     }
+}
+
+impl Power {
+    fn colour(&self) -> RGBColor {
+        self.curve.map_or(BLACK, |k| COLOURS[k % COLOURS.len()])
+    }
+}
+
+/// Draw a dashed line.
+fn draw_line<'b, X, Y>(
+    chart: &mut Chart<'b, X, Y>,
+    colour: RGBColor,
+    points: &[(f64, f64)],
+) -> Drawn
+where
+    X: Ranged<ValueType = f64>,
+    Y: Ranged<ValueType = f64>,
+{
+    let line = DashedLineSeries::new(points.iter().copied(), 7, 4, colour.stroke_width(2));
+    chart.draw_series(line)?;
+    Ok(())
+}
+
+/// Draw the entries of the legend in two columns, row by row.
+fn draw_legend<'b>(area: &DrawingArea<SVGBackend<'b>, Shift>, legend: &[Entry]) -> Drawn {
+    let (width, row) = (SIZE.0 as i32, LEGEND_ROW as i32);
+    let left = [20, width / 2 + 10];
+    for (i, entry) in legend.iter().enumerate() {
+        let (x, y) = (left[i % 2], (i as i32 / 2) * row + row / 2 - 4);
+        match entry.curve {
+            Some(k) => area.draw(&mark!(k, (x + 10, y), 4, entry.colour))?,
+            None => {
+                // Two elements: one of four points would be a line without a gap.
+                for from in [x + 1, x + 12] {
+                    let ends = [(from, y), (from + 7, y)];
+                    area.draw(&PathElement::new(ends, entry.colour.stroke_width(2)))?;
+                }
+            }
+        }
+        area.draw(&Text::new(entry.name.clone(), (x + 26, y - 8), (FONT, 18)))?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]
