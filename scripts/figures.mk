@@ -76,14 +76,18 @@ figure-%:
 # (x - a) (x - b) is the squared error against the truth, if the noise of a and b is independent.
 REFERENCE_SPP := $(call q,128,512,384)
 REFER = $(BIN)/pathtrace scenes/$(firstword $(subst ., ,$*)).xml --spp $(REFERENCE_SPP) $(patsubst %,--component %,$(word 2,$(subst ., ,$*)))
-$(REFERENCES)/%.exr: | programs
-	@mkdir -p $(REFERENCES)
-	$(REFER) $(RUN) --seed 98 -o $(@:.exr=.twin.exr)
+# The twins are targets of their own, so that one that is missing is made.
+REFERENCE_NAMES := cornell-box.indirect cornell-glossy.indirect cornell-spheres
+$(REFERENCE_NAMES:%=$(REFERENCES)/%.exr): $(REFERENCES)/%.exr: $(REFERENCES)/%.twin.exr | programs
 	$(REFER) $(RUN) --seed 99 -o $@
-$(REFERENCES)-small/%.exr: | programs
-	@mkdir -p $(REFERENCES)-small
-	$(REFER) $(SMALL) --seed 98 -o $(@:.exr=.twin.exr)
+$(REFERENCE_NAMES:%=$(REFERENCES)/%.twin.exr): $(REFERENCES)/%.twin.exr: | programs
+	@mkdir -p $(@D)
+	$(REFER) $(RUN) --seed 98 -o $@
+$(REFERENCE_NAMES:%=$(REFERENCES)-small/%.exr): $(REFERENCES)-small/%.exr: $(REFERENCES)-small/%.twin.exr | programs
 	$(REFER) $(SMALL) --seed 99 -o $@
+$(REFERENCE_NAMES:%=$(REFERENCES)-small/%.twin.exr): $(REFERENCES)-small/%.twin.exr: | programs
+	@mkdir -p $(@D)
+	$(REFER) $(SMALL) --seed 98 -o $@
 # Copy the figure's reference into its folder: reference.exr, its twin and its display image.
 COPY_REFERENCE = for e in exr twin.exr png; do cp $(<:.exr=).$$e $D/reference.$$e; done
 

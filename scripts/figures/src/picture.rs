@@ -1,7 +1,7 @@
 //! Reads pictures that the programs wrote: the radiance of a layer, and the metadata about how it was made.
 //!
 //! A reference may have a twin: `box.twin.exr` beside `box.exr`, rendered with another seed. Then the reference is the mean of
-//! both, and errors do not contain its noise; see [`compare_with_twins`].
+//! both, and errors do not contain its noise; see [`compare_with_twins`]. A twin of another picture, or with the same seed, is refused.
 
 use std::path::Path;
 
@@ -28,9 +28,8 @@ impl Picture {
         let path = path.with_extension("twin.exr");
         if path.is_file() {
             let twin = Self::read_one(&path, layer)?;
-            if twin.size != picture.size {
-                bail!("{}: its size is not that of its twin", path.display());
-            }
+            picture.check_twin(&twin).with_context(|| path.display().to_string())?;
+            picture.add_effort(&twin);
             let mean = picture.rgb.iter().zip(&twin.rgb).map(|(a, b)| 0.5 * (a + b)).collect();
             let first = std::mem::replace(&mut picture.rgb, mean);
             picture.twins = Some([first, twin.rgb]);
@@ -51,6 +50,36 @@ impl Picture {
         }
         let size = [layers.width, layers.height];
         Ok(Picture { size, rgb, twins: None, metadata: layers.metadata })
+    }
+
+    /// A twin is the same picture with independent noise.
+    fn check_twin(&self, twin: &Picture) -> anyhow::Result<()> {
+        if twin.size != self.size {
+            bail!("its size is not that of its twin");
+        }
+        for name in ["program", "scene_hash", "passes", "reach"] {
+            if self.said(name) != twin.said(name) {
+                bail!("its {name} is not that of its twin: remove both, and they are made anew");
+            }
+        }
+        if self.said("seed").is_some() && self.said("seed") == twin.said("seed") {
+            bail!("it has the same seed as its twin, so their noise is not independent");
+        }
+        Ok(())
+    }
+
+    /// Count the passes and the time of a twin: the picture is the mean of both.
+    fn add_effort(&mut self, twin: &Picture) {
+        for (name, value) in &mut self.metadata {
+            let Some(name) = name.strip_prefix("gi.").filter(|n| ["passes", "seconds"].contains(n))
+            else {
+                continue;
+            };
+            let other = twin.said(name).and_then(|v| v.parse::<f64>().ok());
+            if let (Ok(own), Some(other)) = (value.parse::<f64>(), other) {
+                *value = (((own + other) * 1e3).round() / 1e3).to_string();
+            }
+        }
     }
 
     /// The metadata with the key `gi.NAME`.

@@ -69,7 +69,7 @@ fn pictures_become_tables_drawings_figures_and_a_page_that_needs_nothing_else() 
     succeed(&["index", &page, &folder]);
     let first = read(&f, "index.html");
     assert!(first.contains("A &amp; B") && first.contains("--spp &lt;4&gt;"));
-    assert!(first.contains("relMSE 3.96e-2") && !first.contains("src=\"http"));
+    assert!(first.contains("relMSE\u{a0}3.96e-2") && !first.contains("src=\"http"));
     assert_eq!(first.matches("data:image/").count(), 3);
     succeed(&["index", &page, &folder]);
     assert_eq!(first, read(&f, "index.html"), "the same files make the same page");
@@ -150,6 +150,38 @@ fn the_noise_of_a_reference_with_a_twin_is_not_part_of_the_error() {
         let claim = ["--claim", claim, "--reference", &reference];
         succeed(&[&["figure", &f.at("")][..], &claim, &told].concat());
     }
+}
+
+#[test]
+fn twins_that_are_not_independent_runs_of_one_picture_are_refused() {
+    let f = Folder::make();
+    let write = |name: &str, metadata: &[(&str, &str)]| {
+        let metadata = metadata.iter().map(|(k, v)| (format!("gi.{k}"), v.to_string())).collect();
+        let layers = Layers { metadata, ..Layers::of_rgb([1, 1], [[1.0; 3]]) };
+        let path = f.at(&format!("{name}.exr"));
+        write_file(Path::new(&path), ImageFile::Exr, &layers).expect("a picture");
+    };
+    let own = [("seed", "1"), ("passes", "4"), ("seconds", "2.5"), ("scene_hash", "a")];
+    write("a", &own);
+    let (table, reference) = (f.at("t.csv"), f.at("a.exr"));
+    let measure = ["measure", &table, "--reference", &reference, &format!("1={reference}")];
+    let other = |k: usize, value| {
+        let mut twin = own;
+        (twin[0].1, twin[k].1) = ("2", value);
+        twin
+    };
+    for (twin, says) in [
+        (own, "same seed"),
+        (other(1, "8"), "its passes is not that of its twin"),
+        (other(3, "b"), "its scene_hash is not that of its twin"),
+    ] {
+        write("a.twin", &twin);
+        refuse(&measure, &["a.twin.exr", says]);
+    }
+    write("a.twin", &other(2, "3"));
+    succeed(&measure);
+    // The picture is the mean of both, so it took the time of both.
+    assert!(read(&f, "t.csv").contains("\n1,5.5,0.687500,"), "{}", read(&f, "t.csv"));
 }
 
 #[test]

@@ -78,6 +78,17 @@ fn references_of_quick_figures_are_not_used_for_others() {
     assert_eq!(seeds.collect::<Vec<_>>(), [Some(" 98"), Some(" 99"), Some(" 98"), Some(" 99")]);
 }
 
+#[test]
+fn a_twin_that_is_missing_is_made_again() {
+    let folder = Folder::make();
+    let draw = || make(folder.path(), NOTHING, &["figure-12", "QUALITY=quick"]);
+    let Some(output) = draw() else { return };
+    assert!(output.status.success(), "{output:?}");
+    let twin = folder.path().join("out/reference-quick/cornell-box.indirect.twin.exr");
+    std::fs::remove_file(&twin).expect("the reference has a twin");
+    assert!(draw().is_some_and(|o| o.status.success()) && twin.is_file());
+}
+
 /// What make says and returns, without running any recipe's programs.
 fn refusal(arguments: &[&str]) -> Option<(Option<i32>, String)> {
     let output = make(Folder::make().path(), NOTHING, arguments)?;
