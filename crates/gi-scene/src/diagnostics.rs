@@ -155,6 +155,8 @@ pub(crate) struct Report {
     /// Hashes of all warnings with their places: none is given twice.
     said: RefCell<HashSet<u64>>,
     hasher: RandomState,
+    /// File and start of each attribute that uses an undefined name: other errors there only follow from it.
+    undefined: RefCell<HashSet<(usize, usize)>>,
     /// Number of comparisons that are left for suggestions.
     comparisons: Cell<usize>,
     read: RefCell<BTreeSet<PathBuf>>,
@@ -178,6 +180,7 @@ impl Report {
             alike_warnings: RefCell::new(Alike::new(WARNINGS)),
             said: RefCell::default(),
             hasher: RandomState::new(),
+            undefined: RefCell::default(),
             comparisons: Cell::new(MAX_COMPARISONS),
             read: RefCell::default(),
             file_of: RefCell::default(),
@@ -227,12 +230,22 @@ impl Report {
         self.push(Some(span), message.into(), expected, help);
     }
 
+    /// Report that an attribute uses an undefined name. Later errors at the same place are dropped.
+    pub(crate) fn error_undefined(&self, span: Span, message: String, help: Option<String>) {
+        self.error_help(span, message, "expected a <default> or -D", help);
+        self.undefined.borrow_mut().insert((span.file, span.start));
+    }
+
     /// Report an error that has no place in a text.
     pub(crate) fn error_nowhere(&self, message: impl Into<String>) {
         self.push(None, message.into(), "", None);
     }
 
     fn push(&self, span: Option<Span>, message: String, expected: &str, help: Option<String>) {
+        let is_undefined = |s: Span| self.undefined.borrow().contains(&(s.file, s.start));
+        if span.is_some_and(is_undefined) {
+            return;
+        }
         if self.alike_errors.borrow_mut().keep(&message) {
             let problem = Problem { span, message, expected: expected.to_owned(), help };
             self.inner.borrow_mut().problems.push(problem);

@@ -254,6 +254,13 @@ impl<'a> Node<'a> {
         out
     }
 
+    /// Report a wrong number of children, unless a reference that was reported already may be one of them.
+    pub(crate) fn wrong_count(self, kind: &str, count: usize, expected: &str) {
+        if self.object().children.iter().all(|c| self.resolve(c).is_some()) {
+            self.error(format!("`{}` has {count} {kind}", self.plugin()), expected);
+        }
+    }
+
     /// All children in document order, without marking them as used.
     pub(crate) fn all_children(self) -> impl Iterator<Item = Node<'a>> {
         self.object().children.iter().filter_map(move |c| self.resolve(c))

@@ -43,8 +43,7 @@ impl Builder<'_> {
         node.ignore(&["specular_sampling_weight"]);
         let bases = node.children(Class::Bsdf);
         let [base] = bases.as_slice() else {
-            let message = format!("`{}` has {} bsdfs", node.plugin(), bases.len());
-            node.error(message, "expected one");
+            node.wrong_count("bsdfs", bases.len(), "expected one");
             return None;
         };
         if !["diffuse", "lambertian"].contains(&base.plugin()) {

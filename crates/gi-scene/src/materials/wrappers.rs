@@ -16,7 +16,7 @@ impl Builder<'_> {
             [both] => (*both, *both),
             [front, back] => (*front, *back),
             other => {
-                node.error(format!("`twosided` has {} bsdfs", other.len()), "expected one or two");
+                node.wrong_count("bsdfs", other.len(), "expected one or two");
                 return None;
             }
         };
@@ -53,8 +53,7 @@ impl Builder<'_> {
         match node.children(Class::Bsdf).as_slice() {
             [inner] => Some(self.material(*inner)),
             other => {
-                let message = format!("`{}` has {} bsdfs", node.plugin(), other.len());
-                node.error(message, "expected one");
+                node.wrong_count("bsdfs", other.len(), "expected one");
                 None
             }
         }
@@ -64,8 +63,7 @@ impl Builder<'_> {
         match node.children(Class::Texture).as_slice() {
             [texture] => self.texture_object(*texture, 0),
             other => {
-                let message = format!("`{}` has {} textures", node.plugin(), other.len());
-                node.error(message, "expected one");
+                node.wrong_count("textures", other.len(), "expected one");
                 None
             }
         }

@@ -236,3 +236,25 @@ fn ignored_requests_of_an_integrator_give_a_warning() {
     let shown = foggy.warnings.join("\n");
     assert!(shown.contains("`hide_emitters` is ignored in a scene with media"), "{shown}");
 }
+
+#[test]
+fn an_undefined_name_is_one_error() {
+    let folder = Folder::new();
+    let shown = folder.problems(
+        "<include filename='$a'/>
+         <shape type='sphere'><float name='radius' value='$a'/><rgb name='x' value='$a'/><ref id='$a'/>
+         <transform name='to_world'><translate x='$a'/><scale value='$a'/></transform></shape>
+         <shape type='obj'><string name='filename' value='$a'/></shape><bsdf type='$a'/>",
+    );
+    let errors = shown.lines().filter(|l| l.starts_with("error: ")).collect::<Vec<_>>();
+    assert!(errors.iter().all(|l| l.contains("`$a` is not defined")), "{errors:#?}");
+}
+
+#[test]
+fn an_unknown_reference_is_not_counted_as_a_missing_child_too() {
+    let shown = Folder::new().problems(
+        "<shape type='cube'><bsdf type='twosided'><ref id='nothing'/></bsdf></shape>
+         <shape type='cube'><bsdf type='blendbsdf'><bsdf type='diffuse'/><ref id='nothing'/></bsdf></shape>",
+    );
+    assert!(!shown.contains(" bsdfs"), "{shown}");
+}

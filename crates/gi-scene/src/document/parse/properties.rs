@@ -45,7 +45,7 @@ impl Parser<'_> {
             }
             match transform::operation(tag, &|name| op.text(name)) {
                 Ok(next) => m = next * m,
-                Err(why) => self.report.error(op.span, why, ""),
+                Err(why) => self.report.error(op.empty().map_or(op.span, |a| a.span), why, ""),
             }
         }
         if !m.to_cols_array().iter().all(|x| x.abs() <= f64::from(value::MAX_NUMBER)) {
@@ -69,7 +69,8 @@ impl Parser<'_> {
             Ok(value) => self.add(element, parent, value),
             Err(why) => {
                 let expected = format!("expected {}", expectation(&element.tag));
-                self.report.error(element.span_of("value"), why, &expected);
+                let span = element.empty().map_or(element.span_of("value"), |a| a.span);
+                self.report.error(span, why, &expected);
             }
         }
     }

@@ -31,6 +31,11 @@ impl Element {
         self.get(name).map(|a| a.value.as_str())
     }
 
+    /// The first attribute that is empty, if there is one.
+    pub(super) fn empty(&self) -> Option<&Attribute> {
+        self.attributes.iter().find(|a| a.value.is_empty())
+    }
+
     /// Place of an attribute's value, or of the tag if the attribute is missing.
     pub(super) fn span_of(&self, name: &str) -> Span {
         self.get(name).map_or(self.span, |a| a.span)
@@ -87,7 +92,7 @@ impl Parser<'_> {
                 let names = self.defines.iter().map(|d| d.name.as_str());
                 let help = self.report.suggestion(name, names);
                 let message = format!("`${name}` is not defined");
-                self.report.error_help(span, message, "expected a <default> or -D", help);
+                self.report.error_undefined(span, message, help);
                 return String::new();
             }
             let end = rest.find('$').unwrap_or(rest.len());
