@@ -18,6 +18,8 @@ use crate::value::MAX_NUMBER;
 
 /// Number of bytes before the values.
 const HEADER: usize = 48;
+/// Negative values above minus this come from rounding and count as zero.
+const ROUNDING: f32 = 1e-6;
 /// Largest number of cells along an axis.
 const MOST_CELLS: usize = (1 << 24) - 1;
 
@@ -109,7 +111,10 @@ impl Header {
     }
 
     fn cells(&self, bytes: &[u8]) -> Result<Cells, String> {
-        let float = |b: &[u8]| f32::from_le_bytes(b.try_into().expect("four bytes"));
+        let float = |b: &[u8]| {
+            let value = f32::from_le_bytes(b.try_into().expect("four bytes"));
+            if (-ROUNDING..0.0).contains(&value) { 0.0 } else { value }
+        };
         let values = bytes[..self.bytes() as usize].chunks_exact(4).map(float);
         if let Some((k, bad)) = values.clone().enumerate().find(|(_, v)| !is_valid(*v)) {
             let cell = k / self.channels;

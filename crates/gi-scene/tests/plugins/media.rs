@@ -175,3 +175,15 @@ fn an_exported_medium_is_read_back() {
         assert!((x - y).abs() < 1e-5, "{p}: {x} and {y}");
     }
 }
+
+#[test]
+fn a_grid_with_a_value_just_below_zero_is_read() {
+    let folder = Folder::new();
+    let mut cells = file(1);
+    cells[48..52].copy_from_slice(&(-1e-45f32).to_le_bytes());
+    folder.write("grey.vol", cells);
+    let loaded = folder.scene("3.0.0", &body(&volume("sigma_t", "grey.vol", ""))).unwrap();
+    let varying = loaded.parts.media[0].varying.clone().expect("a density that varies");
+    let (density, _) = grid(varying.sigma_t());
+    assert!(matches!(density.cells(), Cells::Grey(v) if v[0] == 0.0));
+}
