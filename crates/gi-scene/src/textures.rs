@@ -52,6 +52,16 @@ impl Builder<'_> {
         }
     }
 
+    /// A fraction of which one channel is used: an opacity, a weight, a roughness.
+    pub(crate) fn one_channel_share(
+        &mut self,
+        node: Node<'_>,
+        name: &'static str,
+        default: f32,
+    ) -> Texture {
+        one_channel(node, self.share(node, name, default))
+    }
+
     /// Emitted light that may vary over a surface; negative texels count as zero.
     pub(crate) fn light_texture(&mut self, node: Node<'_>, name: &'static str) -> Texture {
         let white = Texture::Constant(Rgb::WHITE);
@@ -149,7 +159,28 @@ impl Builder<'_> {
         self.origins.note_bitmap(&bitmap, self.assets.bitmap_file(node.id)?);
         let texture = Texture::Bitmap { bitmap, to_uv: to_uv(node), scale: Rgb::WHITE };
         let is_inverted = node.doc.is_pbrt && node.bool("invert", false);
-        Some(if is_inverted { self.inverted(node, texture) } else { texture })
+        if !is_inverted {
+            return Some(texture);
+        }
+        let scale = Rgb::grey(node.float("scale", 1.0));
+        Some(self.inverted(node, texture.scaled(scale)))
+    }
+}
+
+/// A texture of which one channel is used. Mitsuba 2 and 3 swap the colours of a checkerboard there.
+pub(crate) fn one_channel(node: Node<'_>, texture: Texture) -> Texture {
+    if node.doc.version >= 2 && !node.doc.is_pbrt { swapped(texture) } else { texture }
+}
+
+/// The texture with the colours of its checkerboards swapped.
+pub(crate) fn swapped(texture: Texture) -> Texture {
+    match texture {
+        Texture::Checkerboard { color0, color1, to_uv } => Texture::Checkerboard {
+            color0: Box::new(swapped(*color1)),
+            color1: Box::new(swapped(*color0)),
+            to_uv,
+        },
+        other => other,
     }
 }
 

@@ -6,6 +6,7 @@ use gi_core::texture::{Bitmap, Lookup, Texture, Wrap};
 use glam::{Affine2, Affine3A, Mat3, Vec2, Vec3};
 
 use super::{Exporter, channels};
+use crate::textures::swapped;
 
 impl Exporter<'_> {
     /// Write a factor whose default is one.
@@ -16,7 +17,7 @@ impl Exporter<'_> {
         }
     }
 
-    /// Write a parameter: a number if it is constant, a texture otherwise.
+    /// Write a parameter of one channel: a number if it is constant, a texture otherwise.
     pub(super) fn scalar(&mut self, name: &str, texture: &Texture) -> Result<(), String> {
         match texture {
             Texture::Constant(c) => {
@@ -24,7 +25,8 @@ impl Exporter<'_> {
                 self.xml.value("float", name, &v.to_string());
                 Ok(())
             }
-            _ => self.texture(name, texture),
+            // Mitsuba 3 swaps the colours of a checkerboard here.
+            _ => self.texture(name, &swapped(texture.clone())),
         }
     }
 

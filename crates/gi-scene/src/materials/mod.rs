@@ -13,6 +13,7 @@ use gi_core::texture::Texture;
 
 use crate::builder::Builder;
 use crate::document::{Meaning, Node};
+use crate::textures::one_channel;
 
 /// The supported plugins.
 const KNOWN: [&str; 26] = [
@@ -112,6 +113,7 @@ impl Builder<'_> {
                     node.warn("`roughdiffuse` is computed by Oren and Nayar's qualitative model");
                 }
                 let alpha = self.texture(node, "alpha", Texture::grey(0.2), Meaning::Factor);
+                let alpha = one_channel(node, alpha);
                 Material::RoughDiffuse { reflectance: self.share(node, "reflectance", 0.5), alpha }
             }
             "dielectric" | "roughdielectric" => self.dielectric(node)?,
@@ -133,7 +135,7 @@ impl Builder<'_> {
             "principledthin" => self.principled_thin(node),
             "null" => Material::Null,
             "mask" | "opacity" => {
-                let opacity = self.share(node, "opacity", 0.5);
+                let opacity = self.one_channel_share(node, "opacity", 0.5);
                 Material::Mask { opacity, inner: self.only_child(node)? }
             }
             "twosided" => self.twosided(node)?,
@@ -163,10 +165,10 @@ impl Builder<'_> {
         })
     }
 
-    /// How `bumpmap` and `normalmap` treat normals that face away: Mitsuba 3 repairs them by default, earlier versions
-    /// never do.
+    /// How `bumpmap` and `normalmap` treat normals that face away. Mitsuba 3 repairs them by default, also in files of
+    /// Mitsuba 2; Mitsuba 0.6 never does.
     fn bent_normals(node: Node<'_>) -> BentNormals {
-        let repaired = node.doc.version >= 3;
+        let repaired = node.doc.version >= 2;
         BentNormals {
             flipped: node.bool("flip_invalid_normals", repaired),
             shadowed: node.bool("use_shadowing_function", repaired),

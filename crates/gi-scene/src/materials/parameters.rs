@@ -4,6 +4,7 @@ use gi_core::texture::Texture;
 
 use crate::builder::Builder;
 use crate::document::{Meaning, Node};
+use crate::textures::one_channel;
 
 /// Largest roughness.
 const MAX_ALPHA: f32 = 10.0;
@@ -18,7 +19,10 @@ impl Builder<'_> {
         name: &'static str,
         default: Texture,
     ) -> Texture {
-        let alpha = self.texture(node, name, default.clone(), Meaning::Factor);
+        if !node.has(name) && node.child(name).is_none() {
+            return default;
+        }
+        let alpha = one_channel(node, self.texture(node, name, default.clone(), Meaning::Factor));
         let [least, most] = self.origins.range(&alpha);
         if 0.0 <= least && most <= MAX_ALPHA {
             return alpha;

@@ -6,6 +6,7 @@ use gi_core::texture::Texture;
 use super::ior;
 use crate::builder::Builder;
 use crate::document::{Meaning, Node};
+use crate::textures::one_channel;
 
 /// Mitsuba's sampling options, which have no effect here: our model chooses its own sampling rates.
 const SAMPLING_RATES: [&str; 6] = [
@@ -28,7 +29,7 @@ impl Builder<'_> {
         let eta = self.principled_eta(node, !spec_trans.is_black());
         Material::Principled(Box::new(Principled {
             base_color: self.share(node, "base_color", 0.5),
-            roughness: self.share(node, "roughness", 0.5),
+            roughness: self.one_channel_share(node, "roughness", 0.5),
             anisotropic: self.part(node, "anisotropic"),
             metallic: self.part(node, "metallic"),
             spec_trans,
@@ -47,7 +48,7 @@ impl Builder<'_> {
         let eta = self.in_range(node, "eta", 1.5, [*ior::RELATIVE.start(), *ior::RELATIVE.end()]);
         Material::PrincipledThin(Box::new(PrincipledThin {
             base_color: self.share(node, "base_color", 0.5),
-            roughness: self.share(node, "roughness", 0.5),
+            roughness: self.one_channel_share(node, "roughness", 0.5),
             anisotropic: self.part(node, "anisotropic"),
             spec_trans: self.part(node, "spec_trans"),
             diff_trans: self.in_range(node, "diff_trans", 0.0, [0.0, 2.0]),
@@ -61,7 +62,7 @@ impl Builder<'_> {
 
     /// A factor in [0, 1] that is zero if not given.
     fn part(&mut self, node: Node<'_>, name: &'static str) -> Texture {
-        self.share(node, name, 0.0)
+        self.one_channel_share(node, name, 0.0)
     }
 
     /// A parameter in a range. Outside the range, an error is reported and the default is returned.
@@ -73,6 +74,7 @@ impl Builder<'_> {
         [low, high]: [f32; 2],
     ) -> Texture {
         let texture = self.texture(node, name, Texture::grey(default), Meaning::Factor);
+        let texture = one_channel(node, texture);
         let [least, most] = self.origins.range(&texture);
         if low <= least && most <= high {
             return texture;

@@ -36,14 +36,14 @@ impl Builder<'_> {
     }
 
     pub(super) fn blend(&mut self, node: Node<'_>) -> Option<Material> {
-        let weight = self.share(node, "weight", 0.5);
+        let weight = self.one_channel_share(node, "weight", 0.5);
         match node.children(Class::Bsdf).as_slice() {
             [a, b] => {
                 let (first, second) = (self.material(*a), self.material(*b));
                 Some(Material::Blend { weight, first, second })
             }
             other => {
-                node.error(format!("`blendbsdf` has {} bsdfs", other.len()), "expected two");
+                node.wrong_count("bsdfs", other.len(), "expected two");
                 None
             }
         }

@@ -45,15 +45,14 @@ impl Translator<'_> {
         if is_linear || (gamma && !params.bool("gamma", true, report)) {
             self.doc.set(texture, "raw", span, Value::Bool(true));
         }
+        let scale = params.number("scale", report).unwrap_or(1.0) as f32;
         if params.bool("invert", false, report) {
+            // The picture is scaled first.
             self.doc.set(texture, "invert", params.span_of("invert"), Value::Bool(true));
+            self.doc.set(texture, "scale", params.span_of("scale"), Value::Float(scale));
+            return Some(texture);
         }
-        match params.number("scale", report) {
-            Some(scale) if scale != 1.0 => {
-                Some(self.scaled(texture, Rgb::grey(scale as f32), span))
-            }
-            _ => Some(texture),
-        }
+        Some(if scale == 1.0 { texture } else { self.scaled(texture, Rgb::grey(scale), span) })
     }
 
     /// From a surface's coordinates to those of a texture. A picture's second coordinate runs downward.

@@ -7,6 +7,7 @@ mod media;
 mod sensors;
 mod shapes;
 mod spectra;
+mod textures;
 
 use common::{material, of_only_shape, old_scene, scene};
 use gi_core::camera::Projection;
