@@ -58,6 +58,9 @@ const DIRECTIVES: [&str; 38] = [
 /// Directives that are missing in the list above because they belong together.
 const WORLD: [&str; 3] = ["WorldBegin", "WorldEnd", "TransformTimes"];
 
+/// Directives of pbrt-v2 that later versions do not have.
+const VERSION_2: [&str; 4] = ["SurfaceIntegrator", "VolumeIntegrator", "Renderer", "Volume"];
+
 /// Whether a word is a directive.
 pub(super) fn is_directive(word: &str) -> bool {
     DIRECTIVES.contains(&word) || WORLD.contains(&word)
@@ -81,6 +84,12 @@ impl Translator<'_> {
     }
 
     fn unknown_directive(&self, word: &str, span: Span) {
+        if VERSION_2.contains(&word) {
+            let message = format!("`{word}` is a directive of pbrt-v2, which is not supported");
+            let help = "without this directive, the file is read as pbrt-v3";
+            self.report.error_help(span, message, "", Some(help.into()));
+            return;
+        }
         let shown: String = word.chars().take(40).collect();
         let help = self.report.suggestion(&shown, DIRECTIVES.into_iter().chain(WORLD));
         self.report.error_help(

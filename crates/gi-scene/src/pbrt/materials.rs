@@ -2,6 +2,8 @@
 
 use std::rc::Rc;
 
+use gi_core::math::Rgb;
+
 use super::Translator;
 use super::params::Params;
 use super::textures::{Factor, is_texture};
@@ -126,7 +128,9 @@ impl Translator<'_> {
             outer = self.plain(params, "twosided");
             self.doc.nest(outer, "", bsdf.object);
         }
-        if let Some(opacity) = self.factor(params, "opacity").filter(|_| kind == "uber") {
+        let opaque = |f: &Factor| matches!(f, Factor::Constant(c) if *c == Rgb::WHITE);
+        let opacity = self.factor(params, "opacity").filter(|f| kind == "uber" && !opaque(f));
+        if let Some(opacity) = opacity {
             let mask = self.plain(params, "mask");
             self.set_factor(mask, "opacity", &opacity, params.span);
             self.doc.nest(mask, "", outer);

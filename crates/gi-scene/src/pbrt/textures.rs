@@ -12,7 +12,7 @@ use crate::document::{Class, Meaning, ObjectId, Value};
 use crate::value::MAX_NUMBER;
 
 /// The supported textures, and those that are approximated.
-const KNOWN: [&str; 13] = [
+const KNOWN: [&str; 14] = [
     "constant",
     "imagemap",
     "checkerboard",
@@ -26,6 +26,7 @@ const KNOWN: [&str; 13] = [
     "windy",
     "marble",
     "ptex",
+    "uv",
 ];
 
 /// A parameter that may vary over a surface.
@@ -207,6 +208,10 @@ impl Translator<'_> {
                 params.ignore(&["octaves", "roughness", "scale", "variation"]);
                 params.ignore(&["filename", "encoding"]);
                 Made::Constant(Rgb::grey(0.5))
+            }
+            "uv" => {
+                approximated(self, "its mean");
+                Made::Constant(Rgb::new(0.5, 0.5, 0.0))
             }
             _ => {
                 params.unknown_plugin(&KNOWN, self.report);

@@ -29,11 +29,7 @@ impl Translator<'_> {
                 self.set_or(bsdf.object, params, "Kt", "specular_transmittance", 1.0);
                 bsdf
             }
-            "uber" => {
-                self.note_approximation(params, kind, "`roughplastic`");
-                params.note_ignored(&["Kr", "Kt"], "the coat reflects instead", self.report);
-                self.glossy(params, [0.25, 0.25], None)
-            }
+            "uber" => self.uber(params),
             "substrate" => {
                 self.note_approximation(params, kind, "`roughplastic`");
                 let at_normal = match self.factor(params, "Ks") {
@@ -57,6 +53,35 @@ impl Translator<'_> {
             "disney" => self.disney(params),
             _ => return None,
         })
+    }
+
+    /// `uber`: glass if it transmits more light than it scatters, otherwise a diffuse base under a coat.
+    fn uber(&mut self, params: &Params) -> Bsdf {
+        let mean = |name, default| match self.factor(params, name) {
+            Some(Factor::Constant(c)) => c.mean(),
+            Some(Factor::Texture(..)) | None => default,
+        };
+        let (transmitted, scattered) = (mean("Kt", 0.0), mean("Kd", 0.25) + mean("Ks", 0.25));
+        if transmitted > scattered {
+            if scattered > 0.0 {
+                self.note_approximation(params, "uber", "`dielectric`");
+            }
+            params.ignore(&["Kd", "Ks", "remaproughness"]);
+            params.ignore(&["roughness", "uroughness", "vroughness"]);
+            let glass = self.plain(params, "dielectric");
+            self.set_or(glass, params, "Kr", "specular_reflectance", 0.0);
+            self.set_or(glass, params, "Kt", "specular_transmittance", 0.0);
+            self.set_index(glass, params, &["eta", "index"]);
+            return Bsdf::two_sided(glass);
+        }
+        self.note_approximation(params, "uber", "`roughplastic`");
+        for (name, why) in [("Kr", "the coat reflects instead"), ("Kt", "the surface is opaque")] {
+            match self.factor(params, name) {
+                Some(Factor::Constant(c)) if c.is_black() => {}
+                _ => params.note_ignored(&[name], why, self.report),
+            }
+        }
+        self.glossy(params, [0.25, 0.25], None)
     }
 
     fn matte(&mut self, params: &Params) -> Bsdf {

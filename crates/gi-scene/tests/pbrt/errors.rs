@@ -174,3 +174,10 @@ fn included_text_is_limited_counting_repeats() {
     let shown = load(&path, &Options::default()).unwrap_err().to_string();
     assert!(shown.contains("too many files include each other"), "{shown}");
 }
+
+#[test]
+fn files_of_pbrt_v2_are_named_as_such() {
+    let shown = problems("SurfaceIntegrator \"path\"\nWorldBegin\nWorldEnd");
+    assert!(shown.contains("`SurfaceIntegrator` is a directive of pbrt-v2"), "{shown}");
+    assert!(shown.contains("the file is read as pbrt-v3"), "{shown}");
+}

@@ -100,6 +100,11 @@ fn textures_are_read() {
         "Texture \"p\" \"spectrum\" \"imagemap\" \"string filename\" \"picture.pfm\" \"bool invert\" true",
     );
     near(inverted.eval(Vec2::new(0.125, 0.125)), [1.0, 0.25, 0.5]);
+    let scaled_first = world_with_picture(
+        "Texture \"p\" \"spectrum\" \"imagemap\" \"string filename\" \"picture.pfm\" \"bool invert\" true
+         \"float scale\" 0.5",
+    );
+    near(scaled_first.eval(Vec2::new(0.125, 0.125)), [1.0, 0.625, 0.75]);
     let Material::NormalMap { inner: metal, .. } = inner(&loaded, 4) else { panic!() };
     let Material::Conductor { roughness: Some(r), .. } = &loaded.parts.materials[*metal] else {
         panic!()
@@ -175,4 +180,36 @@ fn the_old_format_is_read() {
         panic!()
     };
     assert_eq!((*scale, image.width()), (2.0, 8), "latitude and longitude already");
+}
+
+#[test]
+fn the_texture_uv_is_approximated_by_its_mean() {
+    let loaded = world(
+        "Texture \"t\" \"spectrum\" \"uv\"
+Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"",
+    );
+    let Material::Diffuse { reflectance } = inner(&loaded, 0) else { panic!() };
+    assert_eq!(reflectance.mean(), Rgb::new(0.5, 0.5, 0.0));
+    assert_eq!(warnings(&loaded), ["3: texture `uv` is approximated by its mean"]);
+}
+
+#[test]
+fn uber_of_pbrt_v3_that_transmits_most_light_is_glass() {
+    let loaded = world(
+        "Material \"uber\" \"rgb Kd\" [0 0 0] \"rgb Ks\" [0 0 0] \"rgb Kr\" [1 1 1] \"rgb Kt\" [.9 .9 .9] \"float index\" 1.25
+Shape \"sphere\"
+Material \"uber\" \"rgb Kr\" [0 0 0] \"rgb Kt\" [0 0 0] \"rgb opacity\" [1 1 1] Shape \"sphere\"
+Material \"uber\" \"rgb Kt\" [.1 .1 .1] Shape \"sphere\" WorldEnd",
+    );
+    let Material::Dielectric { eta, transmittance, .. } = inner(&loaded, 0) else { panic!() };
+    assert_eq!((*eta, transmittance.mean()), (1.25, Rgb::grey(0.9)));
+    assert!(matches!(inner(&loaded, 1), Material::Plastic { .. }));
+    assert_eq!(
+        warnings(&loaded),
+        [
+            "5: material `uber` is approximated by `roughplastic`",
+            "6: material `uber` is approximated by `roughplastic`",
+            "6: `Kt` is ignored: the surface is opaque",
+        ]
+    );
 }
