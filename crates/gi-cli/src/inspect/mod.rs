@@ -26,7 +26,7 @@ pub(crate) fn inspect(common: &Common) -> Result<(), Failure> {
     let Loaded { mut parts, mut camera, filter, warnings, files, memory, .. } = loaded;
     camera.to_world.translation += Vec3A::from(parts.recentre());
     check_film(camera.size)?;
-    let counts = Counts::of(&parts);
+    let (counts, build) = (Counts::of(&parts), parts.build_bytes());
     let suspicious = suspicious::find(&parts, camera.to_world.translation.into());
     let scene =
         Scene::new(parts).map_err(|e| input_error(format!("{}: {e}", common.scene.display())))?;
@@ -48,9 +48,10 @@ pub(crate) fn inspect(common: &Common) -> Result<(), Failure> {
     report.line(
         "memory",
         format!(
-            "{} for meshes, pictures and text, {} for the tree, {} for the film",
+            "{} for meshes, pictures and text, {} for the tree (about {} while it is built), {} for the film",
             megabytes(memory),
             megabytes(scene.tree().memory_bytes() as u64),
+            megabytes(build),
             megabytes(Film::memory(camera.size, filter))
         ),
     );
