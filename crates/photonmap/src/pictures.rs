@@ -58,23 +58,25 @@ fn gather_legend() -> Legend {
     Legend::named("One final gather:", [ray, (Rgb::WHITE, "start and ends of the rays")])
 }
 
-/// The numbers of photons of the drawn cells, and the colours of the drawing. Not all photons of these cells are on the floor.
-fn cells_legend(counts: &[usize], on_floor: usize) -> Legend {
+/// The numbers of photons of the drawn cells, and the colours of the drawing.
+fn cells_legend(counts: &[usize]) -> Legend {
     let (cells, least) = (counts.len(), counts.iter().min().unwrap_or(&0));
     let each = match counts.iter().max().unwrap_or(&0) {
         most if most == least => format!("{least}"),
         most => format!("{least} to {most}"),
     };
-    let title = format!(
-        "At most {LEVELS} levels of splits. {cells} cells of {each} photons; {on_floor} photons are on the lowest plane."
-    );
+    let title = format!("At most {LEVELS} levels of splits. {cells} cells of {each} photons each:");
     let colours = [
         (viridis(0.0), "first split (thick)"),
         (viridis(0.9), "last split (thin)"),
-        (colour(PhotonKind::Caustic), "photon on the lowest plane"),
+        (colour(PhotonKind::Caustic), "photon on the floor"),
+        (ABOVE, "above it"),
     ];
     Legend::named(&title, colours)
 }
+
+/// Grey photons above the floor.
+const ABOVE: Rgb = Rgb::grey(0.3);
 
 /// Colours of the kinds: yellow, red, blue.
 fn colour(kind: PhotonKind) -> Rgb {
@@ -212,8 +214,8 @@ impl Gatherer<'_, '_> {
         }
     }
 
-    /// The tree's cells at the bottom of the scene, where they contain the lowest photons, and these photons, seen from above. The
-    /// first splits are the thickest. The channel `photons` has the number of photons of the cell at each pixel.
+    /// The tree's cells at the bottom of the scene, where they contain the lowest photons, with all photons in them, seen from above.
+    /// The first splits are the thickest. The channel `photons` has the number of photons of the cell at each pixel.
     fn cells(&self, size: [usize; 2]) -> Picture {
         let [w, h] = size;
         let mut canvas = Canvas::over(size, vec![Rgb::WHITE; w * h]);
@@ -229,7 +231,7 @@ impl Gatherer<'_, '_> {
             )
         };
         let (unit, ground) = (w as f32 / 400.0, bounds.min.y + 1e-3 * extent.y);
-        let (mut counts, mut channel) = (Vec::new(), vec![0.0; w * h]);
+        let (mut lowest, mut channel) = (Vec::new(), vec![0.0; w * h]);
         for level in (0..=LEVELS).rev() {
             let colour = viridis(0.9 * level as f32 / LEVELS as f32);
             let width = unit * (0.7 + 0.35 * (LEVELS - level) as f32);
@@ -240,13 +242,18 @@ impl Gatherer<'_, '_> {
                 (0..4).for_each(|k| canvas.line(corners[k], corners[(k + 1) % 4], width, colour));
                 if level == LEVELS {
                     fill(&mut channel, size, corners[0], corners[2], count as f32);
-                    counts.push(count);
+                    lowest.push((Bounds { min, max }, count));
                 }
             }
         }
-        let low: Vec<&Vec3> = photons.iter().filter(|p| p.y <= ground).collect();
-        low.iter().for_each(|p| canvas.disc(at(p.x, p.z), 1.3 * unit, colour(PhotonKind::Caustic)));
-        let legend = cells_legend(&counts, low.len());
+        let inside =
+            |p: Vec3| lowest.iter().any(|(c, _)| p.cmpge(c.min).all() && p.cmple(c.max).all());
+        for p in photons.iter().filter(|p| inside(**p)) {
+            let shade = if p.y <= ground { colour(PhotonKind::Caustic) } else { ABOVE };
+            canvas.disc(at(p.x, p.z), 1.3 * unit, shade);
+        }
+        let counts: Vec<usize> = lowest.iter().map(|(_, count)| *count).collect();
+        let legend = cells_legend(&counts);
         let (channels, view) = (vec![("photons".to_string(), channel)], canvas.into_pixels());
         Picture { name: "cells".into(), channels, view, legend: Some(legend) }
     }
