@@ -43,10 +43,13 @@ fn visible<'c>(setting: &Setting, cache: &'c Cache<impl Sited>) -> Vec<(&'c Site
     cache.records().iter().map(Sited::site).filter_map(place).collect()
 }
 
-/// Colours for radii, from the smallest to the largest, on a logarithmic scale, and their legend.
+/// Colours for radii on a logarithmic scale, and their legend. The smallest hundredth of the radii has the first colour.
 fn scale(sites: &[(&Site, Vec2)], what: &str) -> (impl Fn(f32) -> Rgb + use<>, Legend) {
-    let reach = || sites.iter().map(|(s, _)| s.reach());
-    let (low, high) = (reach().fold(f32::INFINITY, f32::min), reach().fold(0.0, f32::max));
+    let mut reaches: Vec<f32> = sites.iter().map(|(s, _)| s.reach()).collect();
+    reaches.sort_by(f32::total_cmp);
+    // A single tiny record would take half of the colours.
+    let low = reaches.get(reaches.len() / 100).copied().unwrap_or(1.0);
+    let high = reaches.last().copied().unwrap_or(1.0);
     let of = move |r: f32| if high > low { (r / low).ln() / (high / low).ln() } else { 1.0 };
     let title = format!("{} {what}. Radius (units of the scene):", sites.len());
     (move |r| viridis(of(r)), Legend::logarithmic(&title, low, high))
@@ -104,7 +107,7 @@ fn project(setting: &Setting, p: Vec3) -> Option<Vec2> {
 
 fn octree(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> (Vec<Rgb>, Legend) {
     let mut canvas = background(film, 0.35);
-    for cell in cache.tree().cells() {
+    for cell in cache.tree().cells().filter(|cell| cell.items > 0) {
         let corner = |k: usize| {
             let pick =
                 |axis: usize| if k >> axis & 1 == 0 { cell.cube.min } else { cell.cube.max }[axis];
@@ -128,7 +131,7 @@ fn octree(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> (Vec<Rgb
 /// Yellow edges of cells over a picture.
 const CELL: Rgb = Rgb::new(0.9, 0.75, 0.3);
 
-/// The cells and records at the bottom of the scene, seen from above. One can count the records of each cell. The channel
+/// The cells and records at the bottom of the scene, seen from above, with the empty cells. One can count the records of each cell. The channel
 /// `records` has the number of records of the cell at each pixel.
 fn octree_slice(cache: &Cache<impl Sited>, film: &Film) -> Picture {
     let [w, h] = film.size();

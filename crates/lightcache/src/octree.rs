@@ -271,9 +271,9 @@ impl Octree {
         (node.reach, node.largest, node.smallest) = (reach, largest, smallest);
     }
 
-    /// All leaves that are not empty.
+    /// All leaves, with the empty ones.
     pub fn cells(&self) -> impl Iterator<Item = Cell> {
-        self.nodes.iter().filter(|n| n.children == NONE && n.count > 0).map(|n| Cell {
+        self.nodes.iter().filter(|n| n.children == NONE).map(|n| Cell {
             cube: Bounds { min: n.low, max: n.low + n.side },
             items: n.count as usize,
         })

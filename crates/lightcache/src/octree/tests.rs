@@ -46,12 +46,16 @@ fn a_lookup_finds_the_same_items_as_a_scan() {
 #[test]
 fn every_cell_has_fewer_than_three_items_unless_items_coincide() {
     let (tree, _) = tree(3000, 3);
-    let mut cells = 0;
+    let (mut items, mut volume) = (0, 0.0);
     for cell in tree.cells() {
         assert!(cell.items < 3);
-        cells += cell.items;
+        items += cell.items;
+        volume += (cell.cube.max - cell.cube.min).as_dvec3().element_product();
     }
-    assert_eq!(cells, 3000);
+    assert_eq!(items, 3000);
+    // With the empty cells, they fill the root.
+    let root = f64::from(tree.nodes[0].side).powi(3);
+    assert!((volume / root - 1.0).abs() < 1e-4, "{volume} of {root}");
     let mut same = Octree::new(Bounds { min: Vec3::ZERO, max: Vec3::ONE });
     (0..10).for_each(|_| {
         same.insert(Vec3::splat(0.3), 0.1);
