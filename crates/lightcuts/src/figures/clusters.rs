@@ -36,8 +36,9 @@ fn level(subject: &Subject, film: &Film, count: usize) -> Picture {
         }
         first += clusters.len();
     }
-    let title =
-        format!("{count} clusters per tree, {first} in all. Lights of one colour are one cluster");
+    let title = format!(
+        "{count} clusters per tree, {first} in all. Neighbours of one colour are one cluster"
+    );
     Picture {
         name: format!("clusters-{count}"),
         channels: Vec::new(),
