@@ -15,7 +15,7 @@
 //! | `within(T:A:B, 0 1 2 3)` | number of rows with A from 0 to 1 and B from 2 to 3 |
 //! | `stat(F:key.key)` | a number of a statistics file |
 //!
-//! P is a picture of the figure's folder without `.exr`, `reference` for the figure's reference; `P:Caustic` is a layer of it, and
+//! P is a picture of the figure's folder without `.exr`, `reference` for `--reference`; `P:Caustic` is a layer of it, and
 //! `P[X Y W H]` the part from X, Y with the size W, H, as fractions of the picture. T is a table and F a JSON file, with extension.
 
 use std::path::{Path, PathBuf};
@@ -125,8 +125,12 @@ impl Data<'_> {
     }
 
     fn file(&self, name: &str) -> anyhow::Result<PathBuf> {
+        // The reference that was asked for, though an older one may be in the folder.
+        if let Some(reference) = self.reference.filter(|_| name == "reference") {
+            return Ok(reference.to_path_buf());
+        }
         if name == "reference" && !self.folder.join("reference.exr").exists() {
-            return Ok(self.reference.context("the figure has no --reference")?.to_path_buf());
+            bail!("the figure has no --reference");
         }
         // Names may contain points, so the extension is appended, not replaced.
         let name = if name.ends_with(".exr") { name.to_string() } else { format!("{name}.exr") };
