@@ -176,6 +176,7 @@ fn log_axis(
 fn digits_with_number(ratio: f64) -> &'static [u32] {
     match ratio {
         r if r < 6.0 => &[1, 2, 3, 4, 5, 6, 7, 8, 9],
+        r if r < 20.0 => &[1, 2, 3, 5, 7],
         r if r < 300.0 => &[1, 2, 5],
         _ => &[1],
     }
@@ -201,9 +202,11 @@ mod tests {
 
     #[test]
     fn the_axes_of_narrow_ranges_have_three_numbers() {
-        for start in [0.0013, 0.0024, 0.0055, 0.0072] {
-            let range = start..3.3 * start;
-            let numbers = ticks(&range, digits_with_number(3.3));
+        for (start, ratio) in
+            [0.0013, 0.0024, 0.0055, 0.0072].map(|s| (s, 3.3)).into_iter().chain([(6e-4, 7.0)])
+        {
+            let range = start..ratio * start;
+            let numbers = ticks(&range, digits_with_number(ratio));
             assert!(numbers.len() >= 3, "{range:?}: {numbers:?}");
         }
     }
