@@ -1,5 +1,5 @@
-//! Writes all figures as slides for a projector: one per page, each with its slide's number. The page needs no other file, and
-//! prints one figure per sheet.
+//! Writes all figures as slides for a projector: one per page, each with its slide's number. The deck needs no other file, and
+//! prints each page on a sheet.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -17,7 +17,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
     let (figures, title) = (read(&args.folders)?, escaped(&args.title));
     let mut page = format!(
         "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n\
-         <section class=\"cover\"><h1>{title}</h1>\n<p>One figure per page. Arrow keys or Page Down and Page Up turn pages; printing gives one page per figure.</p>\n<ol>\n"
+         <section class=\"cover\"><h1>{title}</h1>\n<p>One figure per page; one with many panels takes several. Arrow keys or Page Down and Page Up turn pages; each prints on a sheet of its own.</p>\n<ol>\n"
     );
     for (_, figure) in &figures {
         let (slide, title) = (text(figure, "slide"), escaped(text(figure, "title")));
