@@ -33,6 +33,9 @@ pub(crate) struct Args {
     /// Layer to compare: Direct, Indirect, Caustic [default: all light]
     #[arg(long)]
     layer: Option<String>,
+    /// Compare only a part of the pictures, such as all but the lamp: left, top, width and height as fractions
+    #[arg(long, value_name = "X,Y,W,H", value_delimiter = ',', num_args = 4)]
+    part: Vec<f64>,
     /// Brighten the pictures, compared to the programs' display images, by this power of two
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     exposure: f32,
@@ -141,7 +144,12 @@ fn describe(args: &Args, panel: &Panel, reference: Option<&Picture>) -> anyhow::
         // The panel that shows the reference itself has no error.
         let compared = own && name_of(&data) != "reference.exr";
         if let Some(reference) = reference.filter(|r| compared && r.size == picture.size) {
-            let errors = Picture::read(&data, args.layer.as_deref())?.errors(reference)?;
+            let part = |p: Picture| match args.part[..] {
+                [x, y, w, h] => p.part([x, y, w, h]),
+                _ => Ok(p),
+            };
+            let picture = part(Picture::read(&data, args.layer.as_deref())?)?;
+            let errors = picture.errors(&part(reference.clone())?)?;
             told.insert("relmse".into(), json!(errors.rel_mse));
             told.insert("mean_ratio".into(), json!(errors.mean_ratio));
         }

@@ -12,6 +12,7 @@ use gi_stats::metrics::{Metrics, compare, compare_with_twins};
 use crate::inset::Inset;
 
 /// A layer of an EXR.
+#[derive(Clone)]
 pub(crate) struct Picture {
     pub(crate) size: [usize; 2],
     /// Interleaved RGB, row by row. With a twin, the mean of both.

@@ -157,6 +157,23 @@ fn the_noise_of_a_reference_with_a_twin_is_not_part_of_the_error() {
 }
 
 #[test]
+fn errors_may_be_of_a_part() {
+    let f = Folder::make();
+    picture(&f, "reference", 1.0, "1");
+    // The left half is twice as bright as it should be.
+    let half = |x: usize| if x % 4 < 2 { [2.0; 3] } else { [1.0; 3] };
+    let layers = Layers::of_rgb([4, 4], (0..16).map(half));
+    picture(&f, "a", 1.0, "1");
+    let path = f.at("a.exr");
+    write_file(Path::new(&path), ImageFile::Exr, &layers).expect("a picture");
+    let told = ["--slide", "12", "--title", "t", "--caption", "c", "a.png=x"];
+    let part = ["--part", "0,0,0.5,1", "--reference", &f.at("reference.exr")];
+    succeed(&[&["figure", &f.at("")][..], &part, &told].concat());
+    let sidecar: String = read(&f, "figure.json").split_whitespace().collect();
+    assert!(sidecar.contains("\"mean_ratio\":[2.0,2.0,2.0]"), "{sidecar}");
+}
+
+#[test]
 fn twins_that_are_not_independent_runs_of_one_picture_are_refused() {
     let f = Folder::make();
     let write = |name: &str, metadata: &[(&str, &str)]| {
