@@ -32,7 +32,7 @@ pub use diffuse::DiffusePart;
 pub use fresnel::dielectric_hemispherical;
 pub use glossy::{GlossyLobe, Kind, LobeView};
 use lobe::Lobe;
-pub(crate) use prepared::{PreparedMaterial, check_children, component_count};
+pub(crate) use prepared::{PreparedMaterial, check_children, component_counts};
 pub use toward::Toward;
 
 /// The direction of a path. Refraction scales radiance, but not power [Veach97, 5.2].

@@ -158,21 +158,19 @@ pub(crate) fn check_children(materials: &[Material]) -> bool {
     materials.iter().enumerate().all(|(k, m)| m.children().into_iter().all(|c| c < k))
 }
 
-/// Maximum number of lobes of a material at a point.
-pub(crate) fn component_count(materials: &[Material], id: usize) -> usize {
-    match &materials[id] {
-        Material::Mask { inner, .. } => 1 + component_count(materials, *inner),
-        Material::Bump { inner, .. } | Material::NormalMap { inner, .. } => {
-            component_count(materials, *inner)
-        }
-        Material::TwoSided { front, back } => {
-            component_count(materials, *front).max(component_count(materials, *back))
-        }
-        Material::Blend { first, second, .. } => {
-            component_count(materials, *first) + component_count(materials, *second)
-        }
-        _ => 1,
+/// Maximum number of lobes at a point, for each material. Materials may share children, so each is counted once.
+pub(crate) fn component_counts(materials: &[Material]) -> Vec<usize> {
+    let mut counts: Vec<usize> = Vec::with_capacity(materials.len());
+    for material in materials {
+        counts.push(match material {
+            Material::Mask { inner, .. } => counts[*inner].saturating_add(1),
+            Material::Bump { inner, .. } | Material::NormalMap { inner, .. } => counts[*inner],
+            Material::TwoSided { front, back } => counts[*front].max(counts[*back]),
+            Material::Blend { first, second, .. } => counts[*first].saturating_add(counts[*second]),
+            _ => 1,
+        });
     }
+    counts
 }
 
 /// Whether the facets are anisotropic.

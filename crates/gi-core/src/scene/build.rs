@@ -7,7 +7,7 @@ use glam::{Mat3, Vec3};
 
 use super::primitives::Primitives;
 use super::{PreparedInstance, Scene, SceneParts};
-use crate::bsdf::{MAX_COMPONENTS, PreparedMaterial, check_children, component_count};
+use crate::bsdf::{MAX_COMPONENTS, PreparedMaterial, check_children, component_counts};
 use crate::geometry::{Geometry, Instance, Shape};
 use crate::light::Lights;
 use crate::material::Material;
@@ -57,7 +57,8 @@ impl fmt::Display for SceneError {
             SceneError::TooManyLobes { shape, lobes } => {
                 write!(
                     f,
-                    "the material of shape \"{shape}\" blends {lobes} lobes; the maximum is {MAX_COMPONENTS}"
+                    "the material of shape \"{shape}\" blends {lobes} lobes; the maximum is {MAX_COMPONENTS}: \
+                     blend fewer materials"
                 )
             }
             SceneError::TooLarge { extent } => write!(
@@ -195,6 +196,7 @@ fn check(parts: &SceneParts) -> Result<(), SceneError> {
     if !check_children(&parts.materials) {
         return Err(SceneError::Dangling("a material comes before one that it is made of".into()));
     }
+    let counts = component_counts(&parts.materials);
     for shape in parts.shapes.iter().chain(parts.groups.iter().flatten()) {
         let name = &shape.name;
         if shape.material >= parts.materials.len() {
@@ -211,7 +213,7 @@ fn check(parts: &SceneParts) -> Result<(), SceneError> {
                 "shape \"{name}\" has a medium that does not exist"
             )));
         }
-        let lobes = component_count(&parts.materials, shape.material);
+        let lobes = counts[shape.material];
         if lobes > MAX_COMPONENTS {
             return Err(SceneError::TooManyLobes { shape: name.clone(), lobes });
         }
@@ -274,11 +276,24 @@ fn tree(
 #[cfg(test)]
 mod tests {
     use super::LARGEST;
+    use crate::bsdf::component_counts;
+    use crate::material::Material;
+    use crate::texture::Texture;
 
     #[test]
     fn the_squared_area_of_the_largest_scene_is_finite_and_that_of_a_larger_one_is_not() {
         let fourth_power = |diagonal: f32| (0.5 * diagonal).powi(4);
         assert!(fourth_power(LARGEST).is_finite());
         assert!(fourth_power(1.1 * LARGEST).is_infinite());
+    }
+
+    #[test]
+    fn lobes_of_blends_that_double_a_hundred_times_are_counted_at_once() {
+        let white = || Texture::grey(0.5);
+        let blend = |k| Material::Blend { weight: white(), first: k, second: k };
+        let first = std::iter::once(Material::Diffuse { reflectance: white() });
+        let materials: Vec<Material> = first.chain((0..100).map(blend)).collect();
+        let counts = component_counts(&materials);
+        assert_eq!((counts[3], counts[100]), (8, usize::MAX));
     }
 }

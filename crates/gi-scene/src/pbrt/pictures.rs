@@ -40,7 +40,11 @@ impl Translator<'_> {
         if params.text("filter").is_some_and(|f| f.text == "point") {
             self.doc.set(texture, "filter_type", span, Value::Text("nearest".into()));
         }
-        let is_linear = params.text("encoding").is_some_and(|e| e.text == "linear");
+        let encoding = params.text("encoding");
+        if let Some(gamma) = encoding.filter(|e| e.text.starts_with("gamma")) {
+            report.warn(gamma.span, format!("encoding `{}` is read as sRGB", gamma.text));
+        }
+        let is_linear = encoding.is_some_and(|e| e.text == "linear");
         let gamma = params.find("gamma", |p| p.kind == Type::Bool).is_some();
         if is_linear || (gamma && !params.bool("gamma", true, report)) {
             self.doc.set(texture, "raw", span, Value::Bool(true));

@@ -76,8 +76,8 @@ fn xyz_of([x, y]: [f64; 2]) -> DVec3 {
     DVec3::new(x / y, 1.0, (1.0 - x - y) / y)
 }
 
-/// Chromaticities of the standard illuminants \[CIE 15\].
-const ILLUMINANTS: [(&str, [f64; 2]); 15] = [
+/// Chromaticities of the standard illuminants \[CIE 15\] and of the white of ACES.
+const ILLUMINANTS: [(&str, [f64; 2]); 16] = [
     ("stdillum-A", [0.44758, 0.40745]),
     ("stdillum-D50", [0.34567, 0.35851]),
     ("stdillum-D65", [0.31272, 0.32903]),
@@ -93,6 +93,7 @@ const ILLUMINANTS: [(&str, [f64; 2]); 15] = [
     ("stdillum-F10", [0.34609, 0.35986]),
     ("stdillum-F11", [0.38052, 0.37713]),
     ("stdillum-F12", [0.43695, 0.40441]),
+    ("illum-acesD60", [0.32168, 0.33767]),
 ];
 
 /// Glasses: index of refraction at the helium line, from their makers' catalogues.
@@ -293,6 +294,11 @@ mod tests {
     #[test]
     fn names_of_spectra_are_known() {
         near(named("stdillum-D65", Meaning::Light).unwrap(), [1.0; 3]);
+        let aces = named("illum-acesD60", Meaning::Light).unwrap();
+        assert!(
+            aces.r > aces.g && aces.g > aces.b && (aces.luminance() - 1.0).abs() < 1e-3,
+            "{aces:?}"
+        );
         assert_eq!(named("metal-Cu-k", Meaning::Factor), metal_file("spds/Cu.k.spd"));
         assert_eq!(named("glass-SF11", Meaning::Factor), Some(Rgb::grey(1.78472)));
         assert!(named("metal-Cu-z", Meaning::Factor).is_none());

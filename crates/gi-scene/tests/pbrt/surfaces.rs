@@ -213,3 +213,14 @@ Material \"uber\" \"rgb Kt\" [.1 .1 .1] Shape \"sphere\" WorldEnd",
         ]
     );
 }
+
+#[test]
+fn a_gamma_encoding_of_a_picture_is_said_to_be_read_as_srgb() {
+    let folder = common::Folder::new();
+    folder.write("a.pfm", [b"PF\n1 1\n-1.0\n".as_slice(), &[0; 12]].concat());
+    let text = "WorldBegin
+Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.pfm\" \"string encoding\" \"gamma 2.2\"
+Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"";
+    let loaded = load(&folder.write("scene.pbrt", text), &Options::default()).unwrap();
+    assert!(warnings(&loaded).contains(&"2: encoding `gamma 2.2` is read as sRGB"));
+}
