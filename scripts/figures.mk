@@ -139,26 +139,26 @@ figure-12: $(REFERENCES)/cornell-box.indirect.exr
 	  --claim "stat(with.json:technique.records) / stat(without.json:technique.records) in 1..1" \
 	  without.png="without gradients" with.png="with gradients" without-error.svg="relative error, without" with-error.svg="relative error, with"
 
-figure-13: $(REFERENCES)/cornell-box.indirect.exr
+# Where no record is valid, a path is traced: with few samples per pixel, its noise would hide the error of the cache.
+IRR_SMALL = $(BIN)/irrcache $(BOX) $(SMALL) --component indirect --spp $(call q,16,64,64)
+figure-13: $(REFERENCES)-small/cornell-box.indirect.exr
 	mkdir -p $D
-	$(IRR) --rays 1000 $(LECTURE) --stats $D/lecture-small.json -o $D/lecture-small.exr
-	$(IRR) --rays 1000 --stats $D/hessian-small.json -o $D/hessian-small.exr
+	$(IRR_SMALL) $(LECTURE) --rays 1000 --stats $D/lecture-small.json -o $D/lecture-small.exr
+	$(IRR_SMALL) --rays 1000 --stats $D/hessian-small.json -o $D/hessian-small.exr
 	$(IRR_OVER) --rays 1000 $(LECTURE) --show records --stats $D/lecture.json -o $D/lecture.exr
 	$(IRR_OVER) --rays 1000 --show records --stats $D/hessian.json -o $D/hessian.exr
 	$(DRAW) figure $D --slide 13 --columns 2 --title "Cache positions" --reference $< \
-	  --caption "Positions of the records with 1000 rays each. Violet records are valid within a small radius, yellow ones within a large one (each picture has its own scale): radii are small in corners and near the blocks. An error estimate with Hessians needs {stat(lecture.json:technique.records) / stat(hessian.json:technique.records)} times fewer for a similar error: at $(SIZE) pixels, its {stat(hessian-small.json:technique.records)} records have relMSE {relmse(hessian-small)}, the {stat(lecture-small.json:technique.records)} of the slide's rule {relmse(lecture-small)}." \
+	  --caption "Positions of the records with 1000 rays each. Violet and blue records are valid within a small radius, yellow ones within a large one (each picture has its own scale): radii are small in corners and near the blocks. An error estimate with Hessians needs {stat(lecture.json:technique.records) / stat(hessian.json:technique.records)} times fewer for a similar error: at $(word 2,$(SMALL)) pixels, its {stat(hessian-small.json:technique.records)} records have relMSE {relmse(hessian-small)}, the {stat(lecture-small.json:technique.records)} of the slide's rule {relmse(lecture-small)}." \
 	  --claim "stat(lecture.json:technique.records) > 2 * stat(hessian.json:technique.records)" --claim "stat(lecture-small.json:technique.records) > 2 * stat(hessian-small.json:technique.records)" \
 	  --claim "relmse(hessian-small) < 1.5 * relmse(lecture-small)" \
 	  lecture.records.png="the slide's rule, w > 10: {stat(lecture.json:technique.records)} records" hessian.records.png="error from Hessians with occlusion (the default): {stat(hessian.json:technique.records)} records"
 
 RAYS := $(call q,30 100 300 1000,30 100 300 1000 3000,30 100 300 1000 3000 5000)
 ACCURACIES := $(call q,0.1 0.2 0.35 0.5,0.05 0.1 0.2 0.35 0.5,0.05 0.1 0.2 0.35 0.5)
-# Where no record is valid, a path is traced: with few samples per pixel, its noise would hide the error of the cache.
-IRR_SMALL = $(BIN)/irrcache $(BOX) $(SMALL) --component indirect --spp $(call q,16,64,64) $(LECTURE)
 figure-14: $(REFERENCES)-small/cornell-box.indirect.exr
 	mkdir -p $D
-	for n in $(RAYS); do $(IRR_SMALL) --rays $$n -o $D/rays-$$n.exr; done
-	for a in $(ACCURACIES); do $(IRR_SMALL) --rays 1000 --accuracy $$a -o $D/accuracy-$$a.exr; done
+	for n in $(RAYS); do $(IRR_SMALL) $(LECTURE) --rays $$n -o $D/rays-$$n.exr; done
+	for a in $(ACCURACIES); do $(IRR_SMALL) $(LECTURE) --rays 1000 --accuracy $$a -o $D/accuracy-$$a.exr; done
 	$(IRR) --rays 30 $(LECTURE) -o $D/few.exr
 	$(IRR) --rays $(lastword $(RAYS)) $(LECTURE) -o $D/many.exr
 	$(DRAW) measure $D/rays.csv --reference $< $(foreach n,$(RAYS),$n=$D/rays-$n.exr)

@@ -34,7 +34,7 @@ pub(crate) struct Args {
     #[arg(long)]
     layer: Option<String>,
     /// Compare only a part of the pictures, such as all but the lamp: left, top, width and height as fractions
-    #[arg(long, value_name = "X,Y,W,H", value_delimiter = ',', num_args = 4)]
+    #[arg(long, value_name = "X,Y,W,H", value_delimiter = ',')]
     part: Vec<f64>,
     /// Brighten the pictures, compared to the programs' display images, by this power of two
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
@@ -144,12 +144,8 @@ fn describe(args: &Args, panel: &Panel, reference: Option<&Picture>) -> anyhow::
         // The panel that shows the reference itself has no error.
         let compared = own && name_of(&data) != "reference.exr";
         if let Some(reference) = reference.filter(|r| compared && r.size == picture.size) {
-            let part = |p: Picture| match args.part[..] {
-                [x, y, w, h] => p.part([x, y, w, h]),
-                _ => Ok(p),
-            };
-            let picture = part(Picture::read(&data, args.layer.as_deref())?)?;
-            let errors = picture.errors(&part(reference.clone())?)?;
+            let picture = Picture::read(&data, args.layer.as_deref())?.asked_part(&args.part)?;
+            let errors = picture.errors(&reference.clone().asked_part(&args.part)?)?;
             told.insert("relmse".into(), json!(errors.rel_mse));
             told.insert("mean_ratio".into(), json!(errors.mean_ratio));
         }

@@ -63,12 +63,7 @@ pub(crate) fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 fn read(args: &Args, path: &Path) -> anyhow::Result<Picture> {
-    let picture = Picture::read(path, args.layer.as_deref())?;
-    match args.part[..] {
-        [] => Ok(picture),
-        [x, y, w, h] => picture.part([x, y, w, h]),
-        _ => bail!("--part: expected X,Y,W,H"),
-    }
+    Picture::read(path, args.layer.as_deref())?.asked_part(&args.part)
 }
 
 /// The squares of noise and bias, relative like relMSE, from two pictures with independent noise: their half squared difference has

@@ -102,6 +102,15 @@ impl Picture {
         Ok(Picture { size, rgb: of(&self.rgb), twins, metadata: self.metadata })
     }
 
+    /// The part that the option `--part` asks for; without numbers, the whole picture.
+    pub(crate) fn asked_part(self, part: &[f64]) -> anyhow::Result<Self> {
+        match *part {
+            [] => Ok(self),
+            [x, y, w, h] => self.part([x, y, w, h]),
+            _ => bail!("--part: expected X,Y,W,H"),
+        }
+    }
+
     /// Write a display image, brightened by a power of two, with enlarged parts.
     pub(crate) fn save_view(
         &self,
