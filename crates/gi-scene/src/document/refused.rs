@@ -2,7 +2,7 @@
 
 /// Tag, plugin, reason, advice.
 #[rustfmt::skip]
-const REFUSED: [(&str, &str, &str, &str); 34] = [
+const REFUSED: [(&str, &str, &str, &str); 31] = [
     ("shape", "sdfgrid", "signed distance fields are not traced", "convert it to a mesh, by marching cubes for example"),
     ("shape", "bsplinecurve", CURVES, TUBES),
     ("shape", "linearcurve", CURVES, TUBES),
@@ -15,9 +15,6 @@ const REFUSED: [(&str, &str, &str, &str); 34] = [
     ("bsdf", "hair", "there are no curves that it could be on", "use `roughplastic` or `principled`"),
     ("bsdf", "measured", MEASURED, "fit a `principled` or `roughconductor` to it"),
     ("bsdf", "measured_polarized", MEASURED, "fit a `principled` or `roughconductor` to it"),
-    ("bsdf", "polarizer", POLARISED, "`mask` with opacity 0.5 transmits as much unpolarised light"),
-    ("bsdf", "retarder", POLARISED, "`null` transmits all light"),
-    ("bsdf", "circular", POLARISED, "`mask` with opacity 0.5 transmits as much unpolarised light"),
     ("bsdf", "irawan", "woven cloth is not supported", "use `roughdiffuse` or `principled` with sheen"),
     ("bsdf", "hk", "subsurface scattering in a layer is not supported", "use `principledthin` with `diff_trans`"),
     ("bsdf", "difftrans", "it transmits diffuse light only", "use `principledthin` with `diff_trans` 2"),
@@ -43,7 +40,6 @@ const CURVES: &str = "curves are not traced";
 const TUBES: &str = "convert them to meshes of thin tubes";
 const SPHERES: &str = "use `sphere` with a `to_world`, or a mesh";
 const MEASURED: &str = "measured tables are not read";
-const POLARISED: &str = "light is not polarised here";
 const OLD_BITMAP: &str = "it is an old name";
 const PHASE: &str = "only `isotropic` and `hg` are supported";
 

@@ -16,7 +16,7 @@ use crate::document::{Meaning, Node};
 use crate::textures::one_channel;
 
 /// The supported plugins.
-const KNOWN: [&str; 26] = [
+const KNOWN: [&str; 29] = [
     "diffuse",
     "roughdiffuse",
     "dielectric",
@@ -43,6 +43,9 @@ const KNOWN: [&str; 26] = [
     "roughcoating",
     "lambertian",
     "opacity",
+    "polarizer",
+    "retarder",
+    "circular",
 ];
 
 /// Largest depth of nested materials. The builder is recursive, and no real scene comes near this depth.
@@ -134,6 +137,8 @@ impl Builder<'_> {
             "principled" => self.principled(node),
             "principledthin" => self.principled_thin(node),
             "null" => Material::Null,
+            "polarizer" | "circular" => self.filter(node, 0.5),
+            "retarder" => self.filter(node, 1.0),
             "mask" | "opacity" => {
                 let opacity = self.one_channel_share(node, "opacity", 0.5);
                 Material::Mask { opacity, inner: self.only_child(node)? }

@@ -1,6 +1,7 @@
-//! BSDFs that contain other BSDFs: `twosided`, `blendbsdf`, and those with a single child.
+//! BSDFs that contain other BSDFs: `twosided`, `blendbsdf`, and those with a single child; and filters.
 
 use gi_core::material::Material;
+use gi_core::math::Rgb;
 use gi_core::texture::Texture;
 
 use crate::builder::Builder;
@@ -46,6 +47,16 @@ impl Builder<'_> {
                 node.wrong_count("bsdfs", other.len(), "expected two");
                 None
             }
+        }
+    }
+
+    /// A sheet that filters polarised light; of unpolarised light it transmits this fraction.
+    pub(super) fn filter(&mut self, node: Node<'_>, fraction: f32) -> Material {
+        node.ignore(&["theta", "delta", "left_handed"]);
+        Material::ThinDielectric {
+            eta: 1.0,
+            reflectance: Texture::grey(1.0),
+            transmittance: self.share(node, "transmittance", 1.0).scaled(Rgb::grey(fraction)),
         }
     }
 

@@ -278,3 +278,15 @@ fn ignored_parameters_that_change_the_picture_give_a_warning() {
         <shape type='cube'/>";
     named(lens, "`blades`");
 }
+
+#[test]
+fn filters_of_polarised_light_transmit_what_they_do_of_unpolarised_light() {
+    let transmitted = |bsdf: &str| match material(bsdf) {
+        Material::ThinDielectric { eta: 1.0, transmittance, .. } => constant(&transmittance).g,
+        other => panic!("{other:?}"),
+    };
+    let half = "<bsdf type='polarizer'><spectrum name='theta' value='30'/></bsdf>";
+    let dark = "<bsdf type='circular'><rgb name='transmittance' value='0.5'/></bsdf>";
+    let retarder = "<bsdf type='retarder'><float name='delta' value='90'/></bsdf>";
+    assert_eq!([half, dark, retarder].map(transmitted), [0.5, 0.25, 1.0]);
+}
