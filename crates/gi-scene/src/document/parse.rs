@@ -106,12 +106,18 @@ impl<'r> Parser<'r> {
         };
         self.doc.hash.bytes(text.as_bytes());
         let file = self.report.add_file(path, &text);
-        let options = roxmltree::ParsingOptions { nodes_limit: MAX_NODES, ..Default::default() };
         let readable = comments::without_dashes(&text);
         if let Err((Range { start, end }, message)) = scan::check(&text) {
             return self.report.error(Span { file, start, end }, message, "");
         }
-        let parsed = guarded(|| Ok(roxmltree::Document::parse_with_options(&readable, options)));
+        let mut parsed = elements_of(&readable);
+        if let (Ok(Err(_)), Some(end)) = (&parsed, end_of_scene(&readable))
+            && let Ok(Ok(whole)) = elements_of(&readable[..end])
+        {
+            // Mitsuba ignores what follows the outermost element.
+            self.report.warn(Span { file, start: end, end }, "what follows `</scene>` is ignored");
+            parsed = Ok(Ok(whole));
+        }
         let xml = match parsed {
             Ok(Ok(xml)) => xml,
             Ok(Err(why)) => return self.xml_error(&why, &text, file),
@@ -235,4 +241,17 @@ impl<'r> Parser<'r> {
         self.doc.objects[parent].children.push(child);
         self.children(node, file, id, depth + 1);
     }
+}
+
+/// The elements of a text, or why it is no XML.
+fn elements_of(text: &str) -> Result<Result<roxmltree::Document<'_>, roxmltree::Error>, String> {
+    let options = roxmltree::ParsingOptions { nodes_limit: MAX_NODES, ..Default::default() };
+    guarded(|| Ok(roxmltree::Document::parse_with_options(text, options)))
+}
+
+/// Where the last `</scene>` ends, if more text follows.
+fn end_of_scene(text: &str) -> Option<usize> {
+    const TAG: &str = "</scene>";
+    let end = text.rfind(TAG)? + TAG.len();
+    (!text[end..].trim().is_empty()).then_some(end)
 }

@@ -258,3 +258,13 @@ fn an_unknown_reference_is_not_counted_as_a_missing_child_too() {
     );
     assert!(!shown.contains(" bsdfs"), "{shown}");
 }
+
+#[test]
+fn elements_after_the_end_of_the_scene_are_ignored_with_a_warning() {
+    let folder = Folder::new();
+    let text = "<scene version='3.0.0'><shape type='sphere'/></scene>\n<shape type='cube'/>\n";
+    let loaded = load(&folder.write("a.xml", text), &Options::default()).unwrap();
+    assert_eq!(loaded.parts.shapes.len(), 1);
+    let warned = |w: &String| w.ends_with("a.xml:1: what follows `</scene>` is ignored");
+    assert!(loaded.warnings.iter().any(warned), "{:?}", loaded.warnings);
+}
