@@ -46,7 +46,7 @@ fn a_run_writes_its_pictures_its_cache_and_its_records() {
     expected.sort_unstable();
     assert_eq!(folder.files(), expected);
     let layers = read_exr(Path::new(&out)).expect("an EXR");
-    for name in ["Records.radius", "Weights.w", "Octree.G", "Octree-slice.R", "Validity.B"] {
+    for name in ["Records.radius", "Weights.w", "Octree.G", "Octree-slice.records", "Validity.B"] {
         assert!(layers.channel(name).is_some(), "no layer {name}");
     }
     // A second run with this cache makes no record, and the same picture.
