@@ -54,14 +54,16 @@ impl Assets {
                 _ => false,
             };
             let is_mesh = node.class() == Class::Shape && MeshFile::KINDS.contains(&node.plugin());
-            let is_volume = node.class() == Class::Volume && node.plugin() == "gridvolume";
+            let distances = node.class() == Class::Shape && node.plugin() == "sdfgrid";
+            let is_volume =
+                distances || node.class() == Class::Volume && node.plugin() == "gridvolume";
             if !is_bitmap && !is_mesh && !is_volume {
                 continue;
             }
             let Some(path) = locate(node, &mut missing) else { continue };
             let (object, span) = (node.id, node.span_of("filename"));
             if is_volume {
-                volumes.push(Wanted { object, span, key: path });
+                volumes.push(Wanted { object, span, key: (path, distances) });
             } else if is_mesh {
                 meshes.push(Wanted { object, span, key: MeshFile::of(node, path) });
             } else if node.class() == Class::Emitter {
@@ -81,13 +83,14 @@ impl Assets {
         assets
     }
 
-    fn read_volumes(&mut self, wanted: Vec<Wanted<PathBuf>>, report: &Report) {
+    /// Read grids of values, which are signed if they are distances.
+    fn read_volumes(&mut self, wanted: Vec<Wanted<(PathBuf, bool)>>, report: &Report) {
         let (keys, index) = unique(&wanted);
         let first = first_of(&index, keys.len());
         let mut read = Vec::new();
-        for (i, path) in keys.iter().enumerate() {
+        for (i, (path, signed)) in keys.iter().enumerate() {
             report.reads(path);
-            let result = VolumeFile::read(path, &report.budget);
+            let result = VolumeFile::read(path, *signed, &report.budget);
             let volume = note_failure(result, path, wanted[first[i]].span, report);
             self.hash.word(volume.as_ref().map_or(0, |(_, hash)| *hash));
             read.push(volume.map(|(volume, _)| Arc::new(volume)));

@@ -33,8 +33,8 @@ pub(crate) struct VolumeFile {
 }
 
 impl VolumeFile {
-    /// Read a file, if the budget allows it; also returns the hash of its bytes.
-    pub(crate) fn read(path: &Path, budget: &Budget) -> Result<(Self, u64), String> {
+    /// Read a file, if the budget allows it; also returns the hash of its bytes. Only signed values may be negative.
+    pub(crate) fn read(path: &Path, signed: bool, budget: &Budget) -> Result<(Self, u64), String> {
         let mut claim = budget.claim(path.display());
         let bytes = files::read_bytes(path, &mut claim)?;
         let header = Header::parse(&bytes)?;
@@ -42,7 +42,7 @@ impl VolumeFile {
         claim.set(bytes.len() as u64 + cells)?;
         let read = VolumeFile {
             size: header.size,
-            cells: header.cells(&bytes[HEADER..])?,
+            cells: header.cells(&bytes[HEADER..], signed)?,
             bounds: header.bounds,
         };
         let mut hash = Hash::default();
@@ -110,17 +110,19 @@ impl Header {
         self.count().saturating_mul(4 * self.channels as u64)
     }
 
-    fn cells(&self, bytes: &[u8]) -> Result<Cells, String> {
+    fn cells(&self, bytes: &[u8], signed: bool) -> Result<Cells, String> {
         let float = |b: &[u8]| {
             let value = f32::from_le_bytes(b.try_into().expect("four bytes"));
-            if (-ROUNDING..0.0).contains(&value) { 0.0 } else { value }
+            if !signed && (-ROUNDING..0.0).contains(&value) { 0.0 } else { value }
         };
         let values = bytes[..self.bytes() as usize].chunks_exact(4).map(float);
-        if let Some((k, bad)) = values.clone().enumerate().find(|(_, v)| !is_valid(*v)) {
+        let (least, fits): (&str, fn(f32) -> bool) =
+            if signed { ("-1e15", |v| is_valid(v.abs())) } else { ("0", is_valid) };
+        if let Some((k, bad)) = values.clone().enumerate().find(|(_, v)| !fits(*v)) {
             let cell = k / self.channels;
             let [x, y, _] = self.size;
             let at = [cell % x, cell / x % y, cell / x / y].map(|i| i.to_string()).join(", ");
-            return Err(format!("the value of cell ({at}) is {bad}: expected 0 to 1e15"));
+            return Err(format!("the value of cell ({at}) is {bad}: expected {least} to 1e15"));
         }
         Ok(if self.channels == 1 {
             Cells::Grey(values.collect::<Arc<[f32]>>())

@@ -131,8 +131,8 @@ fn octree(setting: &Setting, cache: &Cache<impl Sited>, film: &Film) -> (Vec<Rgb
 /// Yellow edges of cells over a picture.
 const CELL: Rgb = Rgb::new(0.9, 0.75, 0.3);
 
-/// The cells and records at the bottom of the scene, seen from above, with the empty cells. One can count the records of each cell. The channel
-/// `records` has the number of records of the cell at each pixel.
+/// The cells and records at the bottom of the scene, seen from above, with the empty cells. One can count the records of
+/// each cell. The channel `records` has the number of records of the cell at each pixel.
 fn octree_slice(cache: &Cache<impl Sited>, film: &Film) -> Picture {
     let [w, h] = film.size();
     let mut counts = vec![0.0; w * h];

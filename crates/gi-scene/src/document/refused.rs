@@ -2,8 +2,7 @@
 
 /// Tag, plugin, reason, advice.
 #[rustfmt::skip]
-const REFUSED: [(&str, &str, &str, &str); 31] = [
-    ("shape", "sdfgrid", "signed distance fields are not traced", "convert it to a mesh, by marching cubes for example"),
+const REFUSED: [(&str, &str, &str, &str); 30] = [
     ("shape", "bsplinecurve", CURVES, TUBES),
     ("shape", "linearcurve", CURVES, TUBES),
     ("shape", "hair", CURVES, TUBES),

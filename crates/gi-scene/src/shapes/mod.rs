@@ -1,5 +1,6 @@
 //! Shape plugins.
 
+mod distances;
 pub(crate) mod mesh_file;
 pub(crate) mod obj;
 mod place;
@@ -21,7 +22,7 @@ use crate::document::{Class, Node};
 use crate::origins::ShapeOrigin;
 
 /// The supported plugins.
-const KNOWN: [&str; 10] = [
+const KNOWN: [&str; 11] = [
     "obj",
     "ply",
     "serialized",
@@ -32,6 +33,7 @@ const KNOWN: [&str; 10] = [
     "cylinder",
     "shapegroup",
     "instance",
+    "sdfgrid",
 ];
 
 /// Warn about a shape without area, or about a solid that its transform flattens.
@@ -126,6 +128,10 @@ impl Builder<'_> {
                 (geometry, ShapeOrigin::Itself, mirrored)
             }
             "cylinder" => (solids::cylinder(node, &to_world)?, ShapeOrigin::Itself, false),
+            "sdfgrid" => {
+                let mesh = self.surface_of_distances(node, &to_world)?;
+                (Geometry::Mesh(mesh), ShapeOrigin::Itself, false)
+            }
             _ => {
                 let (file, portable, mesh) = self.assets.take_mesh(node.id)?;
                 // pbrt also reads compressed files, and a mirror does not turn a faceted mesh inside out.

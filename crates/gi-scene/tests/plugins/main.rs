@@ -154,11 +154,11 @@ fn a_coat_over_a_diffuse_base_is_plastic_without_light_between_the_two() {
 #[test]
 fn plugins_that_are_not_supported_are_refused_with_a_reason_and_advice() {
     let shown = common::Folder::new().problems(
-        "<shape type='sdfgrid'/><emitter type='directionalarea'/><shape type='cube'><bsdf type='irawan'/></shape>",
+        "<shape type='linearcurve'/><emitter type='directionalarea'/><shape type='cube'><bsdf type='irawan'/></shape>",
     );
     for text in [
-        "shape `sdfgrid` is not supported",
-        "marching cubes",
+        "shape `linearcurve` is not supported",
+        "thin tubes",
         "emitter `directionalarea` is not supported",
         "woven cloth",
         "`principled` with sheen",

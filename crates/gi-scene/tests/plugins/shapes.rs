@@ -1,6 +1,7 @@
 //! Shapes and their transforms.
 
 use super::*;
+use crate::common::Folder;
 
 #[test]
 fn transforms_apply_in_written_order() {
@@ -126,4 +127,35 @@ fn a_mesh_attribute_colours_each_shape_with_its_own_mesh() {
     assert!(shown.contains("attribute `vertex_colour` of `a.ply`"), "{shown}");
     let cube = format!("<shape type='cube'>{bsdf}</shape>");
     assert!(folder.problems(&cube).contains("`mesh_attribute` on a shape `cube`"));
+}
+
+/// A grid of 2 x 2 x 2 signed distances from the plane x = 0.25, in one or more channels.
+fn distances(channels: usize) -> Vec<u8> {
+    let mut out = b"VOL\x03".to_vec();
+    out.extend([1, 2, 2, 2, channels as i32].map(i32::to_le_bytes).concat());
+    out.extend([0.0, 0.0, 0.0, 1.0, 1.0, 1.0f32].map(f32::to_le_bytes).concat());
+    let values = (0..8 * channels).map(|k| if k / channels % 2 == 0 { -0.25f32 } else { 0.75 });
+    out.extend(values.flat_map(f32::to_le_bytes));
+    out
+}
+
+#[test]
+fn a_grid_of_distances_becomes_a_mesh_in_the_transformed_unit_cube() {
+    let folder = Folder::new();
+    folder.write("plane.vol", distances(1));
+    let body = "<shape type='sdfgrid'><string name='filename' value='plane.vol'/>
+        <transform name='to_world'><scale x='4'/><translate y='1'/></transform></shape>";
+    let loaded = folder.scene("3.0.0", body).unwrap();
+    let Geometry::Mesh(mesh) = &loaded.parts.shapes[0].geometry else { panic!() };
+    let bounds = mesh.bounds();
+    let near = |a: Vec3, b: Vec3| (a - b).length() < 1e-5;
+    assert!(
+        near(bounds.min, Vec3::new(1.0, 1.0, 0.0)) && near(bounds.max, Vec3::new(1.0, 2.0, 1.0)),
+        "{bounds:?}"
+    );
+    assert!(mesh.normals.iter().all(|n| near(*n, Vec3::X)), "away from the negative side");
+    assert!(loaded.warnings.iter().any(|w| w.contains("`sdfgrid` is approximated by a mesh")));
+    folder.write("colour.vol", distances(3));
+    let shown = folder.scene("3.0.0", &body.replace("plane", "colour")).unwrap_err().to_string();
+    assert!(shown.contains("the distances have three channels"), "{shown}");
 }
