@@ -134,7 +134,8 @@ fn distances(channels: usize) -> Vec<u8> {
     let mut out = b"VOL\x03".to_vec();
     out.extend([1, 2, 2, 2, channels as i32].map(i32::to_le_bytes).concat());
     out.extend([0.0, 0.0, 0.0, 1.0, 1.0, 1.0f32].map(f32::to_le_bytes).concat());
-    let values = (0..8 * channels).map(|k| if k / channels % 2 == 0 { -0.25f32 } else { 0.75 });
+    let values =
+        (0..8 * channels).map(|k| if (k / channels).is_multiple_of(2) { -0.25f32 } else { 0.75 });
     out.extend(values.flat_map(f32::to_le_bytes));
     out
 }
