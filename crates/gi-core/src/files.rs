@@ -33,7 +33,7 @@ pub fn read(path: &Path) -> std::result::Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-/// What is said of a file that can be read, but not used.
+/// The message about a file that can be read, but not used.
 pub fn refusal(path: &Path, cause: &str) -> String {
     format!("cannot use {}: {cause}", path.display())
 }

@@ -54,9 +54,9 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     Ok(Loaded { warnings, files, memory, ..loaded })
 }
 
-/// Refuse a scene if the tree of its rays would take more memory than is left. The tree is built later, by the program.
+/// Refuse a scene if building its bounding volume hierarchy would take more memory than is left. The program builds it later.
 fn check_tree(parts: &SceneParts, report: &Report) {
-    let mut claim = report.budget.claim("the tree of the rays");
+    let mut claim = report.budget.claim("the bounding volume hierarchy");
     if let Err(why) = claim.set(parts.build_bytes()) {
         let primitives = parts.primitive_count();
         report.error_nowhere(format!("no tree over {primitives} primitives can be built: {why}"));

@@ -24,8 +24,8 @@ pub struct Options {
     pub light: Option<AddedLight>,
     /// Changes to the scene's camera.
     pub camera: CameraOverride,
-    /// The memory that the scene may take, in bytes: pictures, meshes, text, and the tree of the rays while it is built. By default
-    /// half of this machine's memory.
+    /// The memory that the scene may take, in bytes: pictures, meshes, text, and the bounding volume hierarchy
+    /// while it is built. By default half of this machine's memory.
     pub max_memory: u64,
 }
 

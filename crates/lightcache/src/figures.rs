@@ -47,7 +47,7 @@ fn visible<'c>(setting: &Setting, cache: &'c Cache<impl Sited>) -> Vec<(&'c Site
 fn scale(sites: &[(&Site, Vec2)], what: &str) -> (impl Fn(f32) -> Rgb + use<>, Legend) {
     let mut reaches: Vec<f32> = sites.iter().map(|(s, _)| s.reach()).collect();
     reaches.sort_by(f32::total_cmp);
-    // A single tiny record would take half of the colours.
+    // The smallest radius of all may be an outlier, which would take half of the colour scale.
     let low = reaches.get(reaches.len() / 100).copied().unwrap_or(1.0);
     let high = reaches.last().copied().unwrap_or(1.0);
     let of = move |r: f32| if high > low { (r / low).ln() / (high / low).ln() } else { 1.0 };

@@ -215,7 +215,7 @@ impl Gatherer<'_, '_> {
     }
 
     /// The tree's cells at the bottom of the scene, where they contain the lowest photons, with all photons in them, seen from above.
-    /// The first splits are the thickest. The channel `photons` has the number of photons of the cell at each pixel.
+    /// The lines of the first splits are the thickest. The channel `photons` has the number of photons of the cell at each pixel.
     fn cells(&self, size: [usize; 2]) -> Picture {
         let [w, h] = size;
         let mut canvas = Canvas::over(size, vec![Rgb::WHITE; w * h]);

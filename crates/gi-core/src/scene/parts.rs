@@ -28,8 +28,8 @@ pub struct SceneParts {
     pub origin: Vec3,
 }
 
-/// Memory that [`Scene::new`](super::Scene::new) takes for each primitive while it builds the tree of the rays, in bytes: the peak
-/// of whole runs over scenes of 1.6 to 6.5 million triangles, less the meshes.
+/// Memory that [`Scene::new`](super::Scene::new) takes for each primitive while it builds the bounding volume hierarchy, in
+/// bytes: the peak of whole runs with scenes of 1.6 to 6.5 million triangles, without the meshes.
 const BUILD_BYTES: u64 = 260;
 
 impl SceneParts {

@@ -18,7 +18,7 @@ use crate::document::Node;
 
 /// Number of small cubes along an edge of a cell. With three, the mean of a picture differs from Mitsuba's by 0.1 % at most.
 const PARTS: usize = 3;
-/// Steps by which a vertex approaches the surface on its edge.
+/// Iterations of false position that find where an edge meets the surface.
 const STEPS: usize = 4;
 
 /// The corners of the six tetrahedra of a cube, which share its diagonal: bit k of a corner is its coordinate on axis k.
@@ -91,7 +91,9 @@ impl<'a> Distances<'a> {
 
     /// The gradient at a point, in coordinates of the grid: that of the eight nearest cells, blended trilinearly.
     fn normal(&self, p: Vec3) -> Vec3 {
-        let (low, share) = ((p - 0.5).floor(), (p - 0.5) - (p - 0.5).floor());
+        let from_centres = p - 0.5;
+        let low = from_centres.floor();
+        let share = from_centres - low;
         let mut sum = Vec3::ZERO;
         for k in 0..8 {
             let mut weight = 1.0;
@@ -164,7 +166,7 @@ fn gradient(corners: &[f32; 8], p: Vec3) -> Vec3 {
 struct Surface {
     positions: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
-    /// The vertex on the edge between two points of the lattice of small cubes.
+    /// The vertex on each edge of the lattice of small cubes, by the ends of the edge.
     on_edge: HashMap<[[usize; 3]; 2], u32>,
 }
 
@@ -210,11 +212,10 @@ impl Surface {
             all.into_iter().partition(|c| c.value < 0.0);
         let mut cut = |a: Corner, b: Corner| self.vertex(a, b, corners, cell);
         let (cuts, faces_out): (Vec<u32>, bool) = match (&inside[..], &outside[..]) {
-            ([a], [b, c, d]) => {
-                ([b, c, d].map(|x| cut(*a, *x)).to_vec(), is_positive([*a, *b, *c, *d]))
-            }
-            ([b, c, d], [a]) => {
-                ([b, c, d].map(|x| cut(*a, *x)).to_vec(), !is_positive([*a, *b, *c, *d]))
+            ([a], [b, c, d]) | ([b, c, d], [a]) => {
+                let is_inside = a.value < 0.0;
+                let cuts = [b, c, d].map(|x| cut(*a, *x)).to_vec();
+                (cuts, is_positive([*a, *b, *c, *d]) == is_inside)
             }
             ([a, b], [c, d]) => {
                 let cuts = vec![cut(*a, *c), cut(*a, *d), cut(*b, *d), cut(*b, *c)];
