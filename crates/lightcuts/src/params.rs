@@ -146,10 +146,13 @@ pub struct Params {
     /// Write all cuts of a few lights, with their errors [slides 59, 60]
     #[arg(long, value_name = "FILE.csv")]
     pub cuts_out: Option<PathBuf>,
+    /// Write the nodes of the light trees, and which of them are in the cut of --pixel [slides 55 to 58]
+    #[arg(long, value_name = "FILE.csv")]
+    pub tree_out: Option<PathBuf>,
     /// Pictures of cuts and trees to draw, separated by commas; each becomes OUT.NAME.png and layers of the EXR
     #[arg(long = "show", value_name = "SHOW", value_enum, value_delimiter = ',')]
     pub figures: Vec<Figure>,
-    /// Pixel whose cut --show tree marks [default: the middle of the picture]
+    /// Pixel whose cut --show tree and --tree-out mark [default: the middle of the picture]
     #[arg(long, value_name = "X,Y", value_parser = pixel)]
     pub pixel: Option<[usize; 2]>,
 }
@@ -185,17 +188,18 @@ impl Parameters for Params {
         }
         if self.method == Method::Learned && !(self.figures.is_empty() && self.outputs().is_empty())
         {
-            return Err("--show, --lights-out, --bounds-out and --cuts-out describe virtual lights, and --method learned \
+            return Err("--show and the tables of lights, bounds, cuts and trees describe virtual lights, and --method learned \
                         makes none: use another method"
                 .into());
         }
         let of_points = |f: &Figure| matches!(f, Figure::Bounds | Figure::Tree | Figure::Cuts);
         if self.method == Method::Multidimensional
             && (self.figures.iter().any(of_points)
-                || self.bounds_out.is_some()
-                || self.cuts_out.is_some())
+                || [&self.bounds_out, &self.cuts_out, &self.tree_out]
+                    .iter()
+                    .any(|out| out.is_some()))
         {
-            return Err("--show bounds, tree and cuts, --bounds-out and --cuts-out describe the cuts of points, and --method \
+            return Err("--show bounds, tree and cuts, --bounds-out, --cuts-out and --tree-out describe the cuts of points, and --method \
                         multidimensional makes cuts of pixels: use --method cuts, or --show cut-size or clusters"
                 .into());
         }
@@ -211,7 +215,7 @@ impl Parameters for Params {
     }
 
     fn outputs(&self) -> Vec<PathBuf> {
-        [&self.lights_out, &self.bounds_out, &self.cuts_out]
+        [&self.lights_out, &self.bounds_out, &self.cuts_out, &self.tree_out]
             .into_iter()
             .flatten()
             .cloned()

@@ -78,6 +78,27 @@ fn four_lights_have_the_cuts_of_the_lecture() {
 }
 
 #[test]
+fn the_table_of_trees_has_each_light_in_one_cluster_of_the_cut() {
+    let folder = Folder::make();
+    let at = |name: &str| folder.at(name);
+    let arguments = ["-D", "lights=4", "--lights=16", "--component=direct", "--error=0.1"];
+    let files = ["-o", &at("a.exr"), "--tree-out", &at("tree.csv")];
+    assert_success(&run("gallery", &[&arguments[..], &files[..]].concat()));
+    let csv = std::fs::read_to_string(at("tree.csv")).expect("a table");
+    let column = |name: &str| -> Vec<f32> {
+        let k = csv.lines().next().and_then(|l| l.split(',').position(|c| c == name)).expect(name);
+        let number = |l: &str| l.split(',').nth(k).expect(name).parse().expect("a number");
+        csv.lines().skip(1).map(number).collect()
+    };
+    let (lights, extents, in_cut) = (column("lights"), column("extent"), column("in_cut"));
+    assert_eq!((lights.len(), lights[0]), (31, 16.0), "{csv}");
+    assert_eq!(in_cut.iter().sum::<f32>(), 16.0, "{csv}");
+    let is_light = |k: &usize| lights[*k] == 1.0;
+    assert!((0..31).filter(is_light).all(|k| extents[k] == 0.0), "{csv}");
+    assert!(extents[1..].iter().all(|e| *e < extents[0]), "{csv}");
+}
+
+#[test]
 fn invalid_options_are_refused_with_a_way_out() {
     assert_refused(&run("gallery", &["--error=2"]), 2, &["from 0 to 1"]);
     assert_refused(&run("gallery", &["--lights=moon=3"]), 2, &["area, sky or sun"]);

@@ -3,6 +3,7 @@
 use gi_core::canvas::{Canvas, Legend, seen_at};
 use gi_core::film::Film;
 use gi_core::math::Rgb;
+use gi_core::points::{csv, row};
 use gi_core::technique::Picture;
 use glam::Vec2;
 use vpl::{Kind, Vpl};
@@ -79,31 +80,60 @@ fn largest(tree: &Tree, count: usize) -> Vec<u32> {
     nodes
 }
 
-/// Orange nodes of the cut.
-const ON_CUT: Rgb = Rgb::new(1.0, 0.5, 0.05);
+/// Orange nodes of the cut, and dark other nodes.
+const ON_CUT: Rgb = Rgb::new(1.0, 0.3, 0.0);
+const OTHER: Rgb = Rgb::grey(0.05);
 
 /// Largest number of leaves that are drawn; larger trees are cut off below.
 const MOST_LEAVES: usize = 64;
 
-/// The first tree with its leaves in a row at the bottom. The cut of a pixel is marked.
-pub(super) fn tree<'a>(subject: &Subject<'_, 'a>, film: &Film) -> Picture {
-    let [w, h] = film.size();
-    let mut canvas = Canvas::over([w, h], vec![Rgb::BLACK; w * h]);
-    let pixel = subject.view.params.pixel.unwrap_or([w / 2, h / 2]);
-    let mut on_cut = Vec::new();
-    subject.view.at_pixel(pixel, |at: &At<'_, '_, 'a>| {
-        let cut = subject.cut(at);
-        on_cut = cut.clusters().iter().filter(|c| c.tree == 0).map(|c| c.node).collect();
+/// The pixel whose cut is shown, and the nodes of its cut as (tree, node); none if nothing is visible there.
+fn marked_cut<'a>(subject: &Subject<'_, 'a>) -> ([usize; 2], Vec<(u32, u32)>) {
+    let middle = subject.view.setting.camera.size().map(|n| n / 2);
+    let pixel = subject.view.params.pixel.unwrap_or(middle);
+    let nodes = subject.view.at_pixel(pixel, |at: &At<'_, '_, 'a>| {
+        subject.cut(at).clusters().iter().map(|c| (c.tree, c.node)).collect()
     });
+    (pixel, nodes.unwrap_or_default())
+}
+
+/// The nodes of all trees, as a table. `in_cut` is the number of lights that a node of the marked cut stands for, and 0 for other nodes.
+pub(super) fn tree_csv(subject: &Subject) -> Vec<u8> {
+    let (_, cut) = marked_cut(subject);
+    let mut lines = Vec::new();
+    for (t, tree) in subject.lights.forest.trees.iter().enumerate() {
+        let nodes = tree.nodes();
+        let mut lights = vec![1usize; nodes.len()];
+        // Parents come before their children.
+        for (k, node) in nodes.iter().enumerate().rev() {
+            if let Some([a, b]) = node.children() {
+                lights[k] = lights[a as usize] + lights[b as usize];
+            }
+        }
+        for (k, node) in nodes.iter().enumerate() {
+            let in_cut = if cut.contains(&(t as u32, k as u32)) { lights[k] } else { 0 };
+            let numbers = row([node.bounds.extent().length(), node.power.luminance()]);
+            lines.push(format!("{t},{k},{},{numbers},{in_cut}", lights[k]));
+        }
+    }
+    csv("tree,node,lights,extent,power,in_cut", lines)
+}
+
+/// The first tree with its leaves in a row at the bottom. The cut of a pixel is marked.
+pub(super) fn tree(subject: &Subject, film: &Film) -> Picture {
+    let [w, h] = film.size();
+    let mut canvas = Canvas::over([w, h], vec![Rgb::WHITE; w * h]);
+    let (pixel, cut) = marked_cut(subject);
+    let on_cut: Vec<u32> = cut.iter().filter(|c| c.0 == 0).map(|c| c.1).collect();
     if let Some(tree) = subject.lights.forest.trees.first() {
         let ends = largest(tree, MOST_LEAVES);
         let tallest = height(tree, &ends, 0);
+        let (unit, canvas) = ((w as f32 / 500.0).max(1.0), &mut canvas);
         let mut drawing =
-            Drawing { tree, ends: &ends, tallest, on_cut: &on_cut, placed: 0, canvas: &mut canvas };
+            Drawing { tree, ends: &ends, tallest, on_cut: &on_cut, placed: 0, unit, canvas };
         drawing.branch(0);
     }
-    let colours =
-        [(ON_CUT, "node of the cut"), (Rgb::WHITE, "other node (lights are at the bottom)")];
+    let colours = [(ON_CUT, "node of the cut"), (OTHER, "other node (lights are at the bottom)")];
     Picture {
         name: "tree".into(),
         channels: Vec::new(),
@@ -134,6 +164,8 @@ struct Drawing<'d> {
     tallest: u32,
     on_cut: &'d [u32],
     placed: usize,
+    /// Width of a line, pixels.
+    unit: f32,
     canvas: &'d mut Canvas,
 }
 
@@ -151,16 +183,16 @@ impl Drawing<'_> {
                 let x = 0.5 * (below[0].0 + below[1].0);
                 for (cx, ch) in below {
                     let (from, to) = (self.place(x, height), self.place(cx, ch));
-                    self.canvas.line(from, to, 1.0, Rgb::grey(0.3));
+                    self.canvas.line(from, to, self.unit, Rgb::grey(0.3));
                 }
                 (x, height)
             }
         };
         let at = self.place(x, height);
         if self.on_cut.contains(&k) {
-            self.canvas.disc(at, 5.0, ON_CUT);
+            self.canvas.disc(at, 5.0 * self.unit, ON_CUT);
         }
-        self.canvas.disc(at, 2.5, Rgb::WHITE);
+        self.canvas.disc(at, 2.5 * self.unit, OTHER);
         (x, height)
     }
 

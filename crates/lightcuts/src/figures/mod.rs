@@ -35,12 +35,15 @@ impl Figure {
 
 /// The contents of a file that the parameters ask for.
 pub(crate) fn file(subject: &Subject, path: &Path) -> Vec<u8> {
-    let Params { bounds_out, cuts_out, .. } = subject.view.params;
+    let Params { bounds_out, cuts_out, tree_out, .. } = subject.view.params;
     if bounds_out.as_deref() == Some(path) {
         return bounds::bounds_csv(subject);
     }
     if cuts_out.as_deref() == Some(path) {
         return cuts::cuts_csv(subject);
+    }
+    if tree_out.as_deref() == Some(path) {
+        return clusters::tree_csv(subject);
     }
     let origin = subject.view.setting.scene.origin();
     to_file(path, &subject.lights.prepared.set().lights, origin)
