@@ -8,7 +8,7 @@
 //! | `relmse(P, Q)`, `rmse(P, Q)`, `ratio(P, Q)` | the same against another picture |
 //! | `seconds(P)`, `said(P, NAME)` | a number of the picture's metadata |
 //! | `slope(T:X:Y)` | slope of the straight line through log Y over log X |
-//! | `first(T:Y)`, `last(T:Y)`, `least(T:Y)`, `most(T:Y)`, `median(T:Y)`, `count(T:Y)` | of a column |
+//! | `first(T:Y)`, `last(T:Y)`, `least(T:Y)`, `most(T:Y)`, `median(T:Y)`, `count(T:Y)`, `sum(T:Y)` | of a column |
 //! | `at(T:X:Y, 5)` | Y in the row whose X is nearest to 5 |
 //! | `crossing(T:X:Y, U:X:Y)` | the last X at which the curves of two tables with equal X cross, on logarithmic axes |
 //! | `holds(T:A:B)` | share of rows in which A is at most B |
@@ -99,11 +99,11 @@ impl Data<'_> {
                 said.parse().with_context(|| format!("{name}: {said}"))
             }
             "crossing" => self.crossing(arguments),
-            "slope" | "first" | "last" | "least" | "most" | "median" | "count" | "at" | "holds"
-            | "within" => self.of_table(function, arguments),
+            "slope" | "first" | "last" | "least" | "most" | "median" | "count" | "sum" | "at"
+            | "holds" | "within" => self.of_table(function, arguments),
             "stat" => self.statistic(first),
             _ => bail!(
-                "no function {function}; there are mean, red, green, blue, max, spread, percentile, relmse, rmse, ratio, seconds, said, slope, first, last, least, most, median, count, at, crossing, holds, within, stat"
+                "no function {function}; there are mean, red, green, blue, max, spread, percentile, relmse, rmse, ratio, seconds, said, slope, first, last, least, most, median, count, sum, at, crossing, holds, within, stat"
             ),
         }
     }
@@ -200,6 +200,7 @@ impl Data<'_> {
                     "first" => Ok(values[0]),
                     "last" => Ok(values[values.len() - 1]),
                     "count" => Ok(values.len() as f64),
+                    "sum" => Ok(values.iter().sum()),
                     _ => {
                         values.sort_by(f64::total_cmp);
                         let k = match function {
