@@ -100,6 +100,7 @@ fn phase(node: Node<'_>) -> Phase {
     let Some(phase) = children.first() else { return Phase::Isotropic };
     match phase.plugin() {
         "isotropic" => Phase::Isotropic,
+        "rayleigh" => Phase::Rayleigh,
         "hg" => {
             let g = phase.float("g", 0.8);
             if g.abs() >= 1.0 {
@@ -108,7 +109,7 @@ fn phase(node: Node<'_>) -> Phase {
             Phase::HenyeyGreenstein { g }
         }
         _ => {
-            phase.unknown_plugin(&["isotropic", "hg"]);
+            phase.unknown_plugin(&["isotropic", "hg", "rayleigh"]);
             Phase::Isotropic
         }
     }

@@ -14,13 +14,15 @@ pub enum Phase {
         /// Mean cosine of the deflection.
         g: f32,
     },
+    /// Particles much smaller than the wavelength, such as air: 3 (1 + cos^2) / 16 pi.
+    Rayleigh,
 }
 
 impl Phase {
     /// Mean cosine of the deflection.
     pub fn mean_cosine(self) -> f32 {
         match self {
-            Phase::Isotropic => 0.0,
+            Phase::Isotropic | Phase::Rayleigh => 0.0,
             Phase::HenyeyGreenstein { g } => g,
         }
     }
@@ -32,6 +34,7 @@ impl Phase {
     pub fn eval(self, wo: Vec3, wi: Vec3) -> f32 {
         match self {
             Phase::Isotropic => 0.25 * INV_PI,
+            Phase::Rayleigh => 0.1875 * INV_PI * (1.0 + sqr(wo.dot(wi))),
             Phase::HenyeyGreenstein { g } => {
                 // 1 + g^2 - 2 g cos with cos = -wo . wi, in a form that keeps sharp peaks accurate: (1 - g)^2 + 2 g (1
                 // - cos).
@@ -48,11 +51,21 @@ impl Phase {
     /// Sample the direction in which a path continues.
     #[inline]
     pub fn sample(self, wo: Vec3, [u, v]: [f32; 2]) -> Vec3 {
-        let g = self.mean_cosine();
-        // Henyey and Greenstein's inversion, expanded so that there is no division by g.
         let x = 2.0 * u - 1.0;
-        let numerator = 2.0 * x + g * (x * x + 3.0) + g * g * (2.0 * x + g * (x * x - 1.0));
-        let cos = (numerator / (2.0 * sqr(1.0 + g * x))).clamp(-1.0, 1.0);
+        let cos = match self {
+            Phase::Isotropic => x,
+            Phase::HenyeyGreenstein { g } => {
+                // Henyey and Greenstein's inversion, expanded so that there is no division by g.
+                let numerator = 2.0 * x + g * (x * x + 3.0) + g * g * (2.0 * x + g * (x * x - 1.0));
+                numerator / (2.0 * sqr(1.0 + g * x))
+            }
+            // The root of cos^3 + 3 cos = 4 x, by Cardano's formula \[Frisvad11\].
+            Phase::Rayleigh => {
+                let root = (2.0 * x + (4.0 * x * x + 1.0).sqrt()).cbrt();
+                root - root.recip()
+            }
+        };
+        let cos = cos.clamp(-1.0, 1.0);
         let r = safe_sqrt(1.0 - cos * cos);
         let (sin_phi, cos_phi) = sin_cos_turns(v);
         Frame::from_normal(-wo).to_world(Vec3::new(r * cos_phi, r * sin_phi, cos))
@@ -88,8 +101,26 @@ mod tests {
     #[test]
     fn phase_functions_are_reciprocal() {
         let (a, b) = (Vec3::new(0.6, 0.8, 0.0), Vec3::new(-0.48, 0.6, 0.64));
-        let phase = Phase::HenyeyGreenstein { g: 0.7 };
-        assert_eq!(phase.eval(a, b), phase.eval(b, a));
-        assert_eq!(phase.eval(a, b), phase.eval(-a, -b));
+        for phase in [Phase::HenyeyGreenstein { g: 0.7 }, Phase::Rayleigh] {
+            assert_eq!(phase.eval(a, b), phase.eval(b, a));
+            assert_eq!(phase.eval(a, b), phase.eval(-a, -b));
+        }
+    }
+
+    /// The distribution of the cosine is (x^3 + 3 x + 4) / 8: sampling inverts it.
+    #[test]
+    fn rayleigh_scattering_is_sampled_as_it_is_evaluated() {
+        let wo = Vec3::new(0.6, -0.64, 0.48);
+        for k in 0..=1000 {
+            let u = k as f32 / 1000.0;
+            let cos = -wo.dot(Phase::Rayleigh.sample(wo, [u, 0.3]));
+            let distribution = (cos.powi(3) + 3.0 * cos + 4.0) / 8.0;
+            assert!((distribution - u).abs() < 1e-6, "{u} {cos}");
+        }
+        // Straight ahead, across and back.
+        let [ahead, across, back] = [-wo, Vec3::new(0.0, 0.6, 0.8), wo];
+        let along = |wi: Vec3| Phase::Rayleigh.eval(wo, wi) * 16.0 / (3.0 * INV_PI);
+        assert!([ahead, back].iter().all(|&wi| (along(wi) - 2.0).abs() < 1e-5));
+        assert!((along(across) - 1.0).abs() < 1e-5);
     }
 }

@@ -27,6 +27,7 @@ impl Exporter<'_> {
         }
         match medium.phase {
             Phase::Isotropic => self.xml.empty("phase", &[("type", "isotropic")]),
+            Phase::Rayleigh => self.xml.empty("phase", &[("type", "rayleigh")]),
             Phase::HenyeyGreenstein { g } => {
                 self.xml.open("phase", &[("type", "hg")]);
                 self.xml.value("float", "g", &g.to_string());
