@@ -21,6 +21,16 @@ fn mean_passage(depth: f32, eta: f32) -> f32 {
     (0..STEPS).map(passage).sum::<f32>() / STEPS as f32
 }
 
+/// Fraction of the light that a coat does not absorb on its way in and out.
+fn passage(node: Node<'_>, eta: f32) -> Rgb {
+    let sigma = node.color("sigma_a", Meaning::Factor).unwrap_or(Rgb::BLACK);
+    let thickness = node.within("thickness", 1.0, 0.0..=value::MAX_NUMBER);
+    if !sigma.is_black() {
+        node.warn("the absorption of the coating is approximated by its mean over all directions");
+    }
+    (sigma * thickness).map(|depth| mean_passage(depth.max(0.0), eta).powi(2))
+}
+
 impl Builder<'_> {
     /// Ward's lobe falls as exp(-tan^2 / alpha^2) about the half vector, Phong's as cos^n about the mirror direction.
     /// The mirror direction turns twice as fast, so near the peak they agree for n = 1 / (2 alpha^2).
@@ -46,6 +56,9 @@ impl Builder<'_> {
             node.wrong_count("bsdfs", bases.len(), "expected one");
             return None;
         };
+        if ["conductor", "roughconductor"].contains(&base.plugin()) {
+            return self.coated_conductor(node, *base);
+        }
         if !["diffuse", "lambertian"].contains(&base.plugin()) {
             let (kind, inner) = (node.plugin(), base.plugin());
             let help =
@@ -54,7 +67,7 @@ impl Builder<'_> {
             node.report.error_help(
                 node.span(),
                 message,
-                "only around `diffuse`",
+                "only around `diffuse` and conductors",
                 Some(help.into()),
             );
             return None;
@@ -62,14 +75,7 @@ impl Builder<'_> {
         let eta = ior::relative(node, "bk7")?;
         let leaves = 1.0 - dielectric_hemispherical(1.0 / eta);
         let diffuse = self.share(*base, "reflectance", 0.5).scaled(Rgb::grey(leaves));
-        let sigma = node.color("sigma_a", Meaning::Factor).unwrap_or(Rgb::BLACK);
-        let thickness = node.within("thickness", 1.0, 0.0..=value::MAX_NUMBER);
-        let passes = (sigma * thickness).map(|depth| mean_passage(depth.max(0.0), eta).powi(2));
-        if !sigma.is_black() {
-            node.warn(
-                "the absorption of the coating is approximated by its mean over all directions",
-            );
-        }
+        let passes = passage(node, eta);
         let roughness = self.roughness(node, "roughcoating");
         if roughness.is_some() {
             node.warn("`roughcoating` is approximated by `roughplastic`");
@@ -80,6 +86,23 @@ impl Builder<'_> {
             specular: self.share(node, "specular_reflectance", 1.0),
             nonlinear: false,
             roughness,
+        })
+    }
+
+    /// A conductor instead of a coat over it. At normal incidence, a coat that reflects a fraction f of the light lets
+    /// (1 - f)^2 of it reach the conductor and leave again.
+    fn coated_conductor(&mut self, node: Node<'_>, base: Node<'_>) -> Option<Material> {
+        let kind = node.plugin();
+        node.warn(format!("the coat of `{kind}` around a conductor is left out; its light is not"));
+        node.ignore(&["alpha", "distribution", "specular_reflectance"]);
+        let eta = ior::relative(node, "bk7")?;
+        let coat = ((eta - 1.0) / (eta + 1.0)).powi(2);
+        let factor = passage(node, eta) * (1.0 - coat).powi(2) + Rgb::grey(coat);
+        Some(match self.conductor(base)? {
+            Material::Conductor { eta, k, reflectance, roughness } => {
+                Material::Conductor { eta, k, reflectance: reflectance.scaled(factor), roughness }
+            }
+            other => other,
         })
     }
 

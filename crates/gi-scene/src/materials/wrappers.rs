@@ -64,7 +64,7 @@ impl Builder<'_> {
         match node.children(Class::Bsdf).as_slice() {
             [inner] => Some(self.material(*inner)),
             other => {
-                node.wrong_count("bsdfs", other.len(), "expected one");
+                node.wrong_count("bsdfs", other.len(), "expected one: a `<bsdf>` inside it");
                 None
             }
         }
@@ -74,7 +74,7 @@ impl Builder<'_> {
         match node.children(Class::Texture).as_slice() {
             [texture] => self.texture_object(*texture, 0),
             other => {
-                node.wrong_count("textures", other.len(), "expected one");
+                node.wrong_count("textures", other.len(), "expected one: a `<texture>` inside it");
                 None
             }
         }

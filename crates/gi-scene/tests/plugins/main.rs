@@ -13,7 +13,7 @@ use common::{material, of_only_shape, old_scene, scene};
 use gi_core::camera::Projection;
 use gi_core::filter::Filter;
 use gi_core::geometry::Geometry;
-use gi_core::light::LightSource;
+use gi_core::light::{LightSource, Window};
 use gi_core::material::{Distribution, Material};
 use gi_core::math::Rgb;
 use gi_core::medium::{Medium, MediumId, Phase};
@@ -145,10 +145,27 @@ fn a_coat_over_a_diffuse_base_is_plastic_without_light_between_the_two() {
     let ratio = constant(&tinted).g / constant(&diffuse).g;
     // Along the normal, exp(-1) passes; slanted light is absorbed more.
     assert!((0.8 * (-1.0f32).exp()..(-1.0f32).exp()).contains(&ratio), "{ratio}");
-    let metal = format!("<shape type='cube'>{}</shape>", coat("<bsdf type='roughconductor'/>"));
-    let shown = common::Folder::new().problems(&metal);
-    assert!(shown.contains("`coating` around `roughconductor` is not supported"), "{shown}");
+    let ball = format!("<shape type='cube'>{}</shape>", coat("<bsdf type='phong'/>"));
+    let shown = common::Folder::new().problems(&ball);
+    assert!(shown.contains("`coating` around `phong` is not supported"), "{shown}");
     assert!(shown.contains("clearcoat"), "{shown}");
+}
+
+#[test]
+fn a_coated_conductor_is_as_bright_as_with_its_coat_along_the_normal() {
+    let coated = |inner: &str| {
+        let Material::Conductor { reflectance, roughness: Some(_), .. } = material(&format!(
+            "<bsdf type='coating'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/>{inner}
+             <bsdf type='roughconductor'><string name='material' value='none'/></bsdf></bsdf>"
+        )) else {
+            panic!()
+        };
+        constant(&reflectance)
+    };
+    // The coat reflects 0.04. A mirror below it reflects the rest, without light that goes back and forth.
+    assert!((coated("").r - (0.04 + 0.96 * 0.96)).abs() < 1e-6);
+    let tinted = coated("<rgb name='sigma_a' value='0 100 0'/>");
+    assert!((tinted.g - 0.04).abs() < 1e-6 && tinted.r > 0.9, "{tinted:?}");
 }
 
 #[test]
