@@ -2,7 +2,7 @@
 //!
 //! `x_pdf` returns the density at a point that `x` returned, in the measure that its name or doc states.
 
-use std::f32::consts::PI;
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use glam::{Vec2, Vec3};
 
@@ -69,6 +69,33 @@ pub fn hemisphere([u, v]: [f32; 2]) -> Vec3 {
 #[inline]
 pub fn hemisphere_pdf() -> f32 {
     0.5 * INV_PI
+}
+
+/// The unit sphere, unfolded from a square: equal areas are equal solid angles, and neighbours stay neighbours
+/// \[Clarberg08\]. The centre of the square is +z, its corners are -z.
+pub fn folded_sphere(p: Vec2) -> Vec3 {
+    let (u, v) = (2.0 * p.x - 1.0, 2.0 * p.y - 1.0);
+    let (up, vp) = (u.abs(), v.abs());
+    let distance = 1.0 - (up + vp);
+    let r = 1.0 - distance.abs();
+    let phi = if r == 0.0 { FRAC_PI_4 } else { ((vp - up) / r + 1.0) * FRAC_PI_4 };
+    let z = (1.0 - r * r).copysign(distance);
+    let side = r * (2.0 - r * r).max(0.0).sqrt();
+    Vec3::new((phi.cos() * side).copysign(u), (phi.sin() * side).copysign(v), z)
+}
+
+/// The point of the square that [`folded_sphere`] maps to the unit vector `d`.
+pub fn unfolded_sphere(d: Vec3) -> Vec2 {
+    let [x, y, z] = d.abs().to_array();
+    let r = (1.0 - z).max(0.0).sqrt();
+    // The angle in the first quadrant, as a fraction of a right angle.
+    let part = if x == 0.0 && y == 0.0 { 0.0 } else { y.atan2(x) / FRAC_PI_2 };
+    let (mut u, mut v) = (r * (1.0 - part), r * part);
+    if d.z < 0.0 {
+        // The lower half is folded outward over the diagonals.
+        (u, v) = (1.0 - v, 1.0 - u);
+    }
+    0.5 * (Vec2::new(u.copysign(d.x), v.copysign(d.y)) + Vec2::ONE)
 }
 
 /// Directions within a cone around +z. The size is given as `one_minus_cos` of the half angle, which is accurate for
@@ -147,6 +174,18 @@ pub fn spherical_triangle(
 mod tests {
     use super::*;
     use crate::rng::Pcg;
+
+    #[test]
+    fn the_folded_sphere_and_its_square_are_inverse() {
+        for k in 0..500 {
+            let p = Vec2::new((k as f32 * 0.618_034).fract(), (k as f32 + 0.5) / 500.0);
+            let d = folded_sphere(p);
+            assert!((d.length() - 1.0).abs() < 1e-5, "{p} {d}");
+            let back = unfolded_sphere(d);
+            assert!((back - p).length() < 1e-3, "{p} {d} {back}");
+        }
+        assert_eq!(unfolded_sphere(Vec3::Z), Vec2::splat(0.5));
+    }
 
     #[test]
     fn the_octant_has_solid_angle_half_pi() {

@@ -12,6 +12,7 @@ use crate::rotation::rotation;
 use crate::textures::{note_gamma, warn_negative};
 use crate::{equal_area, sky, texels};
 
+mod pictures;
 mod spots;
 
 use spots::collimated;
@@ -39,6 +40,8 @@ impl Builder<'_> {
             "spot" => self.spot(node),
             "projector" => self.projector(node),
             "collimated" => collimated(node),
+            "goniometric" if node.doc.is_pbrt => self.goniometric(node),
+            "projection" if node.doc.is_pbrt => self.projection(node),
             "directional" => directional(node),
             "constant" => Some(LightSource::Constant { radiance: light_color(node, "radiance") }),
             "envmap" => return self.environment(node),

@@ -5,25 +5,12 @@ use std::f32::consts::PI;
 
 use gi_core::math::Rgb;
 use gi_core::texture::{Bitmap, Lookup, Texels, Wrap};
+use gi_core::warp::unfolded_sphere;
 use glam::{Vec2, Vec3};
 
 /// The memory that the resampled picture takes.
 pub(crate) fn bytes(image: &Bitmap) -> u64 {
     (2 * image.width() * image.height().max(2) * size_of::<Rgb>()) as u64
-}
-
-/// The point of the unit square for a unit direction; +z is at the centre.
-fn to_square(d: Vec3) -> Vec2 {
-    let [x, y, z] = d.abs().to_array();
-    let r = (1.0 - z).max(0.0).sqrt();
-    // The angle in the first quadrant, as a part of a right angle.
-    let part = if x == 0.0 && y == 0.0 { 0.0 } else { y.atan2(x) / (0.5 * PI) };
-    let (mut u, mut v) = (r * (1.0 - part), r * part);
-    if d.z < 0.0 {
-        // The lower half is folded outward over the diagonals.
-        (u, v) = (1.0 - v, 1.0 - u);
-    }
-    0.5 * (Vec2::new(u.copysign(d.x), v.copysign(d.y)) + Vec2::ONE)
 }
 
 /// The mean of the square's texels around a point: bilinear, folded at the borders.
@@ -56,7 +43,7 @@ pub(crate) fn resampled(image: &Bitmap) -> Bitmap {
             let phi = 2.0 * PI * (x as f32 + 0.5) / width as f32;
             let side = theta.sin();
             let d = Vec3::new(side * phi.cos(), side * phi.sin(), theta.cos());
-            texels.push(lookup(image, to_square(d)));
+            texels.push(lookup(image, unfolded_sphere(d)));
         }
     }
     Bitmap::new(width, height, Texels::Float(texels), Wrap::Repeat, Lookup::Bilinear)
@@ -65,38 +52,14 @@ pub(crate) fn resampled(image: &Bitmap) -> Bitmap {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f32::consts::FRAC_PI_4;
-
-    /// The direction of a point of the unit square.
-    fn to_sphere(p: Vec2) -> Vec3 {
-        let (u, v) = (2.0 * p.x - 1.0, 2.0 * p.y - 1.0);
-        let (up, vp) = (u.abs(), v.abs());
-        let distance = 1.0 - (up + vp);
-        let r = 1.0 - distance.abs();
-        let phi = if r == 0.0 { FRAC_PI_4 } else { ((vp - up) / r + 1.0) * FRAC_PI_4 };
-        let z = (1.0 - r * r).copysign(distance);
-        let side = r * (2.0 - r * r).max(0.0).sqrt();
-        Vec3::new((phi.cos() * side).copysign(u), (phi.sin() * side).copysign(v), z)
-    }
-
-    #[test]
-    fn square_and_sphere_are_inverse() {
-        for k in 0..500 {
-            let p = Vec2::new((k as f32 * 0.618_034).fract(), (k as f32 + 0.5) / 500.0);
-            let d = to_sphere(p);
-            assert!((d.length() - 1.0).abs() < 1e-5, "{p} {d}");
-            let back = to_square(d);
-            assert!((back - p).length() < 1e-3, "{p} {d} {back}");
-        }
-        assert_eq!(to_square(Vec3::Z), Vec2::splat(0.5));
-    }
+    use gi_core::warp::folded_sphere;
 
     /// The error is that of linear interpolation: less than a texel's share of the picture's range of two.
     #[test]
     fn the_resampled_picture_has_the_same_radiance() {
         let n = 64;
         let value = |x: usize, y: usize| {
-            let d = to_sphere(Vec2::new(x as f32 + 0.5, y as f32 + 0.5) / n as f32);
+            let d = folded_sphere(Vec2::new(x as f32 + 0.5, y as f32 + 0.5) / n as f32);
             Rgb::new(1.0 + d.x, 1.0 + d.y, 1.0 + d.z)
         };
         let texels = (0..n * n).map(|i| value(i % n, i / n)).collect();

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use gi_core::geometry::{Geometry, Shape};
-use gi_core::light::LightSource;
+use gi_core::light::{LightSource, Window};
 use gi_core::material::Material;
 use gi_core::scene::SceneParts;
 
@@ -129,7 +129,8 @@ fn light_kind(light: &LightSource) -> &'static str {
     match light {
         LightSource::Point { .. } => "point",
         LightSource::Spot { .. } => "spot",
-        LightSource::Projector { window: None, .. } => "spot with a picture",
+        LightSource::Projector { window: Window::Cone, .. } => "spot with a picture",
+        LightSource::Projector { window: Window::Sphere, .. } => "goniometric",
         LightSource::Projector { .. } => "projector",
         LightSource::Directional { .. } => "directional",
         LightSource::Constant { .. } => "constant",

@@ -26,7 +26,7 @@ pub use environment::Environment;
 pub use kind::Light;
 pub use sample::LightSample;
 pub use slide::Slide;
-pub use source::LightSource;
+pub use source::{LightSource, Window};
 pub use table::Lights;
 pub use target::Targets;
 pub(crate) use target::sphere_round;

@@ -1,58 +1,76 @@
-//! The picture in front of a spot.
+//! The picture in front of a point light.
 
 use glam::{Mat3, Vec2, Vec3};
 
+use super::source::Window;
 use crate::math::Rgb;
 use crate::texture::Texture;
+use crate::warp::unfolded_sphere;
 
-/// The picture in front of a spot or a projector: a factor on its intensity.
+/// The picture in front of a point light: a factor on its intensity.
 #[derive(Clone, Debug)]
 pub struct Slide {
     texture: Texture,
     /// From world directions to the directions in which the picture is at z = 1.
     to_local: Mat3,
-    /// Half the extent of the picture at z = 1. For a projector, both are negative: the picture is upright and not
+    window: Window,
+    /// Half the extent of the picture at z = 1. For a rectangle, both are negative: the picture is upright and not
     /// mirrored for an eye at its place.
     half: Vec2,
-    /// Cosine of the angle between the axis and the corners of a projector's window; `None` for a spot.
-    corner_cos: Option<f32>,
 }
 
 impl Slide {
-    /// A picture whose u, v and axis point along `axes`, within a cone; or that of a projector, within a window.
-    pub(super) fn new(
-        texture: Texture,
-        axes: [Vec3; 3],
-        cutoff: f32,
-        window: Option<Vec2>,
-    ) -> Self {
+    /// A picture that covers `window`; its u, v and axis point along `axes`.
+    pub(super) fn new(texture: Texture, axes: [Vec3; 3], cutoff: f32, window: Window) -> Self {
         let [x, y, z] = axes.map(|axis| axis.normalize_or(Vec3::Z));
-        let half = window.map_or(Vec2::splat(cutoff.tan()), |half| -half);
-        let corner_cos = window.map(|half| (1.0 + half.length_squared()).sqrt().recip());
-        Slide { texture, to_local: Mat3::from_cols(x, y, z).inverse(), half, corner_cos }
+        let half = match window {
+            Window::Cone => Vec2::splat(cutoff.tan()),
+            Window::Irradiance(half) | Window::Intensity(half) => -half,
+            Window::Sphere => Vec2::ONE,
+        };
+        Slide { texture, to_local: Mat3::from_cols(x, y, z).inverse(), window, half }
     }
 
     /// The factor along world direction `d`.
     pub fn along(&self, d: Vec3) -> Rgb {
         let local = self.to_local * d;
+        if self.window == Window::Sphere {
+            return self.texture.eval(unfolded_sphere(local.normalize_or(Vec3::Z)));
+        }
         let at = Vec2::new(local.x, local.y) / (local.z * self.half);
-        let color = || self.texture.eval(Vec2::splat(0.5) + 0.5 * at);
-        let Some(corner_cos) = self.corner_cos else { return color() };
-        if local.z <= 0.0 || at.abs().max_element() > 1.0 {
+        let is_outside = || local.z <= 0.0 || at.abs().max_element() > 1.0;
+        if self.window != Window::Cone && is_outside() {
             return Rgb::BLACK;
         }
-        // The irradiance of a plane at distance z is I cos^3 / z^2.
-        color() * (corner_cos * local.length() / local.z).powi(3)
-    }
-
-    /// Mean over the cone, whose solid angle is given.
-    pub(super) fn mean(&self, solid_angle: f32) -> Rgb {
-        let mean = self.texture.mean();
-        match self.corner_cos {
-            None => mean,
-            Some(cos) => mean * (4.0 * self.half.x * self.half.y * cos.powi(3) / solid_angle),
+        let color = self.texture.eval(Vec2::splat(0.5) + 0.5 * at);
+        match self.window {
+            // The irradiance of a plane at distance z is I cos^3 / z^2.
+            Window::Irradiance(half) => {
+                color * (corner_cos(half) * local.length() / local.z).powi(3)
+            }
+            _ => color,
         }
     }
+
+    /// Mean over the cone, whose solid angle is given. For `Window::Intensity`, as if the picture were the same everywhere.
+    pub(super) fn mean(&self, solid_angle: f32) -> Rgb {
+        let mean = self.texture.mean();
+        match self.window {
+            Window::Cone | Window::Sphere => mean,
+            Window::Irradiance(half) => {
+                mean * (4.0 * half.x * half.y * corner_cos(half).powi(3) / solid_angle)
+            }
+            Window::Intensity(half) => {
+                let covered = 4.0 * (half.x * half.y * corner_cos(half)).atan();
+                mean * (covered / solid_angle)
+            }
+        }
+    }
+}
+
+/// Cosine of the angle between the axis and the corners of a rectangle at distance one, given by half its sides.
+fn corner_cos(half: Vec2) -> f32 {
+    (1.0 + half.length_squared()).sqrt().recip()
 }
 
 #[cfg(test)]
@@ -74,7 +92,7 @@ mod tests {
     #[test]
     fn the_picture_covers_exactly_the_cone() {
         let cutoff = 0.5f32;
-        let slide = Slide::new(picture(), [Vec3::X, Vec3::Y, Vec3::Z], cutoff, None);
+        let slide = Slide::new(picture(), [Vec3::X, Vec3::Y, Vec3::Z], cutoff, Window::Cone);
         let along = |x: f32, y: f32| slide.along(Vec3::new(x, y, 1.0).normalize()).r;
         // v grows along y, and the first row of a picture is at v = 0.
         assert_eq!([along(-0.1, -0.1), along(0.1, -0.1), along(0.1, 0.1)], [0.0, 1.0, 0.5]);
@@ -85,7 +103,7 @@ mod tests {
 
     #[test]
     fn a_mirrored_and_turned_spot_shows_a_mirrored_and_turned_picture() {
-        let slide = Slide::new(picture(), [-2.0 * Vec3::Z, Vec3::Y, Vec3::X], 0.5, None);
+        let slide = Slide::new(picture(), [-2.0 * Vec3::Z, Vec3::Y, Vec3::X], 0.5, Window::Cone);
         assert_eq!(slide.along(Vec3::new(1.0, -0.1, -0.1).normalize()).r, 1.0);
         assert_eq!(slide.along(Vec3::new(1.0, -0.1, 0.1).normalize()).r, 0.0);
     }
@@ -94,7 +112,7 @@ mod tests {
     fn a_projector_shines_evenly_on_a_plane_within_its_window() {
         let window = Vec2::new(0.6, 0.3);
         let axes = [Vec3::X, Vec3::Y, Vec3::Z];
-        let slide = Slide::new(Texture::grey(1.0), axes, 0.0, Some(window));
+        let slide = Slide::new(Texture::grey(1.0), axes, 0.0, Window::Irradiance(window));
         // Irradiance of the plane z = 1 for an intensity of one toward the corners.
         let irradiance = |x: f32, y: f32| {
             let p = Vec3::new(x, y, 1.0);
@@ -110,9 +128,49 @@ mod tests {
         let power = slide.mean(2.0) * 2.0;
         assert!((power.r / (4.0 * 0.6 * 0.3 * corner) - 1.0).abs() < 1e-5, "area times irradiance");
         // The left of the picture is on the side of +x, its top on that of +y.
-        let slide = Slide::new(picture(), axes, 0.0, Some(window));
+        let slide = Slide::new(picture(), axes, 0.0, Window::Irradiance(window));
         let along = |x: f32, y: f32| slide.along(Vec3::new(x, y, 1.0).normalize()).r;
         assert_eq!(along(0.3, 0.1), 0.0);
         assert!(along(-0.3, 0.1) > along(-0.3, -0.1) && along(-0.3, -0.1) > 0.0);
+    }
+    /// The solid angle of a rectangle, and the mean of a picture that is the same everywhere.
+    #[test]
+    fn the_picture_of_a_window_of_intensity_is_the_intensity() {
+        let window = Vec2::new(2.0, 0.5);
+        let axes = [Vec3::X, Vec3::Y, Vec3::Z];
+        let slide = Slide::new(Texture::grey(0.25), axes, 0.0, Window::Intensity(window));
+        let along = |x: f32, y: f32| slide.along(Vec3::new(x, y, 1.0).normalize()).r;
+        assert_eq!([along(0.0, 0.0), along(1.9, -0.4), along(2.1, 0.0)], [0.25, 0.25, 0.0]);
+        assert_eq!(slide.along(-Vec3::Z), Rgb::BLACK);
+        let n = 400;
+        let cell = |i: i32| (i as f32 + 0.5) / n as f32 * 2.0 - 1.0;
+        let area = 4.0 * window.x * window.y / (n * n) as f32;
+        let mut solid_angle = 0.0f64;
+        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+            let p = (Vec2::new(cell(i), cell(j)) * window).extend(1.0);
+            solid_angle += f64::from(area * p.length().powi(-3));
+        }
+        let flux = f64::from(slide.mean(2.0).r * 2.0);
+        assert!((flux / (0.25 * solid_angle) - 1.0).abs() < 1e-4, "{flux} {solid_angle}");
+    }
+
+    #[test]
+    fn a_goniometric_picture_covers_all_directions() {
+        // The upper half of the square is on the side of local -y.
+        let texels = [1.0, 1.0, 0.25, 0.25].map(Rgb::grey).to_vec();
+        let bitmap = Bitmap::new(2, 2, Texels::Float(texels), Wrap::Clamp, Lookup::Nearest);
+        let picture = Texture::Bitmap {
+            bitmap: Arc::new(bitmap),
+            to_uv: Affine2::IDENTITY,
+            scale: Rgb::WHITE,
+        };
+        let axes = [Vec3::X, Vec3::Z, Vec3::Y];
+        let slide = Slide::new(picture, axes, std::f32::consts::PI, Window::Sphere);
+        let along = |d: Vec3| slide.along(d.normalize()).r;
+        assert_eq!(
+            [along(Vec3::new(0.3, 5.0, -0.2)), along(Vec3::new(0.3, -5.0, 0.2))],
+            [1.0, 0.25]
+        );
+        assert_eq!(slide.mean(4.0 * std::f32::consts::PI), Rgb::grey(0.625));
     }
 }

@@ -3,6 +3,21 @@ use glam::{Affine3A, Vec2, Vec3};
 use crate::math::Rgb;
 use crate::texture::{Bitmap, Texture};
 
+/// The directions that the picture of a [`LightSource::Projector`] covers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Window {
+    /// The cone: the unit square of the picture is around it.
+    Cone,
+    /// A rectangle at distance one on the axis, given by half its width and height. The picture's u is along -x and its
+    /// v along -y, as for a camera. The picture is the irradiance of the rectangle, and the light's intensity is that
+    /// toward the corners. `cutoff` and `beam` include the corners.
+    Irradiance(Vec2),
+    /// The same rectangle, but the picture is the intensity.
+    Intensity(Vec2),
+    /// All directions: the picture is the square of [`crate::warp::unfolded_sphere`], with the axis at its centre.
+    Sphere,
+}
+
 /// A light of the scene that is not a surface. ([`crate::geometry::Shape::emission`] makes surfaces emit.)
 #[derive(Clone, Debug)]
 pub enum LightSource {
@@ -26,7 +41,7 @@ pub enum LightSource {
         /// Half angle within which the intensity is full, radians.
         beam: f32,
     },
-    /// A spot with a picture in front of it, or a projector.
+    /// A point whose intensity is a picture: a spot with a picture in front of it, a projector, or a goniometric light.
     Projector {
         /// World position.
         position: Vec3,
@@ -38,13 +53,10 @@ pub enum LightSource {
         cutoff: f32,
         /// Half angle within which the intensity is full, radians.
         beam: f32,
-        /// The picture, with values up to one. Its unit square covers the cone, or the window.
+        /// The picture, with values up to one.
         picture: Texture,
-        /// For a projector: half the width and height of the window through which it shines, at distance one on the
-        /// axis. The picture covers the window, u along -x and v along -y, as for a camera. It gives the irradiance on
-        /// planes perpendicular to the axis; the intensity is that toward the corners of the window, which `cutoff` and
-        /// `beam` include. `None` for a spot.
-        window: Option<Vec2>,
+        /// The directions that it covers.
+        window: Window,
     },
     /// Parallel light from far away.
     Directional {

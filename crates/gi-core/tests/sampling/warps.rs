@@ -6,6 +6,8 @@ use crate::grid::{check, check_edged};
 #[test]
 fn warps_of_directions() {
     check("sphere", 1, |r| Some(warp::sphere(r.next_2d())), |_| warp::sphere_pdf());
+    let folded = |u: [f32; 2]| warp::folded_sphere(u.into());
+    check("folded_sphere", 8, |r| Some(folded(r.next_2d())), |_| warp::sphere_pdf());
     check(
         "hemisphere",
         2,

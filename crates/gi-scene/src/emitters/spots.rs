@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use gi_core::light::LightSource;
+use gi_core::light::{LightSource, Window};
 use gi_core::math::Rgb;
 use gi_core::texture::Texture;
 use glam::{Vec2, Vec3};
@@ -33,12 +33,12 @@ impl Builder<'_> {
             cutoff,
             beam,
             picture,
-            window: None,
+            window: Window::Cone,
         })
     }
 
     /// A picture of light, divided so that it is at most one, and the divisor. `None` if an error was reported.
-    fn at_most_one(&self, node: Node<'_>, picture: Texture) -> Option<(Texture, f32)> {
+    pub(super) fn at_most_one(&self, node: Node<'_>, picture: Texture) -> Option<(Texture, f32)> {
         let [least, most] = self.origins.range(&picture);
         if least < 0.0 {
             node.error(format!("the light's picture is {least} somewhere"), "expected 0 or more");
@@ -70,7 +70,7 @@ impl Builder<'_> {
             cutoff,
             beam: cutoff,
             picture,
-            window: Some(half),
+            window: Window::Irradiance(half),
         })
     }
 }

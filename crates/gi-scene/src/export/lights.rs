@@ -1,8 +1,9 @@
-use gi_core::light::LightSource;
+use gi_core::light::{LightSource, Window};
 use gi_core::math::{Frame, Rgb};
-use gi_core::texture::Texture;
-use glam::{Affine3A, Mat3, Vec2, Vec3};
+use gi_core::texture::{Bitmap, Lookup, Texels, Texture, Wrap};
+use glam::{Affine2, Affine3A, Mat3, Vec2, Vec3};
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 use super::{Exporter, degrees, numbers};
 use crate::origins::LightOrigin;
@@ -52,8 +53,19 @@ impl Exporter<'_> {
             LightSource::Projector { position, axes, intensity, cutoff, beam, picture, window } => {
                 let [x, y, z] = axes.map(Vec3::normalize_or_zero);
                 let to_world = Affine3A::from_mat3_translation(Mat3::from_cols(x, y, z), *position);
-                if let Some(half) = window {
-                    return self.projector(&to_world, *half, *intensity, picture);
+                match window {
+                    Window::Cone => {}
+                    Window::Irradiance(half) => {
+                        // Mitsuba multiplies the irradiance by pi; ours is the intensity toward the corners times cos^3.
+                        let factor = *intensity * ((1.0 + half.length_squared()).powf(-1.5) / PI);
+                        let picture = picture.clone().scaled(factor);
+                        return self.projector(&to_world, *half, &picture);
+                    }
+                    Window::Intensity(half) => {
+                        let picture = as_irradiance(picture, *half).scaled(*intensity * (1.0 / PI));
+                        return self.projector(&to_world, *half, &picture);
+                    }
+                    Window::Sphere => return self.as_point(*position, *intensity * picture.mean()),
                 }
                 xml.open("emitter", &[("type", "spot")]);
                 xml.transform("to_world", &to_world);
@@ -90,19 +102,22 @@ impl Exporter<'_> {
         Ok(())
     }
 
+    /// Mitsuba has no goniometric light: a point light with the mean intensity.
+    fn as_point(&mut self, position: Vec3, intensity: Rgb) -> Result<(), String> {
+        self.warn("a goniometric light is exported as a point light: Mitsuba 3 has none");
+        self.light(&LightSource::Point { position, intensity }, None)
+    }
+
     fn projector(
         &mut self,
         to_world: &Affine3A,
         half: Vec2,
-        intensity: Rgb,
-        picture: &Texture,
+        irradiance: &Texture,
     ) -> Result<(), String> {
         self.xml.open("emitter", &[("type", "projector")]);
         self.xml.transform("to_world", to_world);
         self.xml.value("float", "fov", &degrees(2.0 * half.x.atan()));
-        // Mitsuba multiplies the irradiance by pi; ours is the intensity toward the corners times cos^3.
-        let irradiance = intensity * ((1.0 + half.length_squared()).powf(-1.5) / PI);
-        self.texture("irradiance", &picture.clone().scaled(irradiance))?;
+        self.texture("irradiance", irradiance)?;
         self.xml.close();
         Ok(())
     }
@@ -122,4 +137,19 @@ impl Exporter<'_> {
         xml.transform("to_world", &sky.to_world);
         xml.close();
     }
+}
+
+/// The irradiance of a window at distance one whose picture is the intensity, at the centre of each texel.
+fn as_irradiance(picture: &Texture, half: Vec2) -> Texture {
+    let Texture::Bitmap { bitmap, scale, .. } = picture else { return picture.clone() };
+    let (w, h) = (bitmap.width(), bitmap.height());
+    let size = Vec2::new(w as f32, h as f32);
+    let texel = |i: usize| {
+        let cell = (Vec2::new((i % w) as f32, (i / w) as f32) + 0.5) / size;
+        let on_plane = ((2.0 * cell - 1.0) * half).extend(1.0);
+        bitmap.texel(i % w, i / w) * *scale * on_plane.length().powi(-3)
+    };
+    let texels = Texels::Float((0..w * h).map(texel).collect());
+    let bitmap = Arc::new(Bitmap::new(w, h, texels, Wrap::Clamp, Lookup::Nearest));
+    Texture::Bitmap { bitmap, to_uv: Affine2::IDENTITY, scale: Rgb::WHITE }
 }

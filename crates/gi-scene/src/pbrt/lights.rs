@@ -1,4 +1,4 @@
-//! Lights: `point`, `spot`, `distant`, `infinite` and area lights.
+//! Lights: those at points, those at infinity, and area lights.
 
 use std::rc::Rc;
 
@@ -42,20 +42,11 @@ impl Translator<'_> {
         }
         let light = match params.plugin.as_str() {
             "point" => Some(self.point(params)),
-            "goniometric" => {
-                let message = "`goniometric` is approximated by a point light";
-                self.report.warn(params.span, message);
-                params.ignore(&["filename", "mapname"]);
-                Some(self.point(params))
-            }
+            "goniometric" => Some(self.goniometric(params)),
             "spot" => self.spot(params),
             "distant" => self.distant(params),
             "infinite" | "exinfinite" => Some(self.infinite(params)),
-            "projection" => {
-                self.report
-                    .warn(params.span, "`projection` is not supported: the light is ignored");
-                return;
-            }
+            "projection" => self.projection(params),
             _ => {
                 params.unknown_plugin(&KNOWN, self.report);
                 return;
@@ -135,6 +126,58 @@ impl Translator<'_> {
         Some(light)
     }
 
+    /// A point light whose intensity is a picture of all directions.
+    fn goniometric(&mut self, params: &Params) -> ObjectId {
+        let Some(file) = light_picture(params) else {
+            let message =
+                "`goniometric` without a `filename`: its intensity is the same in all directions";
+            self.report.warn(params.span, message);
+            return self.point(params);
+        };
+        let light = self.emitter(params, "goniometric");
+        let intensity = self.emission(params, "I");
+        self.doc.set(light, "intensity", params.span_of("I"), Value::Color(intensity));
+        self.doc.set(light, "latitude_longitude", params.span, Value::Bool(self.is_v3));
+        self.light_picture(light, &file, params, DAffine3::from_mat3(ASIDE));
+        light
+    }
+
+    /// A point light whose intensity is a picture within a window.
+    fn projection(&mut self, params: &Params) -> Option<ObjectId> {
+        let Some(file) = light_picture(params) else {
+            self.report.error(params.span, "`projection` without a `filename`", "");
+            return None;
+        };
+        let light = self.emitter(params, "projection");
+        // pbrt-v4 shows the picture as a camera would see it; pbrt-v3 shows it upside down.
+        let (fov, up) = if self.is_v3 { (45.0, -1.0) } else { (90.0, 1.0) };
+        let intensity = match self.is_v3 {
+            true => self.emission(params, "I"),
+            false => Rgb::grey(self.scale(params) as f32),
+        };
+        self.doc.set(light, "intensity", params.span_of("scale"), Value::Color(intensity));
+        let fov = params.within("fov", fov, [1e-3, 179.0], self.report);
+        self.doc.set(light, "fov", params.span_of("fov"), Value::Float(fov as f32));
+        // The axes of a picture in a window run to the left and downward.
+        let axes = DMat3::from_diagonal(DVec3::new(-1.0, up, 1.0));
+        self.light_picture(light, &file, params, DAffine3::from_mat3(axes));
+        Some(light)
+    }
+
+    /// The picture of a light, its axes, and the power that it gives the light.
+    fn light_picture(&mut self, light: ObjectId, file: &Text, params: &Params, axes: DAffine3) {
+        let picture = self.doc.add(Class::Texture, "light", "bitmap", file.span);
+        self.doc.set(picture, "filename", file.span, Value::Text(file.text.clone()));
+        self.doc.set(picture, "wrap_mode", file.span, Value::Text("clamp".into()));
+        self.doc.set(picture, "filter_type", file.span, Value::Text("nearest".into()));
+        self.doc.nest(light, "picture", picture);
+        let to_world = Value::transform(self.state.now.ctm * axes);
+        self.doc.set(light, "to_world", params.span, to_world);
+        if let Some(power) = params.number("power", self.report).filter(|power| *power > 0.0) {
+            self.doc.set(light, "power", params.span_of("power"), Value::Float(power as f32));
+        }
+    }
+
     fn distant(&mut self, params: &Params) -> Option<ObjectId> {
         let (_, direction) = self.direction(params)?;
         let mut irradiance = self.emission(params, "L");
@@ -154,8 +197,7 @@ impl Translator<'_> {
         params.note_ignored(&["portal"], "light from all directions is sampled", report);
         params.ignore(&["nsamples", "samples"]);
         let lux = params.number("illuminance", report).filter(|e| *e > 0.0);
-        let file = params.text("filename").or_else(|| params.text("mapname")).cloned();
-        let Some(file) = file.filter(|file| !file.text.is_empty()) else {
+        let Some(file) = light_picture(params) else {
             let factor = lux.map_or(1.0, |e| e / std::f64::consts::PI) as f32;
             let radiance = self.emission(params, "L") * factor;
             let light = self.emitter(params, "constant");
@@ -231,6 +273,15 @@ impl Translator<'_> {
         self.doc.nest(shape, "", emitter);
     }
 }
+
+/// The file of a light's picture.
+fn light_picture(params: &Params) -> Option<Text> {
+    let file = params.text("filename").or_else(|| params.text("mapname"));
+    file.filter(|file| !file.text.is_empty()).cloned()
+}
+
+/// The axes of a goniometric light: y and z are exchanged.
+const ASIDE: DMat3 = DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::Y);
 
 /// From Mitsuba's local axes of a picture at infinity (+y up, u from -z toward +x) to those of pbrt (+z up, u from +x
 /// toward +y). It mirrors, because the two run in opposite directions.

@@ -1,12 +1,12 @@
 //! Lights, media and colours.
 
 use gi_core::geometry::Geometry;
-use gi_core::light::LightSource;
+use gi_core::light::{LightSource, Window};
 use gi_core::material::Material;
 use gi_core::math::Rgb;
 use gi_core::medium::Phase;
 use gi_core::texture::Texture;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::*;
 
@@ -20,7 +20,7 @@ fn near(a: Rgb, b: [f32; 3]) {
 fn all_lights_are_read() {
     let loaded = scene("lights.pbrt");
     let lights = &loaded.parts.lights;
-    assert_eq!(lights.len(), 6);
+    assert_eq!(lights.len(), 8);
     let LightSource::Point { position, intensity } = &lights[0] else { panic!() };
     assert_eq!(*position, Vec3::new(1.0, 1.0, 0.0));
     near(*intensity, [2.0, 4.0, 6.0]);
@@ -35,8 +35,15 @@ fn all_lights_are_read() {
     near(*irradiance, [2.0; 3]);
     let LightSource::Constant { radiance } = &lights[4] else { panic!() };
     near(*radiance, [0.5, 1.0, 1.5]);
+    let LightSource::Point { intensity, .. } = &lights[5] else { panic!() };
+    near(*intensity, [3.0; 3]);
     let notes = warnings(&loaded).join("\n");
-    assert!(notes.contains("`goniometric`") && notes.contains("`projection`"), "{notes}");
+    assert!(notes.contains("`goniometric` without a `filename`"), "{notes}");
+    let windows = lights[6..].iter().map(|light| match light {
+        LightSource::Projector { window, .. } => *window,
+        other => panic!("{other:?}"),
+    });
+    assert_eq!(windows.collect::<Vec<_>>(), [Window::Intensity(Vec2::ONE), Window::Sphere]);
 }
 
 #[test]

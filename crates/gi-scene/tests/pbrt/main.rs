@@ -5,6 +5,7 @@ mod common;
 mod errors;
 mod export;
 mod lights;
+mod pictured_lights;
 mod surfaces;
 mod world;
 

@@ -85,8 +85,9 @@ fn a_projector_is_a_camera_that_shines() {
         ));
         loaded.parts.lights[0].clone()
     };
-    let LightSource::Projector { intensity, cutoff, beam, window: Some(half), .. } =
-        light("<float name='scale' value='2'/><rgb name='irradiance' value='3'/>")
+    let LightSource::Projector {
+        intensity, cutoff, beam, window: Window::Irradiance(half), ..
+    } = light("<float name='scale' value='2'/><rgb name='irradiance' value='3'/>")
     else {
         panic!()
     };
