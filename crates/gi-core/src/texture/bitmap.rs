@@ -141,6 +141,16 @@ impl Bitmap {
         self.height
     }
 
+    /// What lies beyond the borders.
+    pub fn wrap(&self) -> Wrap {
+        self.wrap
+    }
+
+    /// How the value between texels is found.
+    pub fn lookup(&self) -> Lookup {
+        self.lookup
+    }
+
     /// The texel in column `x` of row `y`, linear.
     #[inline]
     pub fn texel(&self, x: usize, y: usize) -> Rgb {

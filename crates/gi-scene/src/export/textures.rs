@@ -75,13 +75,13 @@ impl Exporter<'_> {
                 if raw {
                     self.xml.value("boolean", "raw", "true");
                 }
-                if origin.is_some_and(|o| o.lookup == Lookup::Nearest) {
+                if bitmap.lookup() == Lookup::Nearest {
                     self.xml.value("string", "filter_type", "nearest");
                 }
-                match origin.map(|o| o.wrap) {
-                    Some(Wrap::Mirror) => self.xml.value("string", "wrap_mode", "mirror"),
-                    Some(Wrap::Clamp) => self.xml.value("string", "wrap_mode", "clamp"),
-                    Some(Wrap::Repeat) | None => {}
+                match bitmap.wrap() {
+                    Wrap::Mirror => self.xml.value("string", "wrap_mode", "mirror"),
+                    Wrap::Clamp => self.xml.value("string", "wrap_mode", "clamp"),
+                    Wrap::Repeat => {}
                 }
                 self.xml.transform("to_uv", &spatial(to_uv));
                 self.xml.close();

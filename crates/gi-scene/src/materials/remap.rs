@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use gi_core::math::Rgb;
-use gi_core::texture::{Bitmap, Lookup, Texels, Texture, Wrap};
+use gi_core::texture::{Bitmap, Texels, Texture};
 
 use crate::builder::Builder;
 use crate::document::Node;
@@ -57,10 +57,8 @@ impl Builder<'_> {
                 }
                 let texel = |i: usize| (bitmap.texel(i % w, i / w) * scale).map(map);
                 let texels = Texels::Float((0..w * h).map(texel).collect());
-                let file = self.origins.bitmap_file(&bitmap);
-                let (wrap, lookup) =
-                    file.map_or((Wrap::Repeat, Lookup::Bilinear), |f| (f.wrap, f.lookup));
-                let bitmap = Arc::new(Bitmap::new(w, h, texels, wrap, lookup));
+                let bitmap = Bitmap::new(w, h, texels, bitmap.wrap(), bitmap.lookup());
+                let bitmap = Arc::new(bitmap);
                 Texture::Bitmap { bitmap, to_uv, scale: Rgb::WHITE }
             }
         }

@@ -100,6 +100,34 @@ fn the_power_of_a_pictured_light_is_that_which_the_file_gives() {
     }
 }
 
+/// Mitsuba's projector has the irradiance as its picture. The two agree at the centres of the texels.
+#[test]
+fn an_exported_projection_is_a_projector_with_the_same_filter() {
+    let folder = common::Folder::new();
+    folder.write("picture.pfm", std::fs::read(path("picture.pfm")).unwrap());
+    let light = "LightSource \"projection\" \"string filename\" \"picture.pfm\" \"float fov\" 70";
+    let text =
+        format!("Camera \"perspective\"\nWorldBegin\n{light}\nTranslate 0 0 9\nShape \"disk\"\n");
+    let [scene, exported] = [folder.write("scene.pbrt", text), folder.path("out.xml")];
+    gi_scene::export_mitsuba(&scene, &Options::default(), &exported).unwrap();
+    let [before, after] = [scene, exported].map(|file| {
+        let loaded = load(&file, &Options::default()).unwrap_or_else(|e| panic!("{e}"));
+        Scene::new(loaded.parts).expect("a scene")
+    });
+    let half = 35f32.to_radians().tan();
+    for k in 0..16 {
+        let at = |n: i32| half * ((n as f32 + 0.5) / 2.0 - 1.0);
+        // Off the centre, the colour is the same. Interpolation would give another.
+        let shift = 0.2 * half / 4.0;
+        let centre = intensity(&before, [at(k % 4), at(k / 4), 1.0]);
+        near(intensity(&after, [at(k % 4), at(k / 4), 1.0]), centre.to_array());
+        let aside = [at(k % 4) + shift, at(k / 4) + shift, 1.0];
+        let [a, b] = [&before, &after].map(|scene| intensity(scene, aside));
+        let same = |x: f32, y: f32| (x / a.b - y / b.b).abs() < 1e-4;
+        assert!(same(a.r, b.r) && same(a.g, b.g), "{a:?} {b:?}");
+    }
+}
+
 #[test]
 fn a_picture_that_is_no_square_is_no_goniometric_light() {
     let folder = common::Folder::new();
