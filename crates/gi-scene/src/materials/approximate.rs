@@ -92,8 +92,10 @@ impl Builder<'_> {
     /// A conductor instead of a coat over it. At normal incidence, a coat that reflects a fraction f of the light lets
     /// (1 - f)^2 of it reach the conductor and leave again.
     fn coated_conductor(&mut self, node: Node<'_>, base: Node<'_>) -> Option<Material> {
-        let kind = node.plugin();
-        node.warn(format!("the coat of `{kind}` around a conductor is left out; its light is not"));
+        if !node.doc.is_pbrt {
+            let how = "the conductor alone, as bright along the normal as with its coat";
+            node.warn(format!("`{}` around a conductor is approximated by {how}", node.plugin()));
+        }
         node.ignore(&["alpha", "distribution", "specular_reflectance"]);
         let eta = ior::relative(node, "bk7")?;
         let coat = ((eta - 1.0) / (eta + 1.0)).powi(2);

@@ -20,24 +20,7 @@ impl Translator<'_> {
             }
             "coateddiffuse" => self.coated_diffuse(params),
             "conductor" => self.conductor(params, ["eta", "k", "reflectance"], ROUGHNESS),
-            "coatedconductor" => {
-                self.note_approximation(params, kind, "the conductor without its coat");
-                params.ignore(&[
-                    "interface.roughness",
-                    "interface.uroughness",
-                    "interface.vroughness",
-                ]);
-                params.ignore(&[
-                    "interface.eta",
-                    "thickness",
-                    "maxdepth",
-                    "nsamples",
-                    "g",
-                    "albedo",
-                ]);
-                let names = ["conductor.roughness", "conductor.uroughness", "conductor.vroughness"];
-                self.conductor(params, ["conductor.eta", "conductor.k", "reflectance"], names)
-            }
+            "coatedconductor" => self.coated_conductor(params),
             "dielectric" => self.dielectric(params, &["eta"]),
             "thindielectric" => {
                 let thin = self.plain(params, "thindielectric");
@@ -122,6 +105,19 @@ impl Translator<'_> {
             None => params.ignore(&["remaproughness"]),
         }
         Bsdf::opaque(plastic)
+    }
+
+    fn coated_conductor(&mut self, params: &Params) -> Bsdf {
+        let how = "the conductor alone, as bright along the normal as with its coat";
+        self.note_approximation(params, "coatedconductor", how);
+        params.ignore(&["interface.roughness", "interface.uroughness", "interface.vroughness"]);
+        params.ignore(&["thickness", "maxdepth", "nsamples", "g", "albedo"]);
+        let names = ["conductor.roughness", "conductor.uroughness", "conductor.vroughness"];
+        let inner = self.conductor(params, ["conductor.eta", "conductor.k", "reflectance"], names);
+        let coat = self.plain(params, "coating");
+        self.set_index(coat, params, &["interface.eta"]);
+        self.doc.nest(coat, "", inner.object);
+        Bsdf::opaque(coat)
     }
 
     /// A conductor, from an index of refraction or from its reflectance at normal incidence.

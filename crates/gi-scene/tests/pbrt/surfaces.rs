@@ -57,7 +57,12 @@ fn all_materials_are_read() {
     };
     assert!(matches!(of(*first), Material::Diffuse { .. }));
     assert!(matches!(of(*second), Material::Conductor { .. }));
-    assert!(matches!(is(10), Material::Conductor { roughness: Some(_), .. }));
+    let Material::Conductor { reflectance: Texture::Constant(r), roughness: Some(_), .. } = is(10)
+    else {
+        panic!()
+    };
+    // The coat reflects 0.04 of the light along the normal.
+    assert!((r.r - (0.04 + 0.96 * 0.96)).abs() < 1e-5, "{r:?}");
     assert!(matches!(is(11), Material::Plastic { .. }));
 }
 
