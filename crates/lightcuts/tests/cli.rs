@@ -95,6 +95,8 @@ fn the_table_of_trees_has_each_light_in_one_cluster_of_the_cut() {
     assert_eq!(in_cut.iter().sum::<f32>(), 16.0, "{csv}");
     let is_light = |k: &usize| lights[*k] == 1.0;
     assert!((0..31).filter(is_light).all(|k| extents[k] == 0.0), "{csv}");
+    let parents = csv.lines().skip(1).map(|l| l.split(',').nth(2).expect("parent"));
+    assert!(parents.enumerate().all(|(k, p)| p.parse().map_or(k == 0, |p: usize| p < k)), "{csv}");
     assert!(extents[1..].iter().all(|e| *e < extents[0]), "{csv}");
 }
 

@@ -19,6 +19,7 @@ mod plot;
 mod strip;
 mod svg;
 mod table;
+mod tree;
 mod view;
 
 use std::path::PathBuf;
@@ -50,6 +51,8 @@ enum Command {
     Flow(flow::Args),
     /// Draw the cuts of a few lights: for each its picture, its tree and its errors
     Cuts(cuts::Args),
+    /// Draw a light tree with the cut of a pixel
+    Tree(tree::Args),
     /// Check the panels and the claims of one figure, and write its figure.json
     Figure(figure::Args),
     /// Write all figures to one self-contained page
@@ -86,6 +89,7 @@ fn main() -> ExitCode {
         Command::Strip(args) => strip::run(&args),
         Command::Flow(args) => flow::run(&args),
         Command::Cuts(args) => cuts::run(&args),
+        Command::Tree(args) => tree::run(&args),
         Command::Figure(args) => figure::run(&args),
         Command::Index(args) => index::run(&args),
         Command::Deck(args) => deck::run(&args),

@@ -97,26 +97,29 @@ fn marked_cut<'a>(subject: &Subject<'_, 'a>) -> ([usize; 2], Vec<(u32, u32)>) {
     (pixel, nodes.unwrap_or_default())
 }
 
-/// The nodes of all trees, as a table. `in_cut` is the number of lights that a node of the marked cut stands for, and 0 for other nodes.
+/// The nodes of all trees, as a table. A root has no parent. `extent` is the diagonal of the box around the lights, and `in_cut` is the number of lights that a node of the marked cut stands for, and 0 for other nodes.
 pub(super) fn tree_csv(subject: &Subject) -> Vec<u8> {
     let (_, cut) = marked_cut(subject);
     let mut lines = Vec::new();
     for (t, tree) in subject.lights.forest.trees.iter().enumerate() {
         let nodes = tree.nodes();
-        let mut lights = vec![1usize; nodes.len()];
+        let (mut lights, mut parents) = (vec![1usize; nodes.len()], vec![None; nodes.len()]);
         // Parents come before their children.
         for (k, node) in nodes.iter().enumerate().rev() {
-            if let Some([a, b]) = node.children() {
-                lights[k] = lights[a as usize] + lights[b as usize];
+            if let Some([a, b]) = node.children().map(|c| c.map(|k| k as usize)) {
+                lights[k] = lights[a] + lights[b];
+                parents[a] = Some(k);
+                parents[b] = Some(k);
             }
         }
         for (k, node) in nodes.iter().enumerate() {
             let in_cut = if cut.contains(&(t as u32, k as u32)) { lights[k] } else { 0 };
             let numbers = row([node.bounds.extent().length(), node.power.luminance()]);
-            lines.push(format!("{t},{k},{},{numbers},{in_cut}", lights[k]));
+            let parent = parents[k].map_or(String::new(), |p| p.to_string());
+            lines.push(format!("{t},{k},{parent},{},{numbers},{in_cut}", lights[k]));
         }
     }
-    csv("tree,node,lights,extent,power,in_cut", lines)
+    csv("tree,node,parent,lights,extent,power,in_cut", lines)
 }
 
 /// The first tree with its leaves in a row at the bottom. The cut of a pixel is marked.
