@@ -412,21 +412,22 @@ figure-39:
 
 PASSES := $(call q,200,500,1000)
 ALPHAS := 0.5 0.7 0.9
-CRESCENT := $(call pixel,328,538,$(call q,96,160,256))
+# A point of the floor with an even density of photons: in a caustic, the density changes as the disc shrinks.
+EVEN := $(call pixel,312,833,$(call q,96,160,256))
 figure-41:
 	mkdir -p $D
-	for a in $(ALPHAS); do $(BIN)/ppm scenes/ring.xml $(SMALL) --photons $(call q,20000,20000,20000) --passes $(PASSES) --alpha $$a --trace-pixel $(CRESCENT) --trace-out $D/alpha-$$a.csv -o $D/alpha-$$a.exr; done
+	for a in $(ALPHAS); do $(BIN)/ppm $(SPHERES) $(SMALL) --photons 20000 --passes $(PASSES) --alpha $$a --trace-pixel $(EVEN) --trace-out $D/alpha-$$a.csv -o $D/alpha-$$a.exr; done
 	$(BIN)/ppm scenes/ring.xml --size $(call q,128x128,288x288,512x512) --quiet --photons 20000 --passes 100 --alpha 0.7 --show radius -o $D/map.exr
 	$(DRAW) plot $D/radius.svg --title "Radius of a hit point" --x "passes n" --y "R (radii of the scene)" --log xy --slopes $(foreach a,$(ALPHAS),"alpha $a"=$D/alpha-$a.csv:pass:radius) \
 	  --power "theory: n^-1/4=-0.25@1" --power "theory: n^-0.15=-0.15@2" --power "theory: n^-0.05=-0.05@3"
 	$(DRAW) plot $D/photons.svg --title "Number of photons N" --x "passes n" --y "N" --log xy --slopes $(foreach a,$(ALPHAS),"alpha $a"=$D/alpha-$a.csv:pass:N) \
 	  --power "theory: n^1/2=0.5@1" --power "theory: n^0.7=0.7@2" --power "theory: n^0.9=0.9@3"
 	$(DRAW) figure $D --slide 41-42 --columns 3 --title "Radius reduction" \
-	  --caption "R' = R sqrt((N + alpha M) / (N + M)) after every pass: the radius shrinks as n^((alpha - 1) / 2), and N still grows as n^alpha." \
+	  --caption "R' = R sqrt((N + alpha M) / (N + M)) after every pass: where the density of photons is even, the radius shrinks as n^((alpha - 1) / 2), and N still grows as n^alpha." \
 	  --claim "slope(alpha-0.5.csv:pass:radius) in -0.28..-0.19" --claim "slope(alpha-0.7.csv:pass:radius) in -0.18..-0.11" --claim "slope(alpha-0.9.csv:pass:radius) in -0.08..-0.03" \
 	  --claim "slope(alpha-0.5.csv:pass:N) in 0.4..0.6" --claim "slope(alpha-0.9.csv:pass:N) in 0.8..1" --claim "slope(alpha-0.7.csv:pass:N) in 0.6..0.8" \
 	  --claim "last(alpha-0.5.csv:radius) < last(alpha-0.9.csv:radius)" \
-	  radius.svg="R of one hit point in the crescent" photons.svg="N of the same hit point" map.radius.png="the map of R for alpha 0.7, after 100 passes: dark is small, where photons are dense"
+	  radius.svg="R of one hit point on the floor of the Cornell box" photons.svg="N of the same hit point" map.radius.png="the map of R round a ring, for alpha 0.7, after 100 passes: dark is small, where photons are dense"
 
 # $(call passes,N): the number in words.
 passes = $(if $(filter 1,$1),1 pass,$1 passes)

@@ -2,11 +2,11 @@
 
 use gi_core::light::LightSource;
 use gi_core::math::Rgb;
-use gi_core::texture::Bitmap;
+use gi_core::texture::{Bitmap, Texels};
 use glam::Vec3;
 
 use crate::builder::Builder;
-use crate::document::Node;
+use crate::document::{Meaning, Node};
 use crate::origins::LightOrigin;
 use crate::rotation::rotation;
 use crate::textures::{note_gamma, warn_negative};
@@ -67,14 +67,26 @@ impl Builder<'_> {
         node.ignore(&["filename", "cache", "mis_compensation"]);
         note_gamma(node);
         let to_world = rotation(node);
+        warn_scaled(node);
         let scale = node.light_scale("scale", 1.0);
         let (Some(image), Some(file)) =
             (self.assets.bitmap(node.id), self.assets.bitmap_file(node.id))
         else {
             return;
         };
-        let is_square = node.doc.is_pbrt && node.bool("equal_area", false);
-        let origin = match is_square {
+        let mut is_square = node.doc.is_pbrt && node.bool("equal_area", false);
+        if is_square && image.width() == 2 * image.height() {
+            node.warn(format!(
+                "`{}` is twice as wide as high: it is read as latitude and longitude, not as a square of equal area",
+                file.path.display()
+            ));
+            is_square = false;
+        }
+        let tint = match node.doc.is_pbrt {
+            true => node.color("tint", Meaning::Light).filter(|tint| *tint != Rgb::WHITE),
+            false => None,
+        };
+        let origin = match is_square || tint.is_some() {
             true => LightOrigin::Itself,
             false => LightOrigin::Picture(file.path.clone()),
         };
@@ -84,7 +96,11 @@ impl Builder<'_> {
         }
         // The light has a copy of its own.
         let claim = node.report.budget.claim(file.path.display());
-        let bytes = if is_square { equal_area::bytes(&image) } else { image.bytes() };
+        let bytes = match (is_square, tint) {
+            (true, _) => equal_area::bytes(&image),
+            (false, Some(_)) => (image.width() * image.height() * size_of::<Rgb>()) as u64,
+            (false, None) => image.bytes(),
+        };
         if let Err(why) = claim.keep(bytes) {
             return node.error(format!("cannot copy `{}`: {why}", file.path.display()), "");
         }
@@ -92,11 +108,29 @@ impl Builder<'_> {
         if !node.check_light("scale", Rgb::grey(scale * brightest)) {
             return;
         }
-        let image = match is_square {
-            true => equal_area::resampled(&image),
-            false => Bitmap::clone(&image),
+        let image = match (is_square, tint) {
+            (true, _) => equal_area::resampled(&image),
+            (false, Some(tint)) => tinted(&image, tint),
+            (false, None) => Bitmap::clone(&image),
         };
         self.push_light(LightSource::Environment { image, scale, to_world }, origin);
+    }
+}
+
+/// A picture times a colour.
+fn tinted(image: &Bitmap, tint: Rgb) -> Bitmap {
+    let (w, h) = (image.width(), image.height());
+    let texels = (0..w * h).map(|i| image.texel(i % w, i / w) * tint).collect();
+    Bitmap::new(w, h, Texels::Float(texels), image.wrap(), image.lookup())
+}
+
+/// Warn of a scale in a light's `to_world`, which Mitsuba 3.9.1 multiplies the light by, or stretches its picture with.
+fn warn_scaled(node: Node<'_>) {
+    let m = node.transform("to_world").matrix3;
+    let is_unit = |axis: Vec3| (axis.length() - 1.0).abs() < 1e-3;
+    let axes = [m.x_axis, m.y_axis, m.z_axis].map(Vec3::from);
+    if !node.doc.is_pbrt && !axes.into_iter().all(is_unit) {
+        node.warn("the scale in the light's `to_world` is ignored");
     }
 }
 
@@ -128,5 +162,6 @@ fn direction(node: Node<'_>, name: &'static str) -> Option<Vec3> {
 
 fn directional(node: Node<'_>) -> Option<LightSource> {
     let irradiance = light_color(node, "irradiance");
+    warn_scaled(node);
     Some(LightSource::Directional { direction: direction(node, "direction")?, irradiance })
 }

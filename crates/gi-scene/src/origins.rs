@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use gi_core::math::Rgb;
-use gi_core::texture::{Bitmap, Texture};
+use gi_core::texture::{Bitmap, Texels, Texture};
 use glam::Affine3A;
 
 use crate::diagnostics::Report;
@@ -32,6 +32,8 @@ pub(crate) struct Origins {
     ranges: HashMap<usize, (Arc<Bitmap>, [f32; 2])>,
     /// Pictures of light without their negative texels, indexed by the address of the original, which is stored too.
     lifted: HashMap<usize, (Arc<Bitmap>, Lifted)>,
+    /// Grey copies of pictures, indexed by the address of the original, which is stored too.
+    greys: HashMap<usize, (Arc<Bitmap>, Arc<Bitmap>)>,
 }
 
 /// A picture of light without negative texels, and the first of those that it had.
@@ -93,6 +95,25 @@ impl Origins {
         }
         self.lifted.insert(key, (bitmap.clone(), lifted.clone()));
         lifted
+    }
+
+    /// A picture whose texels are the means of their colours. The copy is made once, however many lights use the picture.
+    pub(crate) fn as_grey(&mut self, bitmap: &Arc<Bitmap>, report: &Report) -> Arc<Bitmap> {
+        let key = Arc::as_ptr(bitmap).addr();
+        if let Some((_, known)) = self.greys.get(&key) {
+            return known.clone();
+        }
+        let (w, h) = (bitmap.width(), bitmap.height());
+        let claim = report.budget.claim("grey pictures of lights");
+        if let Err(why) = claim.keep((w * h * size_of::<Rgb>()) as u64) {
+            report.error_nowhere(format!("cannot copy the picture of a light: {why}"));
+            return bitmap.clone();
+        }
+        let texel = |i: usize| Rgb::grey(bitmap.texel(i % w, i / w).mean());
+        let texels = Texels::Float((0..w * h).map(texel).collect());
+        let grey = Arc::new(Bitmap::new(w, h, texels, bitmap.wrap(), bitmap.lookup()));
+        self.greys.insert(key, (bitmap.clone(), grey.clone()));
+        grey
     }
 
     /// The file that a picture came from.

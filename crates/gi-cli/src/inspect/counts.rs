@@ -130,7 +130,9 @@ fn light_kind(light: &LightSource) -> &'static str {
         LightSource::Point { .. } => "point",
         LightSource::Spot { .. } => "spot",
         LightSource::Projector { window: Window::Cone, .. } => "spot with a picture",
-        LightSource::Projector { window: Window::Sphere, .. } => "goniometric",
+        LightSource::Projector { window: Window::Unfolded | Window::Latitudes, .. } => {
+            "goniometric"
+        }
         LightSource::Projector { .. } => "projector",
         LightSource::Directional { .. } => "directional",
         LightSource::Constant { .. } => "constant",

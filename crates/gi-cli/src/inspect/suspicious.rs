@@ -121,7 +121,7 @@ fn lamps(parts: &SceneParts) -> Vec<Lamp<'_>> {
         let (kind, center) = match light {
             LightSource::Point { position, .. } => ("point", *position),
             LightSource::Spot { position, .. } => ("spot", *position),
-            LightSource::Projector { position, .. } => ("projector", *position),
+            LightSource::Projector { position, .. } => ("light with a picture", *position),
             _ => return None,
         };
         Some(Lamp { name: kind.into(), center, radius: 0.0, shape: None })

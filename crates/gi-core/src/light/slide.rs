@@ -3,67 +3,78 @@
 use glam::{Mat3, Vec2, Vec3};
 
 use super::source::Window;
-use crate::math::Rgb;
+use crate::math::{INV_PI, Rgb};
 use crate::texture::Texture;
-use crate::warp::unfolded_sphere;
+use crate::warp;
 
 /// The picture in front of a point light: a factor on its intensity.
 #[derive(Clone, Debug)]
 pub struct Slide {
     texture: Texture,
-    /// From world directions to the directions in which the picture is at z = 1.
+    /// From world directions to those along the axes.
     to_local: Mat3,
     window: Window,
     /// Half the extent of the picture at z = 1. For a rectangle, both are negative: the picture is upright and not
     /// mirrored for an eye at its place.
     half: Vec2,
+    /// For a rectangle, the flux through it where the picture is one.
+    flux: f32,
 }
 
 impl Slide {
     /// A picture that covers `window`; its u, v and axis point along `axes`.
     pub(super) fn new(texture: Texture, axes: [Vec3; 3], cutoff: f32, window: Window) -> Self {
-        let [x, y, z] = axes.map(|axis| axis.normalize_or(Vec3::Z));
-        let half = match window {
-            Window::Cone => Vec2::splat(cutoff.tan()),
-            Window::Irradiance(half) | Window::Intensity(half) => -half,
-            Window::Sphere => Vec2::ONE,
+        let [x, y, z] = match window {
+            Window::Unfolded | Window::Latitudes => axes,
+            _ => axes.map(|axis| axis.normalize_or(Vec3::Z)),
         };
-        Slide { texture, to_local: Mat3::from_cols(x, y, z).inverse(), window, half }
+        let (half, flux) = match window {
+            Window::Cone => (Vec2::splat(cutoff.tan()), 0.0),
+            Window::Irradiance(half) => (-half, 4.0 * half.x * half.y * corner_cos(half).powi(3)),
+            Window::Intensity(half) => {
+                let corner = |u: f32, v: f32| (x * (u * half.x) + y * (v * half.y) + z).normalize();
+                let [a, b, c, d] = [[-1, -1], [1, -1], [1, 1], [-1, 1]]
+                    .map(|signs| signs.map(|k| k as f32))
+                    .map(|[u, v]| corner(u, v));
+                (-half, warp::solid_angle(a, b, c) + warp::solid_angle(a, c, d))
+            }
+            Window::Unfolded | Window::Latitudes => (Vec2::ONE, 0.0),
+        };
+        Slide { texture, to_local: Mat3::from_cols(x, y, z).inverse(), window, half, flux }
     }
 
     /// The factor along world direction `d`.
     pub fn along(&self, d: Vec3) -> Rgb {
         let local = self.to_local * d;
-        if self.window == Window::Sphere {
-            return self.texture.eval(unfolded_sphere(local.normalize_or(Vec3::Z)));
-        }
         let at = Vec2::new(local.x, local.y) / (local.z * self.half);
-        let is_outside = || local.z <= 0.0 || at.abs().max_element() > 1.0;
-        if self.window != Window::Cone && is_outside() {
-            return Rgb::BLACK;
-        }
-        let color = self.texture.eval(Vec2::splat(0.5) + 0.5 * at);
+        let is_inside = local.z > 0.0 && at.abs().max_element() <= 1.0;
+        let at_plane = || self.texture.eval(Vec2::splat(0.5) + 0.5 * at);
         match self.window {
+            Window::Cone => at_plane(),
+            Window::Intensity(_) if is_inside => at_plane(),
             // The irradiance of a plane at distance z is I cos^3 / z^2.
-            Window::Irradiance(half) => {
-                color * (corner_cos(half) * local.length() / local.z).powi(3)
+            Window::Irradiance(half) if is_inside => {
+                at_plane() * (corner_cos(half) * local.length() / local.z).powi(3)
             }
-            _ => color,
+            Window::Irradiance(_) | Window::Intensity(_) => Rgb::BLACK,
+            Window::Unfolded => {
+                self.texture.eval(warp::unfolded_sphere(local.normalize_or(Vec3::Z)))
+            }
+            Window::Latitudes => {
+                let d = local.normalize_or(Vec3::Z);
+                let turn = (d.y.atan2(d.x) * 0.5 * INV_PI).rem_euclid(1.0);
+                self.texture.eval(Vec2::new(turn, d.z.clamp(-1.0, 1.0).acos() * INV_PI))
+            }
         }
     }
 
-    /// Mean over the cone, whose solid angle is given. For `Window::Intensity`, as if the picture were the same everywhere.
+    /// Mean over the cone, whose solid angle is given. For [`Window::Intensity`], it is that of a picture which has its mean
+    /// everywhere; for [`Window::Latitudes`], the mean of the texels.
     pub(super) fn mean(&self, solid_angle: f32) -> Rgb {
         let mean = self.texture.mean();
         match self.window {
-            Window::Cone | Window::Sphere => mean,
-            Window::Irradiance(half) => {
-                mean * (4.0 * half.x * half.y * corner_cos(half).powi(3) / solid_angle)
-            }
-            Window::Intensity(half) => {
-                let covered = 4.0 * (half.x * half.y * corner_cos(half)).atan();
-                mean * (covered / solid_angle)
-            }
+            Window::Cone | Window::Unfolded | Window::Latitudes => mean,
+            Window::Irradiance(_) | Window::Intensity(_) => mean * (self.flux / solid_angle),
         }
     }
 }
@@ -133,6 +144,7 @@ mod tests {
         assert_eq!(along(0.3, 0.1), 0.0);
         assert!(along(-0.3, 0.1) > along(-0.3, -0.1) && along(-0.3, -0.1) > 0.0);
     }
+
     /// The solid angle of a rectangle, and the mean of a picture that is the same everywhere.
     #[test]
     fn the_picture_of_a_window_of_intensity_is_the_intensity() {
@@ -154,6 +166,32 @@ mod tests {
         assert!((flux / (0.25 * solid_angle) - 1.0).abs() < 1e-4, "{flux} {solid_angle}");
     }
 
+    /// A sheared window: the solid angle from directions that are evenly spread.
+    #[test]
+    fn the_mean_of_a_sheared_window_is_its_solid_angle() {
+        let axes = [Vec3::X, Vec3::new(0.6, 0.8, 0.0), Vec3::new(0.3, 0.0, 1.0)];
+        let window = Window::Intensity(Vec2::new(0.7, 0.4));
+        let slide = Slide::new(Texture::grey(1.0), axes, 0.0, window);
+        let n = 400_000;
+        let inside = |k: &usize| {
+            let u = [(*k as f32 + 0.5) / n as f32, (*k as f32 * 0.618_034).fract()];
+            slide.along(crate::warp::sphere(u)).r > 0.0
+        };
+        let share = (0..n).filter(inside).count() as f32 / n as f32;
+        let solid_angle = share * 4.0 * std::f32::consts::PI;
+        assert!((slide.mean(1.0).r / solid_angle - 1.0).abs() < 5e-3, "{solid_angle}");
+    }
+
+    #[test]
+    fn a_picture_of_latitudes_has_its_first_row_at_the_axis() {
+        let axes = [Vec3::X, Vec3::Y, Vec3::Z];
+        let slide = Slide::new(picture(), axes, std::f32::consts::PI, Window::Latitudes);
+        let along = |x: f32, y: f32, z: f32| slide.along(Vec3::new(x, y, z).normalize()).r;
+        // The picture has one turn in two columns, and two rows.
+        assert_eq!([along(0.3, 0.1, 1.0), along(0.3, -0.1, 1.0)], [0.0, 1.0]);
+        assert_eq!([along(0.3, 0.1, -1.0), along(0.3, -0.1, -1.0)], [0.0, 0.5]);
+    }
+
     #[test]
     fn a_goniometric_picture_covers_all_directions() {
         // The upper half of the square is on the side of local -y.
@@ -165,7 +203,7 @@ mod tests {
             scale: Rgb::WHITE,
         };
         let axes = [Vec3::X, Vec3::Z, Vec3::Y];
-        let slide = Slide::new(picture, axes, std::f32::consts::PI, Window::Sphere);
+        let slide = Slide::new(picture, axes, std::f32::consts::PI, Window::Unfolded);
         let along = |d: Vec3| slide.along(d.normalize()).r;
         assert_eq!(
             [along(Vec3::new(0.3, 5.0, -0.2)), along(Vec3::new(0.3, -5.0, 0.2))],

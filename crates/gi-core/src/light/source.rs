@@ -15,7 +15,9 @@ pub enum Window {
     /// The same rectangle, but the picture is the intensity.
     Intensity(Vec2),
     /// All directions: the picture is the square of [`crate::warp::unfolded_sphere`], with the axis at its centre.
-    Sphere,
+    Unfolded,
+    /// All directions, by longitude and latitude: u = atan2(y, x) / 2 pi and v = acos(z) / pi.
+    Latitudes,
 }
 
 /// A light of the scene that is not a surface. ([`crate::geometry::Shape::emission`] makes surfaces emit.)
@@ -45,7 +47,8 @@ pub enum LightSource {
     Projector {
         /// World position.
         position: Vec3,
-        /// Axes of the picture's u and v, and the axis of the cone. Only their directions count.
+        /// Axes of the picture's u and v, and the axis of the cone. Only their directions count, but for pictures of all
+        /// directions their lengths count too.
         axes: [Vec3; 3],
         /// Power per steradian inside the beam where the picture is one.
         intensity: Rgb,

@@ -189,6 +189,21 @@ impl Bitmap {
         }
     }
 
+    /// Derivatives of the value at `uv` along u and v: those of the bilinear interpolation, and zero for [`Lookup::Nearest`].
+    pub fn gradient(&self, uv: Vec2) -> [Rgb; 2] {
+        if self.lookup == Lookup::Nearest {
+            return [Rgb::BLACK; 2];
+        }
+        let size = Vec2::new(self.width as f32, self.height as f32);
+        let p = self.near(uv) * size - 0.5;
+        let [(x, fx), (y, fy)] = [p.x, p.y].map(floor);
+        let [x0, x1] = [x, x.wrapping_add(1)].map(|x| self.wrapped(x, self.width));
+        let [y0, y1] = [y, y.wrapping_add(1)].map(|y| self.wrapped(y, self.height));
+        let [a, b] = [self.texel(x0, y0), self.texel(x1, y0)];
+        let [c, d] = [self.texel(x0, y1), self.texel(x1, y1)];
+        [(b - a).lerp(d - c, fy) * size.x, (c - a).lerp(d - b, fx) * size.y]
+    }
+
     /// The same place of the repeated picture near the unit square, for coordinates far from it: at that distance
     /// neighbouring floats are many texels apart, and the texel's number would overflow. 0 if there is no such place.
     #[cold]

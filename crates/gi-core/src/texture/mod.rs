@@ -82,21 +82,21 @@ impl Texture {
 
     /// Derivatives of [`Texture::scalar`] along u and v, for bump mapping.
     pub fn scalar_gradient(&self, uv: Vec2) -> Vec2 {
-        // A step of half a texel, which gives the slope of the bilinear interpolation without its noise.
-        let step = match self {
-            Texture::Constant(_) => return Vec2::ZERO,
-            Texture::Bitmap { bitmap, to_uv, .. } => {
-                let texel = Vec2::ONE / Vec2::new(bitmap.width() as f32, bitmap.height() as f32);
-                let stretch =
-                    Vec2::new(to_uv.matrix2.x_axis.length(), to_uv.matrix2.y_axis.length());
-                0.5 * texel / stretch.max(Vec2::splat(1e-6))
+        match self {
+            Texture::Constant(_) => Vec2::ZERO,
+            Texture::Bitmap { bitmap, to_uv, scale } => {
+                let slopes = bitmap.gradient(to_uv.transform_point2(uv));
+                let [du, dv] = slopes.map(|slope| (slope * *scale).luminance());
+                to_uv.matrix2.transpose() * Vec2::new(du, dv)
             }
-            Texture::Checkerboard { .. } | Texture::Grid { .. } => Vec2::splat(1e-3),
-        };
-        let slope = |axis: Vec2, h: f32| {
-            (self.scalar(uv + axis * h) - self.scalar(uv - axis * h)) / (2.0 * h)
-        };
-        Vec2::new(slope(Vec2::X, step.x), slope(Vec2::Y, step.y))
+            Texture::Checkerboard { .. } | Texture::Grid { .. } => {
+                const STEP: f32 = 1e-3;
+                let slope = |axis: Vec2| {
+                    (self.scalar(uv + axis * STEP) - self.scalar(uv - axis * STEP)) / (2.0 * STEP)
+                };
+                Vec2::new(slope(Vec2::X), slope(Vec2::Y))
+            }
+        }
     }
 
     /// Mean over the unit square of texture coordinates; exact for constants, from the texels for pictures.

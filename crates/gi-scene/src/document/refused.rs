@@ -40,7 +40,7 @@ const TUBES: &str = "convert them to meshes of thin tubes";
 const SPHERES: &str = "use `sphere` with a `to_world`, or a mesh";
 const MEASURED: &str = "measured tables are not read";
 const OLD_BITMAP: &str = "it is an old name";
-const PHASE: &str = "only `isotropic` and `hg` are supported";
+const PHASE: &str = "only `isotropic`, `hg` and `rayleigh` are supported";
 
 /// Why a plugin is not supported, and what to use instead; `None` if it is not known either.
 pub(super) fn reason(tag: &str, plugin: &str) -> Option<(&'static str, &'static str)> {

@@ -7,7 +7,7 @@ use gi_core::math::Rgb;
 use gi_core::texture::Texture;
 use glam::{Vec2, Vec3};
 
-use super::{direction, light_color};
+use super::{direction, light_color, warn_scaled};
 use crate::builder::Builder;
 use crate::document::{Class, Node};
 
@@ -22,6 +22,7 @@ impl Builder<'_> {
             return Some(plain);
         };
         let picture = self.texture_object(texture, 0)?;
+        warn_scaled(node);
         let (picture, most) = self.at_most_one(texture, picture)?;
         intensity *= most;
         let m = node.transform("to_world");
@@ -51,6 +52,7 @@ impl Builder<'_> {
     /// A projector: a pinhole camera that shines.
     pub(super) fn projector(&mut self, node: Node<'_>) -> Option<LightSource> {
         let picture = self.light_texture(node, "irradiance");
+        warn_scaled(node);
         let (picture, most) = self.at_most_one(node, picture)?;
         let aspect = match &picture {
             Texture::Bitmap { bitmap, .. } => bitmap.width() as f32 / bitmap.height() as f32,

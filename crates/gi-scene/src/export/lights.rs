@@ -1,6 +1,6 @@
 use gi_core::light::{LightSource, Window};
 use gi_core::math::{Frame, Rgb};
-use gi_core::texture::{Bitmap, Lookup, Texels, Texture, Wrap};
+use gi_core::texture::{Bitmap, Texels, Texture, Wrap};
 use glam::{Affine2, Affine3A, Mat3, Vec2, Vec3};
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -65,7 +65,9 @@ impl Exporter<'_> {
                         let picture = as_irradiance(picture, *half).scaled(*intensity * (1.0 / PI));
                         return self.projector(&to_world, *half, &picture);
                     }
-                    Window::Sphere => return self.as_point(*position, *intensity * picture.mean()),
+                    Window::Unfolded | Window::Latitudes => {
+                        return self.as_point(*position, *intensity * picture.mean());
+                    }
                 }
                 xml.open("emitter", &[("type", "spot")]);
                 xml.transform("to_world", &to_world);
@@ -139,17 +141,21 @@ impl Exporter<'_> {
     }
 }
 
-/// The irradiance of a window at distance one whose picture is the intensity, at the centre of each texel.
+/// Smallest number of texels along a side of an exported projection.
+const FINE: usize = 512;
+
+/// The irradiance of a window at distance one whose picture is the intensity. Each texel becomes as many as it takes for the
+/// cosine to be nearly the same within one.
 fn as_irradiance(picture: &Texture, half: Vec2) -> Texture {
-    let Texture::Bitmap { bitmap, scale, .. } = picture else { return picture.clone() };
-    let (w, h) = (bitmap.width(), bitmap.height());
+    let Texture::Bitmap { bitmap, .. } = picture else { return picture.clone() };
+    let [w, h] = [bitmap.width(), bitmap.height()].map(|n| n * FINE.div_ceil(n));
     let size = Vec2::new(w as f32, h as f32);
     let texel = |i: usize| {
-        let cell = (Vec2::new((i % w) as f32, (i / w) as f32) + 0.5) / size;
-        let on_plane = ((2.0 * cell - 1.0) * half).extend(1.0);
-        bitmap.texel(i % w, i / w) * *scale * on_plane.length().powi(-3)
+        let at = (Vec2::new((i % w) as f32, (i / w) as f32) + 0.5) / size;
+        let on_plane = ((2.0 * at - 1.0) * half).extend(1.0);
+        picture.eval(at) * on_plane.length().powi(-3)
     };
     let texels = Texels::Float((0..w * h).map(texel).collect());
-    let bitmap = Arc::new(Bitmap::new(w, h, texels, Wrap::Clamp, Lookup::Nearest));
+    let bitmap = Arc::new(Bitmap::new(w, h, texels, Wrap::Clamp, bitmap.lookup()));
     Texture::Bitmap { bitmap, to_uv: Affine2::IDENTITY, scale: Rgb::WHITE }
 }

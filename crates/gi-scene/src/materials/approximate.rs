@@ -25,6 +25,9 @@ fn mean_passage(depth: f32, eta: f32) -> f32 {
 fn passage(node: Node<'_>, eta: f32) -> Rgb {
     let sigma = node.color("sigma_a", Meaning::Factor).unwrap_or(Rgb::BLACK);
     let thickness = node.within("thickness", 1.0, 0.0..=value::MAX_NUMBER);
+    if sigma.to_array().iter().any(|v| *v < 0.0) {
+        node.warn("negative values of `sigma_a` are read as 0");
+    }
     if !sigma.is_black() {
         node.warn("the absorption of the coating is approximated by its mean over all directions");
     }
@@ -52,12 +55,15 @@ impl Builder<'_> {
     pub(super) fn coating(&mut self, node: Node<'_>) -> Option<Material> {
         node.ignore(&["specular_sampling_weight"]);
         let bases = node.children(Class::Bsdf);
-        let [base] = bases.as_slice() else {
+        let [mut base] = bases[..] else {
             node.wrong_count("bsdfs", bases.len(), "expected one");
             return None;
         };
+        if let ("twosided", [inner]) = (base.plugin(), &base.children(Class::Bsdf)[..]) {
+            base = *inner;
+        }
         if ["conductor", "roughconductor"].contains(&base.plugin()) {
-            return self.coated_conductor(node, *base);
+            return self.coated_conductor(node, base);
         }
         if !["diffuse", "lambertian"].contains(&base.plugin()) {
             let (kind, inner) = (node.plugin(), base.plugin());
@@ -74,7 +80,7 @@ impl Builder<'_> {
         }
         let eta = ior::relative(node, "bk7")?;
         let leaves = 1.0 - dielectric_hemispherical(1.0 / eta);
-        let diffuse = self.share(*base, "reflectance", 0.5).scaled(Rgb::grey(leaves));
+        let diffuse = self.share(base, "reflectance", 0.5).scaled(Rgb::grey(leaves));
         let passes = passage(node, eta);
         let roughness = self.roughness(node, "roughcoating");
         if roughness.is_some() {
@@ -96,16 +102,22 @@ impl Builder<'_> {
             let how = "the conductor alone, as bright along the normal as with its coat";
             node.warn(format!("`{}` around a conductor is approximated by {how}", node.plugin()));
         }
-        node.ignore(&["alpha", "distribution", "specular_reflectance"]);
-        let eta = ior::relative(node, "bk7")?;
-        let coat = ((eta - 1.0) / (eta + 1.0)).powi(2);
-        let factor = passage(node, eta) * (1.0 - coat).powi(2) + Rgb::grey(coat);
-        Some(match self.conductor(base)? {
-            Material::Conductor { eta, k, reflectance, roughness } => {
-                Material::Conductor { eta, k, reflectance: reflectance.scaled(factor), roughness }
-            }
-            other => other,
-        })
+        node.ignore(&["alpha", "distribution"]);
+        let coat_eta = ior::relative(node, "bk7")?;
+        let coat = ((coat_eta - 1.0) / (coat_eta + 1.0)).powi(2);
+        let passes = passage(node, coat_eta) * (1.0 - coat).powi(2);
+        let coat = self.share(node, "specular_reflectance", 1.0).mean() * coat;
+        let made = self.conductor(base)?;
+        let Material::Conductor { eta, k, reflectance, roughness } = made else {
+            return Some(made);
+        };
+        let metal =
+            |eta: f32, k: f32| ((eta - 1.0).powi(2) + k * k) / ((eta + 1.0).powi(2) + k * k);
+        let own = eta.zip(k, metal) * reflectance.mean();
+        // At most one: more would make light near grazing angles.
+        let factor = (passes + coat.zip(own, |f, r| f / r.max(1e-6))).map(|factor| factor.min(1.0));
+        let reflectance = reflectance.scaled(factor);
+        Some(Material::Conductor { eta, k, reflectance, roughness })
     }
 
     /// A weighted sum as nested blends. If the weights sum to less than one, the rest of the light is absorbed.

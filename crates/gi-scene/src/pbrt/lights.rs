@@ -7,6 +7,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use super::Translator;
 use super::params::Params;
+use super::pictured_lights::light_picture;
 use super::types::Text;
 use crate::diagnostics::Span;
 use crate::document::{Class, Meaning, ObjectId, Value};
@@ -58,19 +59,19 @@ impl Translator<'_> {
         }
     }
 
-    fn emitter(&mut self, params: &Params, plugin: &str) -> ObjectId {
+    pub(super) fn emitter(&mut self, params: &Params, plugin: &str) -> ObjectId {
         self.doc.add(Class::Emitter, "light", plugin, params.span)
     }
 
     /// The light's colour times its scale. A scale may be a colour in pbrt-v3.
-    fn emission(&self, params: &Params, name: &'static str) -> Rgb {
+    pub(super) fn emission(&self, params: &Params, name: &'static str) -> Rgb {
         let default = self.state.now.color_space.white();
         let color = self.color(params, name, Meaning::Light).unwrap_or(default);
         let factor = self.color(params, "scale", Meaning::Factor).unwrap_or(Rgb::WHITE);
         color * factor * self.scale(params) as f32
     }
 
-    fn scale(&self, params: &Params) -> f64 {
+    pub(super) fn scale(&self, params: &Params) -> f64 {
         params.number("scale", self.report).unwrap_or(1.0)
     }
 
@@ -82,7 +83,7 @@ impl Translator<'_> {
         }
     }
 
-    fn point(&mut self, params: &Params) -> ObjectId {
+    pub(super) fn point(&mut self, params: &Params) -> ObjectId {
         let span = params.span;
         let factor = self.power_factor(params, 4.0 * std::f64::consts::PI);
         let intensity = self.emission(params, "I") * factor;
@@ -126,58 +127,6 @@ impl Translator<'_> {
         Some(light)
     }
 
-    /// A point light whose intensity is a picture of all directions.
-    fn goniometric(&mut self, params: &Params) -> ObjectId {
-        let Some(file) = light_picture(params) else {
-            let message =
-                "`goniometric` without a `filename`: its intensity is the same in all directions";
-            self.report.warn(params.span, message);
-            return self.point(params);
-        };
-        let light = self.emitter(params, "goniometric");
-        let intensity = self.emission(params, "I");
-        self.doc.set(light, "intensity", params.span_of("I"), Value::Color(intensity));
-        self.doc.set(light, "latitude_longitude", params.span, Value::Bool(self.is_v3));
-        self.light_picture(light, &file, params, DAffine3::from_mat3(ASIDE));
-        light
-    }
-
-    /// A point light whose intensity is a picture within a window.
-    fn projection(&mut self, params: &Params) -> Option<ObjectId> {
-        let Some(file) = light_picture(params) else {
-            self.report.error(params.span, "`projection` without a `filename`", "");
-            return None;
-        };
-        let light = self.emitter(params, "projection");
-        // pbrt-v4 shows the picture as a camera would see it; pbrt-v3 shows it upside down.
-        let (fov, up) = if self.is_v3 { (45.0, -1.0) } else { (90.0, 1.0) };
-        let intensity = match self.is_v3 {
-            true => self.emission(params, "I"),
-            false => Rgb::grey(self.scale(params) as f32),
-        };
-        self.doc.set(light, "intensity", params.span_of("scale"), Value::Color(intensity));
-        let fov = params.within("fov", fov, [1e-3, 179.0], self.report);
-        self.doc.set(light, "fov", params.span_of("fov"), Value::Float(fov as f32));
-        // The axes of a picture in a window run to the left and downward.
-        let axes = DMat3::from_diagonal(DVec3::new(-1.0, up, 1.0));
-        self.light_picture(light, &file, params, DAffine3::from_mat3(axes));
-        Some(light)
-    }
-
-    /// The picture of a light, its axes, and the power that it gives the light.
-    fn light_picture(&mut self, light: ObjectId, file: &Text, params: &Params, axes: DAffine3) {
-        let picture = self.doc.add(Class::Texture, "light", "bitmap", file.span);
-        self.doc.set(picture, "filename", file.span, Value::Text(file.text.clone()));
-        self.doc.set(picture, "wrap_mode", file.span, Value::Text("clamp".into()));
-        self.doc.set(picture, "filter_type", file.span, Value::Text("nearest".into()));
-        self.doc.nest(light, "picture", picture);
-        let to_world = Value::transform(self.state.now.ctm * axes);
-        self.doc.set(light, "to_world", params.span, to_world);
-        if let Some(power) = params.number("power", self.report).filter(|power| *power > 0.0) {
-            self.doc.set(light, "power", params.span_of("power"), Value::Float(power as f32));
-        }
-    }
-
     fn distant(&mut self, params: &Params) -> Option<ObjectId> {
         let (_, direction) = self.direction(params)?;
         let mut irradiance = self.emission(params, "L");
@@ -211,7 +160,13 @@ impl Translator<'_> {
         let light = self.emitter(params, "envmap");
         self.doc.set(light, "filename", file.span, Value::Text(file.text.clone()));
         let scale = if self.is_v3 {
-            self.emission(params, "L").mean()
+            let color = self.emission(params, "L");
+            let most = color.max();
+            if most > 0.0 {
+                let tint = Value::Color(color * (1.0 / most));
+                self.doc.set(light, "tint", params.span_of("L"), tint);
+            }
+            most
         } else {
             self.doc.set(light, "equal_area", span, Value::Bool(true));
             self.scale(params) as f32
@@ -273,15 +228,6 @@ impl Translator<'_> {
         self.doc.nest(shape, "", emitter);
     }
 }
-
-/// The file of a light's picture.
-fn light_picture(params: &Params) -> Option<Text> {
-    let file = params.text("filename").or_else(|| params.text("mapname"));
-    file.filter(|file| !file.text.is_empty()).cloned()
-}
-
-/// The axes of a goniometric light: y and z are exchanged.
-const ASIDE: DMat3 = DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::Y);
 
 /// From Mitsuba's local axes of a picture at infinity (+y up, u from -z toward +x) to those of pbrt (+z up, u from +x
 /// toward +y). It mirrors, because the two run in opposite directions.

@@ -14,6 +14,7 @@ mod materials;
 mod media;
 mod meshes;
 mod params;
+mod pictured_lights;
 mod pictures;
 mod reader;
 mod shapes;

@@ -43,7 +43,7 @@ fn all_lights_are_read() {
         LightSource::Projector { window, .. } => *window,
         other => panic!("{other:?}"),
     });
-    assert_eq!(windows.collect::<Vec<_>>(), [Window::Intensity(Vec2::ONE), Window::Sphere]);
+    assert_eq!(windows.collect::<Vec<_>>(), [Window::Intensity(Vec2::ONE), Window::Unfolded]);
 }
 
 #[test]

@@ -57,12 +57,14 @@ fn all_materials_are_read() {
     };
     assert!(matches!(of(*first), Material::Diffuse { .. }));
     assert!(matches!(of(*second), Material::Conductor { .. }));
-    let Material::Conductor { reflectance: Texture::Constant(r), roughness: Some(_), .. } = is(10)
+    let Material::Conductor { eta, k, reflectance: Texture::Constant(r), roughness: Some(_) } =
+        is(10)
     else {
         panic!()
     };
-    // The coat reflects 0.04 of the light along the normal.
-    assert!((r.r - (0.04 + 0.96 * 0.96)).abs() < 1e-5, "{r:?}");
+    // The coat reflects 0.04 of the light along the normal, and copper most of the rest.
+    let own = ((eta.r - 1.0).powi(2) + k.r * k.r) / ((eta.r + 1.0).powi(2) + k.r * k.r);
+    assert!((r.r * own - (0.04 + 0.96 * 0.96 * own)).abs() < 1e-5, "{r:?}");
     assert!(matches!(is(11), Material::Plastic { .. }));
 }
 

@@ -166,6 +166,8 @@ fn a_coated_conductor_is_as_bright_as_with_its_coat_along_the_normal() {
     assert!((coated("").r - (0.04 + 0.96 * 0.96)).abs() < 1e-6);
     let tinted = coated("<rgb name='sigma_a' value='0 100 0'/>");
     assert!((tinted.g - 0.04).abs() < 1e-6 && tinted.r > 0.9, "{tinted:?}");
+    let bare = coated("<float name='specular_reflectance' value='0'/>");
+    assert!((bare.r - 0.96 * 0.96).abs() < 1e-6, "{bare:?}");
 }
 
 #[test]

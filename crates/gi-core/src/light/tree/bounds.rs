@@ -30,6 +30,13 @@ impl LightBounds {
         intensity: 0.0,
     };
 
+    /// A point that emits to all directions.
+    fn everywhere(position: Vec3, intensity: f32) -> Self {
+        let bounds = Bounds::EMPTY.with(position);
+        let cone = Cone { axis: Vec3::Z, angle: PI };
+        LightBounds { bounds, cone, spread: FRAC_PI_2, intensity }
+    }
+
     /// Bounds of one light; `None` if it is at infinity or emits nothing.
     pub(super) fn of(light: &Light, shapes: &[Shape]) -> Option<Self> {
         let bounds = match light {
@@ -40,12 +47,13 @@ impl LightBounds {
                 let intensity = radiance * emitter.area();
                 LightBounds { bounds, cone, spread: FRAC_PI_2, intensity }
             }
-            Light::Point { position, intensity } => LightBounds {
-                bounds: Bounds::EMPTY.with(*position),
-                cone: Cone { axis: Vec3::Z, angle: PI },
-                spread: FRAC_PI_2,
-                intensity: intensity.luminance(),
-            },
+            Light::Point { position, intensity } => {
+                LightBounds::everywhere(*position, intensity.luminance())
+            }
+            // The measure of a cone's directions holds for a spread of up to a right angle.
+            Light::Spot { position, cutoff, .. } if *cutoff > FRAC_PI_2 => {
+                LightBounds::everywhere(*position, light.mean_intensity())
+            }
             Light::Spot { position, frame, cutoff, .. } => LightBounds {
                 bounds: Bounds::EMPTY.with(*position),
                 cone: Cone::new(frame.n),

@@ -3,7 +3,7 @@ use std::f32::consts::PI;
 use super::bounds::LightBounds;
 use super::*;
 use crate::geometry::{Geometry, Mesh, Shape};
-use crate::light::{LightSource, Lights};
+use crate::light::{LightSource, Lights, Window};
 use crate::math::{Frame, Rgb};
 use crate::rng::Pcg;
 use crate::texture::Texture;
@@ -168,6 +168,31 @@ fn near_lamps_are_preferred() {
     let near = (18..23).map(|k| tree.probability(&at, k)).sum::<f32>();
     // By power, it would be five of 64.
     assert!(near > 4.0 * 5.0 / 64.0, "{near}");
+}
+
+/// Its axis is no hint where a light shines that shines in all directions.
+#[test]
+fn a_spot_of_all_directions_is_chosen_like_a_point() {
+    let place = |k: u32| Vec3::new((k % 8) as f32, (k / 8) as f32, 0.0);
+    let points = (0..64).map(|k| LightSource::Point { position: place(k), intensity: Rgb::WHITE });
+    let spots = (0..64).map(|k| LightSource::Projector {
+        position: place(k),
+        axes: [Vec3::X, Vec3::Y, Vec3::Z],
+        intensity: Rgb::WHITE,
+        cutoff: PI,
+        beam: PI,
+        picture: Texture::grey(1.0),
+        window: Window::Unfolded,
+    });
+    let of = |sources: Vec<LightSource>| Lights::new(&[], sources, (Vec3::ZERO, 99.0));
+    let [points, spots] = [of(points.collect()), of(spots.collect())];
+    let p = Vec3::new(2.3, 1.2, -1.0);
+    let choices = [&points, &spots].map(|lights| {
+        let at = Vantage::new(Some(lights.tree(&[])), p);
+        (0..64).map(|k| lights.tree(&[]).probability(&at, k)).collect::<Vec<f32>>()
+    });
+    let close = |(a, b): (&f32, &f32)| (a - b).abs() <= 1e-5 * b;
+    assert!(choices[0].iter().zip(&choices[1]).all(close), "{choices:?}");
 }
 
 #[test]

@@ -56,3 +56,24 @@ fn wrapping_works_far_outside_and_for_nan() {
         }
     }
 }
+
+/// In each cell, differences of the bilinear interpolation have no error but rounding. Near a texel's centre the slope changes.
+#[test]
+fn the_gradient_is_the_slope_of_the_cell() {
+    let texels = (0..15).map(|i| Rgb::grey((i * i % 7) as f32)).collect();
+    let bitmap = Bitmap::new(5, 3, Texels::Float(texels), Wrap::Repeat, Lookup::Bilinear);
+    for k in 0..200 {
+        let uv = Vec2::new((k as f32 * 0.618_034).fract(), (k as f32 + 0.5) / 200.0);
+        let within = uv * Vec2::new(5.0, 3.0) - 0.5;
+        if (within - within.round()).abs().min_element() < 0.02 {
+            continue;
+        }
+        let slope = |step: Vec2| {
+            (bitmap.eval(uv + step).r - bitmap.eval(uv - step).r) / (2.0 * step.length())
+        };
+        let [du, dv] = bitmap.gradient(uv).map(|slope| slope.r);
+        let expected = [slope(Vec2::X * 2e-3), slope(Vec2::Y * 2e-3)];
+        assert!((du - expected[0]).abs() < 0.01 && (dv - expected[1]).abs() < 0.01, "{uv}");
+    }
+    assert_eq!(ramp(Wrap::Clamp, Lookup::Nearest).gradient(Vec2::ONE * 0.5), [Rgb::BLACK; 2]);
+}
