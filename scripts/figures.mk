@@ -336,7 +336,7 @@ figure-33:
 	  --claim "mean(pavilion:Indirect[0.3 0.14 0.25 0.05]) > 0.8 * mean(pavilion[0.3 0.14 0.25 0.05])" pavilion.png="photon mapping with final gather"
 
 # Light inside media: most of the light from the stone was scattered many times inside it.
-SOLID = $(BIN)/photonmap --volume-photons $(call q,50000,200000,500000) --volume-lookup $(call q,100,300,800) --photons $(PHOTONS) --spp $(call q,4,16,16)
+SOLID = $(BIN)/photonmap --volume-photons $(call q,50000,200000,500000) --volume-lookup $(call q,100,300,800) --photons $(PHOTONS) --spp $(call q,4,16,8)
 figure-34:
 	mkdir -p $D
 	$(SOLID) scenes/marble.xml $(RUN) -o $D/marble.exr
@@ -344,7 +344,7 @@ figure-34:
 	$(BIN)/pathtrace scenes/marble.xml $(RUN) --mode volpath --spp $(call q,32,64,128) -o $D/volpath.exr
 	$(SOLID) scenes/milk.xml $(RUN) -o $D/milk.exr
 	$(SOLID) scenes/milk.xml $(RUN) --subsurface dipole -o $D/milk-dipole.exr
-	$(BIN)/photonmap scenes/fog.xml $(RUN) --volume-photons $(call q,100000,500000,500000) --photons $(PHOTONS) --spp $(call q,4,16,16) -o $D/fog.exr
+	$(BIN)/photonmap scenes/fog.xml $(RUN) --volume-photons $(call q,100000,500000,500000) --photons $(PHOTONS) --spp $(call q,4,16,8) -o $D/fog.exr
 	$(DRAW) figure $D --slide 34 --columns 3 --title "Subsurface scattering" \
 	  --caption "Marble lit from behind, milk, and a caustic in mist, from photons stored where the medium scatters them. The dipole treats every point as if it were on a flat half-space: its picture is smooth, but too dark, most of all where the stone is thin and lit from behind (the ring has {ratio(marble-dipole[0.51 0.45 0.08 0.15], volpath) %} of its light). The path tracer's rays leave the polished stone toward the lamp only by luck: its picture is right on average, but noisy." \
 	  --claim "ratio(marble-dipole[0.51 0.45 0.08 0.15], volpath) < 0.75" --claim "ratio(marble-dipole[0.51 0.45 0.08 0.15], volpath) < 0.85 * ratio(marble-dipole[0.14 0.7 0.3 0.08], volpath)" \

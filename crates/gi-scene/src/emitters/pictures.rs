@@ -21,9 +21,9 @@ impl Builder<'_> {
         // The field of view is that of the shorter side.
         let half = Vec2::new(w, h) / w.min(h) * (0.5 * node.float("fov", 90.0).to_radians()).tan();
         let unit = node.has("power").then(|| power_through(&bitmap, half));
-        // Axes of other lengths stretch the window.
+        // Axes of other lengths stretch the window. Beyond the limits, squares of its sides would overflow.
         let [x, y, z] = axes.map(Vec3::length);
-        let window = half * Vec2::new(x, y) / z;
+        let window = (half * Vec2::new(x, y) / z).clamp(Vec2::splat(1e-6), Vec2::splat(1e6));
         let cutoff = corner_angle(axes.map(Vec3::normalize), window);
         self.pictured(node, (picture, axes), Window::Intensity(window), cutoff, unit)
     }

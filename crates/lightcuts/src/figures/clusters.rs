@@ -1,5 +1,7 @@
 //! Trees and their clusters.
 
+use std::collections::HashSet;
+
 use gi_core::canvas::{Canvas, Legend, seen_at};
 use gi_core::film::Film;
 use gi_core::math::Rgb;
@@ -97,9 +99,10 @@ fn marked_cut<'a>(subject: &Subject<'_, 'a>) -> ([usize; 2], Vec<(u32, u32)>) {
     (pixel, nodes.unwrap_or_default())
 }
 
-/// The nodes of all trees, as a table. A root has no parent. `extent` is the diagonal of the box around the lights, and `in_cut` is the number of lights that a node of the marked cut stands for, and 0 for other nodes.
+/// The nodes of all trees, as a table. A root has no parent. `extent` is the diagonal of the box around the lights. `in_cut` is the
+/// number of lights that a node of the marked cut stands for, and 0 for other nodes.
 pub(super) fn tree_csv(subject: &Subject) -> Vec<u8> {
-    let (_, cut) = marked_cut(subject);
+    let cut: HashSet<(u32, u32)> = marked_cut(subject).1.into_iter().collect();
     let mut lines = Vec::new();
     for (t, tree) in subject.lights.forest.trees.iter().enumerate() {
         let nodes = tree.nodes();
