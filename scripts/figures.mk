@@ -233,7 +233,7 @@ PHOTONS := $(call q,20000,100000,100000)
 pixel = $(shell echo $$(($(1) * $(3) / 1000)),$$(($(2) * $(3) / 1000)))
 SIDE := $(firstword $(subst x, ,$(SIZE)))
 # Pixels of the ring's crescent, and of the floor in the glass sphere's caustic.
-RING_OVER := $(call pixel,328,538,$(OVER_SIZE))
+RING_OVER := $(call pixel,235,480,$(OVER_SIZE))
 FLOOR_OVER := $(call pixel,391,917,$(OVER_SIZE))
 SPOT := $(call pixel,705,898,$(SIDE))
 PM = $(BIN)/photonmap $(SPHERES) $(RUN) --photons $(PHOTONS) --caustic-photons $(PHOTONS)
@@ -297,7 +297,7 @@ figure-27:
 	$(BIN)/photonmap scenes/ring.xml $(OVER) --photons $(PHOTONS) --caustic-photons $(PHOTONS) --spp $(call q,1,8,16) --show gathering --probe $(RING_OVER) -o $D/ring.exr
 	$(PM_OVER) --gather direct --gather-rays 48 --show gathering --probe $(FLOOR_OVER) -o $D/box.exr
 	$(DRAW) figure $D --slide 27-28 --columns 2 --title "Caustics at the first bounce, indirect light at the second" \
-	  --caption "At the first diffuse surface of an eye path, the caustic map is read (left; red: the last segments of its photons, which come from the ring to the white dot). For the other light, gather rays start there (right; blue), and the global map is read where they end (white dots)." \
+	  --caption "At the first diffuse surface of an eye path, the caustic map is read (left; red: the last segments of its photons, which come from two places of the ring to the white dot). For the other light, gather rays start there (right; blue), and the global map is read where they end (white dots)." \
 	  --claim "red(ring:Caustic-gather[0.15 0.38 0.2 0.17]) > 0.36 * red(ring[0.15 0.38 0.2 0.17])" --claim "ratio(ring:Caustic-gather[0.5 0 0.5 1], ring[0.5 0 0.5 1]) in 0.3499..0.3501" \
 	  --claim "max(box:Final-gather[0 0.3 0.15 0.6]) > 0.99" --claim "max(box:Final-gather[0.85 0.3 0.15 0.6]) > 0.99" --claim "max(box:Final-gather[0.15 0.08 0.22 0.1]) > 0.99" --claim "$(call drawn,blue,box,Final-gather,0.2 0.3 0.6 0.3) > 4 * $(call drawn,red,box,Final-gather,0.2 0.3 0.6 0.3)" \
 	  ring.caustic-gather.png="photons of a caustic estimate" box.final-gather.png="gather rays to the second bounce"

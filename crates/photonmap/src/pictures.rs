@@ -210,7 +210,7 @@ impl Gatherer<'_, '_> {
     /// A point of the world as a white dot. Nothing hides it.
     fn dot(&self, canvas: &mut Canvas, p: Vec3) {
         if let Some(c) = self.setting.camera.connect(p, [0.5; 2], f32::MAX) {
-            canvas.disc(Vec2::from_array(c.film), 1.8, Rgb::WHITE);
+            canvas.disc(Vec2::from_array(c.film), 1.8 * unit(canvas), Rgb::WHITE);
         }
     }
 
@@ -265,7 +265,12 @@ impl Gatherer<'_, '_> {
             Some(Vec2::from_array(c.film))
         };
         if let (Some(a), Some(b)) = (place(a), place(b)) {
-            canvas.line(a, b, width, colour);
+            canvas.line(a, b, width * unit(canvas), colour);
         }
     }
+}
+
+/// Factor on the width of lines and dots: in a large picture, lines of a fixed width would be too thin to see.
+fn unit(canvas: &Canvas) -> f32 {
+    (canvas.size()[0] as f32 / 640.0).max(1.0)
 }
