@@ -102,7 +102,7 @@ fn drawing(nodes: &[Node]) -> String {
     let _ = writeln!(
         out,
         "<circle cx=\"22\" cy=\"{0}\" r=\"9\" fill=\"#f5a84b\" stroke=\"#333\"/><text x=\"38\" y=\"{y}\" font-size=\"15\">node of the cut</text>\
-         <circle cx=\"172\" cy=\"{0}\" r=\"9\" fill=\"#fff\" stroke=\"#333\"/><text x=\"188\" y=\"{y}\" font-size=\"15\">other node; the number is that of its lights</text>",
+         <circle cx=\"172\" cy=\"{0}\" r=\"9\" fill=\"#fff\" stroke=\"#333\"/><text x=\"188\" y=\"{y}\" font-size=\"15\">other node; numbers count the lights</text>",
         y - 5.0
     );
     out + "</svg>\n"
