@@ -79,7 +79,7 @@ impl Slide {
     }
 }
 
-/// Cosine of the angle between the axis and the corners of a rectangle at distance one, given by half its sides.
+/// Cosine of the angle between the axis and a corner of a rectangle at distance one. `half` is half its width and height.
 fn corner_cos(half: Vec2) -> f32 {
     (1.0 + half.length_squared()).sqrt().recip()
 }

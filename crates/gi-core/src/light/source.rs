@@ -6,7 +6,7 @@ use crate::texture::{Bitmap, Texture};
 /// The directions that the picture of a [`LightSource::Projector`] covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Window {
-    /// The cone: the unit square of the picture is around it.
+    /// The cone. The unit square of the picture circumscribes it.
     Cone,
     /// A rectangle at distance one on the axis, given by half its width and height. The picture's u is along -x and its
     /// v along -y, as for a camera. The picture is the irradiance of the rectangle, and the light's intensity is that

@@ -166,7 +166,7 @@ fn gradient(corners: &[f32; 8], p: Vec3) -> Vec3 {
 struct Surface {
     positions: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
-    /// The vertex on each edge of the lattice of small cubes, by the ends of the edge.
+    /// The mesh vertex on each edge of the grid of small cubes. The key is the two ends of the edge.
     on_edge: HashMap<[[usize; 3]; 2], u32>,
 }
 

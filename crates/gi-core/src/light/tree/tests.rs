@@ -170,7 +170,7 @@ fn near_lamps_are_preferred() {
     assert!(near > 4.0 * 5.0 / 64.0, "{near}");
 }
 
-/// Its axis is no hint where a light shines that shines in all directions.
+/// A light that shines in all directions is chosen without regard to its axis.
 #[test]
 fn a_spot_of_all_directions_is_chosen_like_a_point() {
     let place = |k: u32| Vec3::new((k % 8) as f32, (k / 8) as f32, 0.0);
