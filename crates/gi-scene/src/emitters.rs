@@ -2,7 +2,7 @@
 
 use gi_core::light::LightSource;
 use gi_core::math::Rgb;
-use gi_core::texture::{Bitmap, Texels};
+use gi_core::texture::Bitmap;
 use glam::Vec3;
 
 use crate::builder::Builder;
@@ -110,18 +110,11 @@ impl Builder<'_> {
         }
         let image = match (is_square, tint) {
             (true, _) => equal_area::resampled(&image),
-            (false, Some(tint)) => tinted(&image, tint),
+            (false, Some(tint)) => image.map(|texel| texel * tint),
             (false, None) => Bitmap::clone(&image),
         };
         self.push_light(LightSource::Environment { image, scale, to_world }, origin);
     }
-}
-
-/// A picture times a colour.
-fn tinted(image: &Bitmap, tint: Rgb) -> Bitmap {
-    let (w, h) = (image.width(), image.height());
-    let texels = (0..w * h).map(|i| image.texel(i % w, i / w) * tint).collect();
-    Bitmap::new(w, h, Texels::Float(texels), image.wrap(), image.lookup())
 }
 
 /// Warn of a scale in a light's `to_world`, which Mitsuba 3.9.1 multiplies the light by, or stretches its picture with.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use gi_core::math::Rgb;
-use gi_core::texture::{Bitmap, Texels, Texture};
+use gi_core::texture::{Bitmap, Texture};
 use glam::Affine3A;
 
 use crate::diagnostics::Report;
@@ -103,15 +103,13 @@ impl Origins {
         if let Some((_, known)) = self.greys.get(&key) {
             return known.clone();
         }
-        let (w, h) = (bitmap.width(), bitmap.height());
+        let bytes = bitmap.width() * bitmap.height() * size_of::<Rgb>();
         let claim = report.budget.claim("grey pictures of lights");
-        if let Err(why) = claim.keep((w * h * size_of::<Rgb>()) as u64) {
+        if let Err(why) = claim.keep(bytes as u64) {
             report.error_nowhere(format!("cannot copy the picture of a light: {why}"));
             return bitmap.clone();
         }
-        let texel = |i: usize| Rgb::grey(bitmap.texel(i % w, i / w).mean());
-        let texels = Texels::Float((0..w * h).map(texel).collect());
-        let grey = Arc::new(Bitmap::new(w, h, texels, bitmap.wrap(), bitmap.lookup()));
+        let grey = Arc::new(bitmap.map(|texel| Rgb::grey(texel.mean())));
         self.greys.insert(key, (bitmap.clone(), grey.clone()));
         grey
     }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use gi_core::image_io::{Encoding, read_bitmap_within};
 use gi_core::math::Rgb;
-use gi_core::texture::{Bitmap, Lookup, Texels, Wrap};
+use gi_core::texture::{Bitmap, Lookup, Wrap};
 
 use crate::budget::Budget;
 use crate::document::Node;
@@ -91,10 +91,7 @@ pub(crate) fn as_light(
     let first = if some { find(bitmap, negative) } else { None };
     let Some((x, y, _)) = first else { return Ok((bitmap.clone(), None)) };
     budget.claim(file.path.display()).keep(bitmap.bytes())?;
-    let rows = (0..bitmap.height()).flat_map(|y| (0..bitmap.width()).map(move |x| (x, y)));
-    let texels = rows.map(|(x, y)| bitmap.texel(x, y).map(|v| v.max(0.0))).collect();
-    let (w, h) = (bitmap.width(), bitmap.height());
-    let clamped = Bitmap::new(w, h, Texels::Float(texels), file.wrap, file.lookup);
+    let clamped = bitmap.map(|texel| texel.map(|v| v.max(0.0)));
     Ok((Arc::new(clamped), Some((x, y))))
 }
 

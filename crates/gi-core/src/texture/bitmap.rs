@@ -167,24 +167,15 @@ impl Bitmap {
 
     /// The value at `uv`.
     pub fn eval(&self, uv: Vec2) -> Rgb {
-        let size = Vec2::new(self.width as f32, self.height as f32);
-        let mut p = uv * size;
-        let safe = p.x.abs() < FAR && p.y.abs() < FAR; // neither is NaN
-        if !safe {
-            p = self.near(uv) * size;
-        }
+        let p = self.place(uv);
         match self.lookup {
             Lookup::Nearest => {
                 let [(x, _), (y, _)] = [p.x, p.y].map(floor);
                 self.texel(self.wrapped(x, self.width), self.wrapped(y, self.height))
             }
             Lookup::Bilinear => {
-                let [(x, fx), (y, fy)] = [p.x - 0.5, p.y - 0.5].map(floor);
-                let [x0, x1] = [x, x.wrapping_add(1)].map(|x| self.wrapped(x, self.width));
-                let [y0, y1] = [y, y.wrapping_add(1)].map(|y| self.wrapped(y, self.height));
-                let top = self.texel(x0, y0).lerp(self.texel(x1, y0), fx);
-                let bottom = self.texel(x0, y1).lerp(self.texel(x1, y1), fx);
-                top.lerp(bottom, fy)
+                let ([[a, b], [c, d]], [fx, fy]) = self.cell(p);
+                a.lerp(b, fx).lerp(c.lerp(d, fx), fy)
             }
         }
     }
@@ -194,14 +185,34 @@ impl Bitmap {
         if self.lookup == Lookup::Nearest {
             return [Rgb::BLACK; 2];
         }
+        let ([[a, b], [c, d]], [fx, fy]) = self.cell(self.place(uv));
+        let (du, dv) = ((b - a).lerp(d - c, fy), (c - a).lerp(d - b, fx));
+        [du * self.width as f32, dv * self.height as f32]
+    }
+
+    /// The same picture with every texel changed by `change`, stored as floats.
+    pub fn map(&self, change: impl Fn(Rgb) -> Rgb) -> Self {
+        let (w, h) = (self.width, self.height);
+        let texels = (0..w * h).map(|i| change(self.texel(i % w, i / w))).collect();
+        Bitmap::new(w, h, Texels::Float(texels), self.wrap, self.lookup)
+    }
+
+    /// `uv` in texels.
+    #[inline]
+    fn place(&self, uv: Vec2) -> Vec2 {
         let size = Vec2::new(self.width as f32, self.height as f32);
-        let p = self.near(uv) * size - 0.5;
-        let [(x, fx), (y, fy)] = [p.x, p.y].map(floor);
-        let [x0, x1] = [x, x.wrapping_add(1)].map(|x| self.wrapped(x, self.width));
-        let [y0, y1] = [y, y.wrapping_add(1)].map(|y| self.wrapped(y, self.height));
-        let [a, b] = [self.texel(x0, y0), self.texel(x1, y0)];
-        let [c, d] = [self.texel(x0, y1), self.texel(x1, y1)];
-        [(b - a).lerp(d - c, fy) * size.x, (c - a).lerp(d - b, fx) * size.y]
+        let p = uv * size;
+        let safe = p.x.abs() < FAR && p.y.abs() < FAR; // neither is NaN
+        if safe { p } else { self.near(uv) * size }
+    }
+
+    /// The two rows of two texels whose centres surround a place, and where it is between their centres, from 0 to 1.
+    #[inline]
+    fn cell(&self, p: Vec2) -> ([[Rgb; 2]; 2], [f32; 2]) {
+        let [(x, fx), (y, fy)] = [p.x - 0.5, p.y - 0.5].map(floor);
+        let columns = [x, x.wrapping_add(1)].map(|x| self.wrapped(x, self.width));
+        let rows = [y, y.wrapping_add(1)].map(|y| self.wrapped(y, self.height));
+        (rows.map(|y| columns.map(|x| self.texel(x, y))), [fx, fy])
     }
 
     /// The same place of the repeated picture near the unit square, for coordinates far from it: at that distance

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use gi_core::math::Rgb;
-use gi_core::texture::{Bitmap, Texels, Texture};
+use gi_core::texture::Texture;
 
 use crate::builder::Builder;
 use crate::document::Node;
@@ -55,10 +55,7 @@ impl Builder<'_> {
                     node.error(why, "");
                     return Texture::grey(0.5);
                 }
-                let texel = |i: usize| (bitmap.texel(i % w, i / w) * scale).map(map);
-                let texels = Texels::Float((0..w * h).map(texel).collect());
-                let bitmap = Bitmap::new(w, h, texels, bitmap.wrap(), bitmap.lookup());
-                let bitmap = Arc::new(bitmap);
+                let bitmap = Arc::new(bitmap.map(|texel| (texel * scale).map(map)));
                 Texture::Bitmap { bitmap, to_uv, scale: Rgb::WHITE }
             }
         }

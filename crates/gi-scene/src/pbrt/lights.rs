@@ -7,7 +7,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use super::Translator;
 use super::params::Params;
-use super::pictured_lights::light_picture;
+use super::pictured_lights::picture_file;
 use super::types::Text;
 use crate::diagnostics::Span;
 use crate::document::{Class, Meaning, ObjectId, Value};
@@ -146,7 +146,7 @@ impl Translator<'_> {
         params.note_ignored(&["portal"], "light from all directions is sampled", report);
         params.ignore(&["nsamples", "samples"]);
         let lux = params.number("illuminance", report).filter(|e| *e > 0.0);
-        let Some(file) = light_picture(params) else {
+        let Some(file) = picture_file(params) else {
             let factor = lux.map_or(1.0, |e| e / std::f64::consts::PI) as f32;
             let radiance = self.emission(params, "L") * factor;
             let light = self.emitter(params, "constant");

@@ -11,7 +11,7 @@ use crate::document::{Class, ObjectId, Value};
 impl Translator<'_> {
     /// A point light whose intensity is a picture of all directions.
     pub(super) fn goniometric(&mut self, params: &Params) -> ObjectId {
-        let Some(file) = light_picture(params) else {
+        let Some(file) = picture_file(params) else {
             let name = self.picture_name();
             let effect = "its intensity is the same in all directions";
             self.report.warn(params.span, format!("`goniometric` without a `{name}`: {effect}"));
@@ -32,7 +32,7 @@ impl Translator<'_> {
 
     /// A point light whose intensity is a picture within a window.
     pub(super) fn projection(&mut self, params: &Params) -> Option<ObjectId> {
-        let Some(file) = light_picture(params) else {
+        let Some(file) = picture_file(params) else {
             let message = format!("`projection` without a `{}`", self.picture_name());
             self.report.error(params.span, message, "expected the file of a picture");
             return None;
@@ -72,7 +72,7 @@ impl Translator<'_> {
 }
 
 /// The file of a light's picture.
-pub(super) fn light_picture(params: &Params) -> Option<Text> {
+pub(super) fn picture_file(params: &Params) -> Option<Text> {
     let file = params.text("filename").or_else(|| params.text("mapname"));
     file.filter(|file| !file.text.is_empty()).cloned()
 }
