@@ -76,8 +76,8 @@ pub(crate) fn check(bitmap: &Bitmap, path: &Path) -> Result<(), String> {
 
 /// The first matching texel, row by row from the top.
 fn find(bitmap: &Bitmap, wanted: impl Fn(Rgb) -> bool) -> Option<(usize, usize, Rgb)> {
-    let all = (0..bitmap.height()).flat_map(|y| (0..bitmap.width()).map(move |x| (x, y)));
-    all.map(|(x, y)| (x, y, bitmap.texel(x, y))).find(|t| wanted(t.2))
+    let (i, texel) = bitmap.texels().enumerate().find(|(_, texel)| wanted(*texel))?;
+    Some((i % bitmap.width(), i / bitmap.width(), texel))
 }
 
 /// Prepare a picture of emitted light: negative texels become zero. Also returns the first such texel, if any.

@@ -270,7 +270,7 @@ impl Gatherer<'_, '_> {
     }
 }
 
-/// Factor on the width of lines and dots: in a large picture, lines of a fixed width would be too thin to see.
+/// Scale of line widths and dot radii. It is 1 up to a picture width of 640 pixels, and grows in proportion to larger widths.
 fn unit(canvas: &Canvas) -> f32 {
     (canvas.size()[0] as f32 / 640.0).max(1.0)
 }

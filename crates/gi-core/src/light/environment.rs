@@ -24,8 +24,7 @@ impl Environment {
     /// Prepare `image` (u = atan2(x, -z) / 2 pi, v = acos(y) / pi of local directions); `to_world` is a rotation.
     pub(crate) fn new(image: Bitmap, scale: f32, to_world: Mat3) -> Self {
         let (w, h) = (image.width(), image.height());
-        let luminance: Vec<f32> =
-            (0..w * h).map(|i| image.texel(i % w, i / w).luminance().max(0.0)).collect();
+        let luminance: Vec<f32> = image.texels().map(|texel| texel.luminance().max(0.0)).collect();
         let at = |x: usize, y: usize| luminance[y * w + x];
         let density = density(&luminance, w, h);
         let flux =

@@ -79,7 +79,8 @@ impl Slide {
     }
 }
 
-/// Cosine of the angle between the axis and a corner of a rectangle at distance one. `half` is half its width and height.
+/// Cosine of the angle between the axis and the direction to a corner of a rectangle at distance one. `half` is half its width
+/// and half its height.
 fn corner_cos(half: Vec2) -> f32 {
     (1.0 + half.length_squared()).sqrt().recip()
 }

@@ -165,6 +165,11 @@ impl Bitmap {
         }
     }
 
+    /// All texels, row by row from the top.
+    pub fn texels(&self) -> impl Iterator<Item = Rgb> {
+        (0..self.height).flat_map(move |y| (0..self.width).map(move |x| self.texel(x, y)))
+    }
+
     /// The value at `uv`.
     pub fn eval(&self, uv: Vec2) -> Rgb {
         let p = self.place(uv);
@@ -192,12 +197,11 @@ impl Bitmap {
 
     /// The same picture with every texel changed by `change`, stored as floats.
     pub fn map(&self, change: impl Fn(Rgb) -> Rgb) -> Self {
-        let (w, h) = (self.width, self.height);
-        let texels = (0..w * h).map(|i| change(self.texel(i % w, i / w))).collect();
-        Bitmap::new(w, h, Texels::Float(texels), self.wrap, self.lookup)
+        let texels = Texels::Float(self.texels().map(change).collect());
+        Bitmap::new(self.width, self.height, texels, self.wrap, self.lookup)
     }
 
-    /// `uv` in texels.
+    /// Texel coordinates of `uv`: texel (x, y) covers [x, x + 1] times [y, y + 1].
     #[inline]
     fn place(&self, uv: Vec2) -> Vec2 {
         let size = Vec2::new(self.width as f32, self.height as f32);
@@ -206,7 +210,7 @@ impl Bitmap {
         if safe { p } else { self.near(uv) * size }
     }
 
-    /// The two rows of two texels whose centres surround a place, and where it is between their centres, from 0 to 1.
+    /// The four texels around `p` (texel coordinates) in two rows, and the bilinear weights of the right column and the lower row.
     #[inline]
     fn cell(&self, p: Vec2) -> ([[Rgb; 2]; 2], [f32; 2]) {
         let [(x, fx), (y, fy)] = [p.x - 0.5, p.y - 0.5].map(floor);
@@ -230,11 +234,9 @@ impl Bitmap {
     /// The smallest and the largest value of each channel.
     pub fn range(&self) -> [Rgb; 2] {
         *self.range.get_or_init(|| {
-            let texels = (0..self.height).flat_map(|y| (0..self.width).map(move |x| (x, y)));
-            let texels = texels.map(|(x, y)| self.texel(x, y)).map(|texel| [texel, texel]);
             let join =
                 |a: [Rgb; 2], b: [Rgb; 2]| [a[0].zip(b[0], f32::min), a[1].zip(b[1], f32::max)];
-            texels.reduce(join).expect("a picture has texels")
+            self.texels().map(|texel| [texel, texel]).reduce(join).expect("a picture has texels")
         })
     }
 
@@ -245,11 +247,9 @@ impl Bitmap {
 
     fn compute_mean(&self) -> Rgb {
         let mut sum = [0f64; 3];
-        for y in 0..self.height {
-            for x in 0..self.width {
-                let t = self.texel(x, y).to_array();
-                (0..3).for_each(|k| sum[k] += f64::from(t[k]));
-            }
+        for texel in self.texels() {
+            let t = texel.to_array();
+            (0..3).for_each(|k| sum[k] += f64::from(t[k]));
         }
         Rgb::from(sum.map(|s| (s / (self.width * self.height) as f64) as f32))
     }

@@ -166,11 +166,11 @@ fn gradient(corners: &[f32; 8], p: Vec3) -> Vec3 {
 struct Surface {
     positions: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
-    /// The mesh vertex on each edge of the grid of small cubes. The key is the two ends of the edge.
+    /// Index of the mesh vertex on an edge of a small cube. The key holds the two ends of the edge.
     on_edge: HashMap<[[usize; 3]; 2], u32>,
 }
 
-/// A corner of a small cube: its place in the lattice, and its value.
+/// A corner of a small cube: its place in the grid of small cubes, and its value.
 #[derive(Clone, Copy)]
 struct Corner {
     place: [usize; 3],

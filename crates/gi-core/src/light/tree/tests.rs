@@ -170,7 +170,7 @@ fn near_lamps_are_preferred() {
     assert!(near > 4.0 * 5.0 / 64.0, "{near}");
 }
 
-/// A light that shines in all directions is chosen without regard to its axis.
+/// The light tree ignores the axis of a light that emits in all directions.
 #[test]
 fn a_spot_of_all_directions_is_chosen_like_a_point() {
     let place = |k: u32| Vec3::new((k % 8) as f32, (k / 8) as f32, 0.0);
