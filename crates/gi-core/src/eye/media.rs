@@ -13,8 +13,8 @@ use crate::medium::Flight;
 use crate::nee::direct_light_within;
 use crate::ray::{Hit, Ray};
 
-/// Largest survival probability of Russian roulette in media. Media scatter light hundreds of times. With the 0.95 of
-/// surfaces, a path that survives a hundred scatterings by chance would get the weight of a hundred paths.
+/// Largest survival probability of Russian roulette in media. Media scatter light hundreds of times: with the limit of
+/// surfaces, a path that survives five hundred scatterings by chance would get the weight of a hundred paths.
 const MAX_SURVIVAL_WITHIN: f32 = 0.999;
 
 /// The next event of a path in media.
