@@ -138,6 +138,12 @@ impl<T: Copy + Default + Send + Sync> Grid<T> {
         self.values.len()
     }
 
+    /// Memory of the points and buckets.
+    pub fn memory_bytes(&self) -> usize {
+        let columns: usize = self.columns.iter().map(|c| size_of_val(&c[..])).sum();
+        columns + size_of_val(&self.values[..]) + size_of_val(&self.start[..])
+    }
+
     /// Whether there are no points.
     pub fn is_empty(&self) -> bool {
         self.values.is_empty()

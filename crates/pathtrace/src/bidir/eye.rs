@@ -220,21 +220,19 @@ impl<'a> Bidirectional<'a> {
         });
     }
 
-    /// Merge a vertex of the eye with the light vertices around it, as in photon mapping.
+    /// Merge a vertex of the eye with the photons around it, as in photon mapping.
     fn merge(&self, eye: &Vertex, paths: &PassPaths, add: &mut impl FnMut(Found)) {
-        let (Some(grid), Site::Surface { surface, bsdf, .. }) = (&paths.grid, eye.site) else {
+        let (Some(photons), Site::Surface { surface, bsdf, .. }) = (&paths.photons, eye.site) else {
             return;
         };
         if !eye.merges() {
             return;
         }
-        grid.within(surface.p, self.radius, |_, id, _| {
-            let kept = paths.light.vertex(*id);
+        photons.within(surface.p, self.radius, |_, photon, _| {
             // The two points become one.
-            let segments = eye.segments + kept.segments();
-            let Some(photon) = kept.photon().filter(|_| self.limits.goes_on(segments - 1)) else {
+            if !self.limits.goes_on(eye.segments + photon.segments - 1) {
                 return;
-            };
+            }
             // Both sides agree, and both points are on the same surface.
             let sides = (photon.wi.dot(photon.ng) * photon.wi.dot(surface.ng)).signum();
             if photon.ng.dot(surface.ng) * sides < SAME_SURFACE {
@@ -246,11 +244,11 @@ impl<'a> Bidirectional<'a> {
             }
             let radiance = radiance / self.ways.merges;
             let (forward, backward) = (bsdf.pdf_w(eye.wo, photon.wi), eye.reverse_pdf_w(photon.wi));
-            let partials = [&eye.partials, photon.partials];
-            let direct = eye.non_delta == 0 && kept.segments() == 1;
+            let partials = [&eye.partials, &photon.partials];
+            let direct = eye.non_delta == 0 && photon.segments == 1;
             let weight = weight::merging(&self.ways, partials, [forward, backward], direct);
             let kind = (eye.non_delta + 1 + photon.kind.0, photon.kind.1);
-            let (s, t) = (kept.segments() + 1, eye.segments + 1);
+            let (s, t) = (photon.segments + 1, eye.segments + 1);
             add(Found { s, t, radiance, weight, kind, merged: true });
         });
     }

@@ -45,28 +45,25 @@ pub(crate) struct LightVertex {
     splat: Option<Splat>,
 }
 
-/// Where a vertex is kept.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct VertexId {
-    chunk: u32,
-    place: u32,
-}
-
 enum Place {
     Surface { surface: Surface, medium: Option<MediumId> },
     Medium { p: Vec3, medium: MediumId },
 }
 
-/// Light that has reached a surface, to be merged with a path from the eye.
-pub(crate) struct Merged<'v> {
+/// Light that has reached a surface, to be merged with paths from the eye. A query waits for memory, so everything that
+/// merging needs lies together.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Photon {
     pub(crate) ng: Vec3,
     /// Unit direction back to where the light came from.
     pub(crate) wi: Vec3,
     /// Power, not divided by the number of paths.
     pub(crate) power: Rgb,
+    /// Number of segments from the light.
+    pub(crate) segments: u32,
     /// Scatterings before that were not by delta lobes, and whether there were only delta lobes.
     pub(crate) kind: (u32, bool),
-    pub(crate) partials: &'v Partials,
+    pub(crate) partials: Partials,
 }
 
 impl LightVertex {
@@ -93,13 +90,13 @@ impl LightVertex {
     }
 
     /// The photon that the path leaves here, as [`gi_core::walk::Photon::at`] has it; `None` in media.
-    pub(crate) fn photon(&self) -> Option<Merged<'_>> {
+    fn photon(&self) -> Option<Item<Photon>> {
         let Place::Surface { surface, .. } = &self.place else { return None };
-        let (wi, ng) = (self.wo, surface.ng);
-        let power = self.power * shading_correction(wi, ng, surface.ns());
-        let depth = self.segments - 1;
-        let kind = (self.non_delta, depth > 0 && self.non_delta == 0);
-        Some(Merged { ng, wi, power, kind, partials: &self.partials })
+        let LightVertex { wo: wi, segments, partials, .. } = *self;
+        let power = self.power * shading_correction(wi, surface.ng, surface.ns());
+        let kind = (self.non_delta, segments > 1 && self.non_delta == 0);
+        let value = Photon { ng: surface.ng, wi, power, segments, kind, partials };
+        Some(Item { p: surface.p, value })
     }
 
     /// The flat primitive that it lies on.
@@ -166,34 +163,19 @@ impl LightPaths {
         }
     }
 
-    /// Number of vertices that are kept, and the memory that they need in bytes.
-    pub(crate) fn memory(&self) -> (u64, u64) {
-        let vertices = self.chunks.iter().map(Vec::len).sum::<usize>() as u64;
-        (vertices, vertices * size_of::<LightVertex>() as u64)
+    /// Number of vertices that are kept.
+    pub(crate) fn count(&self) -> usize {
+        self.chunks.iter().map(Vec::len).sum()
     }
 
-    /// The vertices on surfaces in a grid, for searches within `radius`.
-    pub(crate) fn grid(&self, radius: f32) -> Grid<VertexId> {
-        let of_chunk = |(chunk, vertices): (usize, &Vec<LightVertex>)| {
-            let places = vertices.iter().enumerate();
-            let on_surfaces = places.filter_map(|(place, v)| match &v.place {
-                Place::Surface { surface, .. } => {
-                    let value = VertexId { chunk: chunk as u32, place: place as u32 };
-                    Some(Item { p: surface.p, value })
-                }
-                Place::Medium { .. } => None,
-            });
-            on_surfaces.collect()
+    /// The photons of all paths in a grid, for searches within `radius`.
+    pub(crate) fn grid(&self, radius: f32) -> Grid<Photon> {
+        let of_chunk = |vertices: &Vec<LightVertex>| -> Vec<Item<Photon>> {
+            vertices.iter().filter_map(LightVertex::photon).collect()
         };
-        let items: Vec<Vec<Item<VertexId>>> =
-            self.chunks.par_iter().enumerate().map(of_chunk).collect();
+        let photons: Vec<_> = self.chunks.par_iter().map(of_chunk).collect();
         // A search then covers two cells along an axis.
-        Grid::build(&items, 2.0 * radius)
-    }
-
-    /// A vertex of [`LightPaths::grid`].
-    pub(crate) fn vertex(&self, id: VertexId) -> &LightVertex {
-        &self.chunks[id.chunk as usize][id.place as usize]
+        Grid::build(&photons, 2.0 * radius)
     }
 }
 

@@ -33,7 +33,7 @@ use gi_core::sampler::Sampler;
 use gi_core::technique::Setting;
 
 use crate::params::Params;
-use light_paths::{LightPaths, VertexId};
+use light_paths::{LightPaths, LightVertex, Photon};
 pub(crate) use plan::Plan;
 use strategies::Pyramid;
 use weight::Ways;
@@ -54,10 +54,19 @@ pub(crate) struct Bidirectional<'a> {
     pub(crate) radius: f32,
 }
 
-/// The light paths of a pass, and their vertices in a grid if there is merging.
+/// The light paths of a pass, and their photons if there is merging.
 pub(crate) struct PassPaths {
     light: LightPaths,
-    grid: Option<Grid<VertexId>>,
+    photons: Option<Grid<Photon>>,
+}
+
+impl PassPaths {
+    /// Number of vertices that are kept, and the memory of vertices and photons in bytes.
+    fn memory(&self) -> (u64, u64) {
+        let vertices = self.light.count();
+        let photons = self.photons.as_ref().map_or(0, Grid::memory_bytes);
+        (vertices as u64, (vertices * size_of::<LightVertex>() + photons) as u64)
+    }
 }
 
 impl<'a> Bidirectional<'a> {
@@ -74,7 +83,7 @@ impl<'a> Bidirectional<'a> {
     }
 
     /// Trace the light paths, then a path from the eye per pixel. `pyramid` shows what each way finds. Returns the number of vertices
-    /// of light paths that were kept, and the memory that they need in bytes.
+    /// of light paths that were kept, and their memory and that of the photons in bytes.
     pub(crate) fn pass(
         &self,
         index: u32,
@@ -89,19 +98,19 @@ impl<'a> Bidirectional<'a> {
             }),
             Some(pyramid) => pyramid.pass((self, index), film, &paths, &splats),
         }
-        paths.light.memory()
+        paths.memory()
     }
 
     /// Number of vertices of light paths that a pass keeps, and the memory that they need in bytes.
     pub(crate) fn kept(&self, index: u32, film: &Film) -> (u64, u64) {
-        LightPaths::trace(self, index, film.filter()).memory()
+        self.trace(index, film.filter()).memory()
     }
 
     /// Trace the light paths of a pass.
     pub(crate) fn trace(&self, index: u32, filter: &FilterTable) -> PassPaths {
         let light = LightPaths::trace(self, index, filter);
-        let grid = (self.radius > 0.0).then(|| light.grid(self.radius));
-        PassPaths { light, grid }
+        let photons = (self.radius > 0.0).then(|| light.grid(self.radius));
+        PassPaths { light, photons }
     }
 }
 
