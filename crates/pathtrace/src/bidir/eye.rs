@@ -222,7 +222,8 @@ impl<'a> Bidirectional<'a> {
 
     /// Merge a vertex of the eye with the photons around it, as in photon mapping.
     fn merge(&self, eye: &Vertex, paths: &PassPaths, add: &mut impl FnMut(Found)) {
-        let (Some(photons), Site::Surface { surface, bsdf, .. }) = (&paths.photons, eye.site) else {
+        let (Some(photons), Site::Surface { surface, bsdf, .. }) = (&paths.photons, eye.site)
+        else {
             return;
         };
         if !eye.merges() {
