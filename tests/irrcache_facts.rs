@@ -150,7 +150,7 @@ fn in_the_cornell_box_it_agrees_with_the_path_tracer_and_better_settings_reduce_
 fn coats_glass_and_mirrors_are_path_traced() {
     // All other components have the same mean as with the path tracer.
     let world = World::load("cornell-spheres.xml", [32, 32], &[]);
-    let path = world.render::<PathTracer>(&pathtrace::Params::default(), 512, 3, Show::All);
+    let path = world.render::<PathTracer>(&pathtrace::Params::default(), 2048, 3, Show::All);
     // Photons would find more of the caustics than paths.
     let params = Params { caustics: Caustics::Path.into(), ..Params::default() };
     let cached = render(&world, &params, 256, 1, Show::All);

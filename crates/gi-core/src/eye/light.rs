@@ -62,6 +62,7 @@ impl<'a> EyeWalk<'a> {
             *radiance.of_path(self.non_delta + 1, true) += v.throughput * caustic;
         }
         self.estimate = Some(estimate);
+        self.is_remainder = true;
     }
 
     /// Next-event estimation: sample a light, and add the light that `v` scatters, unless an estimate covers it.

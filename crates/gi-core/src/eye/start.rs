@@ -126,6 +126,7 @@ impl<'a> EyeWalk<'a> {
             ahead: None,
             line: Line::default(),
             estimate: None,
+            is_remainder: false,
             sample: Sample::default(),
             is_described: false,
         }

@@ -29,8 +29,8 @@ fn white_cavity() -> Scene {
     Scene::new(parts).expect("a scene")
 }
 
-/// The throughputs with which paths leave the cavity are 1 on average, because no light is lost. If all scatterings
-/// survive with probability s, their second moment is at most q / (1 - (1 - q) / s) / s, where q = [`HOLES`]: 1.33 for s
+/// The throughputs with which paths leave the cavity are 1 on average, because no light is lost. If paths survive each
+/// scattering with probability s or more, their second moment is at most q / (1 - (1 - q) / s) / s, where q = [`HOLES`]: 1.33 for s
 /// = 0.99, and infinite for s = 0.95.
 #[test]
 fn paths_in_a_white_cavity_have_no_huge_throughput() {
