@@ -235,7 +235,8 @@ impl<'a> EyeWalk<'a> {
     }
 
     /// Russian roulette by the throughput T, without the factor from refraction: the survival probability is [`SPARED`] T. On
-    /// a long path it is at most `most`.
+    /// a long path it is at most `most`. After an estimate only a remainder of the light is left, and roulette is not
+    /// softened.
     #[inline(always)]
     fn survives(&mut self, most: f32, u: f32) -> bool {
         let mut survival = 1.0;
