@@ -69,8 +69,7 @@ pub fn pixel(text: &str) -> Result<[usize; 2], String> {
     Ok([number(x)?, number(y)?])
 }
 
-/// Start of Russian roulette in programs without `--rr-depth`. Their estimates leave remainders of light that may be bright
-/// where the throughput is small, so it begins late.
+/// Start of Russian roulette in programs without `--rr-depth`. An earlier start was measured in `pathtrace` only.
 const RR_DEPTH: u32 = 5;
 /// Default of `--rr-depth`.
 const EARLY_RR_DEPTH: u32 = 2;

@@ -39,7 +39,7 @@ pub struct PathTracer<'a> {
     light_paths: u64,
     /// For paths from both ends.
     plan: Option<Plan>,
-    /// Number of vertices of light paths that the last pass kept, and their memory in bytes.
+    /// Number of light vertices that the last pass kept, and the memory of vertices and photons in bytes.
     kept: (u64, u64),
     /// What each way finds, if it is to be shown.
     pyramid: Option<Pyramid>,

@@ -49,15 +49,15 @@ use remainder::Remainder;
 pub use start::GatherRay;
 pub use vertex::{Covers, Estimate, EyeVertex};
 
-/// Largest survival probability s of Russian roulette at a surface on a long path, so that no path is endless. In a white
-/// cavity that light leaves with probability q per scattering, the variance is finite only if 1 - q < s. With 0.95, paths
+/// Largest survival probability s of Russian roulette at a surface on a long path, so that every path ends. If light
+/// leaves a white cavity with probability q per scattering, the variance is finite only if 1 - q < s. With 0.95, paths
 /// between white cushions had throughputs above 100.
 const MAX_SURVIVAL: f32 = 0.99;
 /// A path with more segments than this is long.
 const LONG: u32 = 32;
 
-/// Russian roulette spares paths whose throughput is above one over this. If it began at a throughput of 1, as is usual,
-/// the paths that survive would be few and bright. 3 gives the smallest product of time and error, from a choice of 1 to 4.
+/// Survival probability of Russian roulette over the throughput. With the usual 1, few paths survive, and they are bright.
+/// Of 1, 2, 3 and 4, the product of time and error was smallest with 3 and 4.
 const SPARED: f32 = 3.0;
 
 /// A path from the camera in progress, and the light that it has found so far.
@@ -107,7 +107,7 @@ pub struct EyeWalk<'a> {
     ahead: Option<Option<Hit>>,
     /// The estimate at the current vertex.
     estimate: Option<Estimate>,
-    /// Whether there was an estimate at this vertex or before.
+    /// Whether the path had an estimate, at this vertex or an earlier one.
     is_remainder: bool,
     sample: Sample,
     /// Whether the layers that describe a surface (albedo, normal, depth) are filled in.
@@ -235,8 +235,7 @@ impl<'a> EyeWalk<'a> {
     }
 
     /// Russian roulette by the throughput T, without the factor from refraction: the survival probability is [`SPARED`] T. On
-    /// a long path it is at most `most`. After an estimate only a remainder of the light is left, and roulette is not
-    /// softened.
+    /// a long path it is at most `most`. After an estimate, it is T and at most `most`.
     #[inline(always)]
     fn survives(&mut self, most: f32, u: f32) -> bool {
         let mut survival = 1.0;

@@ -163,9 +163,10 @@ impl LightPaths {
         }
     }
 
-    /// Number of vertices that are kept.
-    pub(crate) fn count(&self) -> usize {
-        self.chunks.iter().map(Vec::len).sum()
+    /// Number of vertices that are kept, and the memory that they need in bytes.
+    pub(crate) fn memory(&self) -> (u64, u64) {
+        let vertices = self.chunks.iter().map(Vec::len).sum::<usize>() as u64;
+        (vertices, vertices * size_of::<LightVertex>() as u64)
     }
 
     /// The photons of all paths in a grid, for searches within `radius`.

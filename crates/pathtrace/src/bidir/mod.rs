@@ -33,7 +33,7 @@ use gi_core::sampler::Sampler;
 use gi_core::technique::Setting;
 
 use crate::params::Params;
-use light_paths::{LightPaths, LightVertex, Photon};
+use light_paths::{LightPaths, Photon};
 pub(crate) use plan::Plan;
 use strategies::Pyramid;
 use weight::Ways;
@@ -63,9 +63,8 @@ pub(crate) struct PassPaths {
 impl PassPaths {
     /// Number of vertices that are kept, and the memory of vertices and photons in bytes.
     fn memory(&self) -> (u64, u64) {
-        let vertices = self.light.count();
-        let photons = self.photons.as_ref().map_or(0, Grid::memory_bytes);
-        (vertices as u64, (vertices * size_of::<LightVertex>() + photons) as u64)
+        let (vertices, bytes) = self.light.memory();
+        (vertices, bytes + self.photons.as_ref().map_or(0, Grid::memory_bytes) as u64)
     }
 }
 
@@ -82,8 +81,8 @@ impl<'a> Bidirectional<'a> {
         Bidirectional { setting, limits, camera_medium, ways, light_paths, radius }
     }
 
-    /// Trace the light paths, then a path from the eye per pixel. `pyramid` shows what each way finds. Returns the number of vertices
-    /// of light paths that were kept, and their memory and that of the photons in bytes.
+    /// Trace the light paths, then a path from the eye per pixel. `pyramid` shows what each way finds. Returns the number of light
+    /// vertices that were kept, and the memory of vertices and photons in bytes.
     pub(crate) fn pass(
         &self,
         index: u32,
@@ -101,7 +100,7 @@ impl<'a> Bidirectional<'a> {
         paths.memory()
     }
 
-    /// Number of vertices of light paths that a pass keeps, and the memory that they need in bytes.
+    /// Number of light vertices that a pass keeps, and the memory of vertices and photons in bytes.
     pub(crate) fn kept(&self, index: u32, film: &Film) -> (u64, u64) {
         self.trace(index, film.filter()).memory()
     }
