@@ -69,17 +69,15 @@ pub fn pixel(text: &str) -> Result<[usize; 2], String> {
     Ok([number(x)?, number(y)?])
 }
 
-/// Start of Russian roulette in programs without `--rr-depth`. An earlier start was measured in `pathtrace` only.
-const RR_DEPTH: u32 = 5;
-/// Default of `--rr-depth`.
-const EARLY_RR_DEPTH: u32 = 2;
+/// Default of `--rr-depth`, and its value in programs without that option.
+const RR_DEPTH: u32 = 2;
 
 /// Limits of path lengths. These are the options `--max-depth`, and `--rr-depth` in programs that add [`rr_depth`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PathLimits {
     /// The largest number of segments of a path; `None` is unbounded.
     pub max_depth: Option<u32>,
-    /// Number of segments after which Russian roulette may end a path.
+    /// Number of segments after which Russian roulette may end a path. Paths with an estimate have a later start too.
     pub rr_depth: u32,
 }
 
@@ -115,7 +113,7 @@ fn max_depth() -> Arg {
 
 /// The option `--rr-depth`. [`PathLimits`] reads it in programs that have it.
 pub fn rr_depth() -> Arg {
-    static DEFAULT: LazyLock<String> = LazyLock::new(|| EARLY_RR_DEPTH.to_string());
+    static DEFAULT: LazyLock<String> = LazyLock::new(|| RR_DEPTH.to_string());
     Arg::new("rr_depth")
         .long("rr-depth")
         .value_name("N")
@@ -227,8 +225,7 @@ mod tests {
     #[test]
     fn an_empty_command_line_gives_the_default_limits() {
         assert_eq!(defaults::<PathLimits>(), PathLimits::default());
-        let early = PathLimits { rr_depth: EARLY_RR_DEPTH, ..PathLimits::default() };
-        assert_eq!(defaults::<WithRoulette>().limits, early);
+        assert_eq!(defaults::<WithRoulette>().limits, PathLimits::default());
     }
 
     #[test]

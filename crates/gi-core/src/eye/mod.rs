@@ -59,6 +59,9 @@ const LONG: u32 = 32;
 /// Survival probability of Russian roulette over the throughput. With the usual 1, few paths survive, and they are bright.
 /// Of 1, 2, 3 and 4, the product of time and error was smallest with 3 and 4.
 const SPARED: f32 = 3.0;
+/// Smallest number of segments after which Russian roulette may end a path that had an estimate. With 2, `irrcache` took 8 to 11 %
+/// more time for the same error.
+const START_AFTER_ESTIMATE: u32 = 5;
 
 /// A path from the camera in progress, and the light that it has found so far.
 pub struct EyeWalk<'a> {
@@ -176,7 +179,7 @@ impl<'a> EyeWalk<'a> {
         // Numbers that nothing uses are skipped: a draw costs as much as evaluating a diffuse surface.
         let u_lobe = self.sampler.next_1d_if(v.bsdf.has_choice());
         let u = self.sampler.next_2d();
-        let u_roulette = self.sampler.next_1d_if(self.segments + 1 > self.limits.rr_depth);
+        let u_roulette = self.sampler.next_1d_if(self.segments + 1 > self.roulette_start());
         let Some(scatter) = v.bsdf.sample(v.wo, u_lobe, u) else { return false };
         if v.is_last && !scatter.null {
             return false;
@@ -234,12 +237,22 @@ impl<'a> EyeWalk<'a> {
         }
     }
 
+    /// Number of segments after which Russian roulette may end the path.
+    #[inline(always)]
+    fn roulette_start(&self) -> u32 {
+        if self.is_remainder {
+            self.limits.rr_depth.max(START_AFTER_ESTIMATE)
+        } else {
+            self.limits.rr_depth
+        }
+    }
+
     /// Russian roulette by the throughput T, without the factor from refraction: the survival probability is [`SPARED`] T. On
     /// a long path it is at most `most`. After an estimate, it is T and at most `most`.
     #[inline(always)]
     fn survives(&mut self, most: f32, u: f32) -> bool {
         let mut survival = 1.0;
-        if self.segments > self.limits.rr_depth {
+        if self.segments > self.roulette_start() {
             let (spared, most) = match self.segments {
                 _ if self.is_remainder => (1.0, most),
                 0..=LONG => (SPARED, 1.0),

@@ -127,11 +127,8 @@ impl LightPaths {
         let paths = of.light_paths;
         let chunks =
             walk_in_order(paths, CHUNK, |path, left| of.light_path(pass, path, filter, left));
-        let first = chunks.iter().enumerate().map(|(k, chunk)| {
-            let from = k as u32 * CHUNK;
-            let numbers = from..=from + CHUNK;
-            numbers.map(|path| chunk.partition_point(|v| v.path < path) as u32).collect()
-        });
+        let first =
+            chunks.par_iter().enumerate().map(|(k, chunk)| first_of_paths(chunk, k as u32 * CHUNK));
         let first = first.collect();
         LightPaths { chunks, first }
     }
@@ -235,6 +232,16 @@ impl<'a> Bidirectional<'a> {
             }
         }
     }
+}
+
+/// For each path of a task, and one more, its first vertex in the task's list. `from` is the number of the first path.
+fn first_of_paths(chunk: &[LightVertex], from: u32) -> Vec<u32> {
+    let mut first = Vec::with_capacity(CHUNK as usize + 1);
+    for (k, v) in chunk.iter().enumerate() {
+        first.resize((v.path - from) as usize + 1, k as u32);
+    }
+    first.resize(CHUNK as usize + 1, chunk.len() as u32);
+    first
 }
 
 /// A vertex as it is kept.
