@@ -157,7 +157,7 @@ pub enum Show {
     /// All light
     #[default]
     All,
-    /// Lights seen directly, and light that was scattered once on its way from a light to the visible surface
+    /// Lights seen directly, and light that comes straight from a light and is scattered by the visible surface
     Direct,
     /// Light that was scattered at least twice by surfaces or media other than mirrors and glass
     Indirect,

@@ -194,6 +194,9 @@ impl<'a> Bidirectional<'a> {
             return;
         }
         let d = to / distance_sq.sqrt();
+        if kept.faces_away(-d) {
+            return;
+        }
         let (f_eye, pdf_eye) = eye.f_cos_pdf(d);
         let scattered = eye.carried * f_eye / distance_sq;
         if scattered.is_black() {

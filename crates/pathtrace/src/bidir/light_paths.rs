@@ -41,6 +41,8 @@ pub(crate) struct LightVertex {
     non_delta: u32,
     /// Whether the last scattering before it was by a delta lobe.
     after_delta: bool,
+    /// Whether it scatters only to the side of its shading normal that the light comes from.
+    is_opaque: bool,
     /// What it brings to a pixel.
     splat: Option<Splat>,
 }
@@ -104,6 +106,17 @@ impl LightVertex {
         match &self.place {
             Place::Surface { surface, .. } => scene.flat_at(surface),
             Place::Medium { .. } => None,
+        }
+    }
+
+    /// Whether nothing is scattered toward `d`, as is known without evaluating the BSDF.
+    #[inline]
+    pub(crate) fn faces_away(&self, d: Vec3) -> bool {
+        match &self.place {
+            Place::Surface { surface, .. } if self.is_opaque => {
+                surface.ns().dot(self.wo) * surface.ns().dot(d) < 0.0
+            }
+            _ => false,
         }
     }
 
@@ -252,6 +265,12 @@ fn keep(path: u32, event: &LightEvent, vertex: &Vertex, splat: Option<Splat>) ->
         }
         LightEvent::Medium(v) => (Place::Medium { p: v.p, medium: v.medium }, v.after_delta),
     };
+    let is_opaque = match vertex.site {
+        Site::Surface { surface, bsdf, .. } => {
+            bsdf.opaque_normal().is_some_and(|n| n == surface.ns() || n == -surface.ns())
+        }
+        Site::Medium { .. } => false,
+    };
     LightVertex {
         path,
         place,
@@ -261,6 +280,7 @@ fn keep(path: u32, event: &LightEvent, vertex: &Vertex, splat: Option<Splat>) ->
         segments: vertex.segments,
         non_delta: vertex.non_delta,
         after_delta,
+        is_opaque,
         splat,
     }
 }
