@@ -3,6 +3,7 @@
 use gi_core::bsdf::{Bsdf, Transport};
 use gi_core::eye::{EyeEvent, EyeWalk, PathLimits};
 use gi_core::film::Show;
+use gi_core::filter::{Filter, FilterTable};
 use gi_core::geometry::Surface;
 use gi_core::light::{LightEnd, LightSample};
 use gi_core::medium::MediumId;
@@ -10,9 +11,11 @@ use gi_core::options::SurfaceLayers;
 use gi_core::rng::Pcg;
 use gi_core::scene::Scene;
 use gi_core::technique::Setting;
+use gi_core::warp;
 use gi_tests::World;
 use glam::Vec3;
 
+use super::light_paths::LightPaths;
 use super::vertex::{Site, Vertex};
 use super::weight::{self, Partials};
 use super::{Bidirectional, Plan};
@@ -242,6 +245,39 @@ fn paths(of: &Bidirectional, index: u32, mut take: impl FnMut(&Path)) {
     }
 }
 
+fn setting(world: &World) -> Setting<'_> {
+    Setting {
+        scene: &world.scene,
+        world: 0,
+        camera: &world.camera,
+        seed: 1,
+        show: Show::All,
+        surface_layers: SurfaceLayers::First,
+    }
+}
+
+#[test]
+fn a_light_vertex_that_faces_away_scatters_nothing_in_that_direction() {
+    for name in ["cornell-glossy.xml", "patio.xml", "lamp.xml", "gallery.xml"] {
+        let world = World::load(name, [64, 64], &[]);
+        let (setting, params) = (setting(&world), Params { mode: Mode::Bdpt, ..Params::default() });
+        let of = Bidirectional::new(setting, &params, Plan::make(&setting, &params), 0);
+        let paths = LightPaths::trace(&of, 0, &FilterTable::new(Filter::Box));
+        let (mut rng, mut away, mut all) = (Pcg::new(5, 0), 0, 0);
+        for vertex in (0..of.light_paths).flat_map(|path| paths.path(path)) {
+            let d = warp::sphere(rng.next_2d());
+            all += 1;
+            if vertex.faces_away(d) {
+                away += 1;
+                let f_cos = vertex.visit(setting.scene, |v| v.f_cos_pdf(d).0);
+                assert!(f_cos.is_black(), "{name}: {f_cos:?}");
+            }
+        }
+        // Half of all directions lie behind an opaque surface.
+        assert!(3 * away > all, "{name}: {away} of {all}");
+    }
+}
+
 #[test]
 fn the_weights_of_all_ways_to_find_a_path_sum_to_one() {
     for (name, least) in [
@@ -254,14 +290,7 @@ fn the_weights_of_all_ways_to_find_a_path_sum_to_one() {
         ("marble.xml", 1000),
     ] {
         let world = World::load(name, [64, 64], &[]);
-        let setting = Setting {
-            scene: &world.scene,
-            world: 0,
-            camera: &world.camera,
-            seed: 1,
-            show: Show::All,
-            surface_layers: SurfaceLayers::First,
-        };
+        let setting = setting(&world);
         for mode in [Mode::Bdpt, Mode::Vcm] {
             for heuristic in [Heuristic::Balance, Heuristic::Power] {
                 let limits = PathLimits { max_depth: Some(8), ..PathLimits::default() };
