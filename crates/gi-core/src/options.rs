@@ -77,7 +77,8 @@ const RR_DEPTH: u32 = 2;
 pub struct PathLimits {
     /// The largest number of segments of a path; `None` is unbounded.
     pub max_depth: Option<u32>,
-    /// Number of segments after which Russian roulette may end a path. Paths with an estimate have a later start too.
+    /// Number of segments after which Russian roulette may end a path. After an estimate, it may
+    /// start later.
     pub rr_depth: u32,
 }
 
