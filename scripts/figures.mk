@@ -317,8 +317,8 @@ figure-31: $(REFERENCES)/cornell-spheres.exr
 	$(BIN)/pathtrace $(SPHERES) $(RUN) --spp $(call q,64,64,64) -o $D/paths.exr
 	for p in gather paths; do $(DRAW) difference $D/$$p-error.svg $D/$$p.exr --reference $< --most 0.5; done
 	$(DRAW) figure $D --slide 31 --columns 2 --inset 0.02,0.6,0.2,0.2,2 --title "Final gather" --reference $< \
-	  --caption "The density is estimated one bounce later: rays from the first diffuse surface average many estimates, so the blotches disappear. Path tracing with as many samples per pixel has {relmse(paths) / relmse(gather)} times the error, most of it noise of indirect light." \
-	  --claim "relmse(gather) < 0.7 * relmse(paths)" --claim "rmse(paths:Indirect, reference:Indirect) ^ 2 > rmse(paths:Direct, reference:Direct) ^ 2 + rmse(paths:Caustic, reference:Caustic) ^ 2" \
+	  --caption "The density is estimated one bounce later: rays from the first diffuse surface average many estimates, so the blotches disappear. Path tracing with as many samples per pixel has {relmse(paths) / relmse(gather)} times the error, nearly all of it noise of indirect light and of caustics, which paths find by chance." \
+	  --claim "relmse(gather) < 0.7 * relmse(paths)" --claim "rmse(paths:Indirect, reference:Indirect) ^ 2 + rmse(paths:Caustic, reference:Caustic) ^ 2 > 4 * rmse(paths:Direct, reference:Direct) ^ 2" \
 	  gather.png="photon mapping with final gather" paths.png="path tracing" gather-error.svg="relative error, photon mapping" paths-error.svg="relative error, path tracing"
 
 figure-32:
