@@ -5,10 +5,8 @@ use gi_core::film::{Film, Show};
 use gi_core::filter::Filter;
 use gi_core::material::{Distribution, Material, Roughness};
 use gi_core::math::{Frame, Rgb};
-use gi_core::options::SurfaceLayers;
 use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
-use gi_core::technique::Setting;
 use gi_core::texture::Texture;
 use gi_core::warp::cosine_hemisphere;
 use gi_stats::{sidak, z_test};
@@ -101,14 +99,7 @@ fn paths_from_the_eye_and_from_the_lights_agree_on_a_caustic() {
 /// [`gi_core::eye`] must give the right picture.
 fn estimated_by_nested_paths(world: &World, whole: bool, passes: u32) -> Film {
     let (scene, camera) = (&world.scene, &world.camera);
-    let setting = Setting {
-        scene,
-        world: 0,
-        camera,
-        seed: 3,
-        show: Show::All,
-        surface_layers: SurfaceLayers::First,
-    };
+    let setting = world.setting(3, Show::All);
     let limits = PathLimits::default();
     let mut film = Film::new(camera.size(), Filter::Box, Show::All);
     for pass in 0..passes {

@@ -7,10 +7,8 @@ use gi_core::filter::{Filter, FilterTable};
 use gi_core::geometry::Surface;
 use gi_core::light::{LightEnd, LightSample};
 use gi_core::medium::MediumId;
-use gi_core::options::SurfaceLayers;
 use gi_core::rng::Pcg;
 use gi_core::scene::Scene;
-use gi_core::technique::Setting;
 use gi_core::warp;
 use gi_tests::World;
 use glam::Vec3;
@@ -245,22 +243,12 @@ fn paths(of: &Bidirectional, index: u32, mut take: impl FnMut(&Path)) {
     }
 }
 
-fn setting(world: &World) -> Setting<'_> {
-    Setting {
-        scene: &world.scene,
-        world: 0,
-        camera: &world.camera,
-        seed: 1,
-        show: Show::All,
-        surface_layers: SurfaceLayers::First,
-    }
-}
-
 #[test]
 fn a_light_vertex_that_faces_away_scatters_nothing_in_that_direction() {
     for name in ["cornell-glossy.xml", "patio.xml", "lamp.xml", "gallery.xml"] {
         let world = World::load(name, [64, 64], &[]);
-        let (setting, params) = (setting(&world), Params { mode: Mode::Bdpt, ..Params::default() });
+        let setting = world.setting(1, Show::All);
+        let params = Params { mode: Mode::Bdpt, ..Params::default() };
         let of = Bidirectional::new(setting, &params, Plan::make(&setting, &params), 0);
         let paths = LightPaths::trace(&of, 0, &FilterTable::new(Filter::Box));
         let (mut rng, mut away, mut all) = (Pcg::new(5, 0), 0, 0);
@@ -290,7 +278,7 @@ fn the_weights_of_all_ways_to_find_a_path_sum_to_one() {
         ("marble.xml", 1000),
     ] {
         let world = World::load(name, [64, 64], &[]);
-        let setting = setting(&world);
+        let setting = world.setting(1, Show::All);
         for mode in [Mode::Bdpt, Mode::Vcm] {
             for heuristic in [Heuristic::Balance, Heuristic::Power] {
                 let limits = PathLimits { max_depth: Some(8), ..PathLimits::default() };
