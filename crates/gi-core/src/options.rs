@@ -77,8 +77,7 @@ const RR_DEPTH: u32 = 2;
 pub struct PathLimits {
     /// The largest number of segments of a path; `None` is unbounded.
     pub max_depth: Option<u32>,
-    /// Number of segments after which Russian roulette may end a path. After an estimate, it may
-    /// start later.
+    /// Number of segments after which Russian roulette may end a path. For eye paths that had an estimate it is at least 5.
     pub rr_depth: u32,
 }
 
@@ -158,7 +157,7 @@ pub enum Show {
     /// All light
     #[default]
     All,
-    /// Lights seen directly, and light that comes straight from a light and is scattered by the visible surface
+    /// Light sources that are visible, and direct illumination of the visible surface
     Direct,
     /// Light that was scattered at least twice by surfaces or media other than mirrors and glass
     Indirect,
