@@ -30,7 +30,7 @@ pub struct Report {
 type Column = (&'static str, fn(&Entry) -> String);
 
 /// The error columns, in the order used in the text and on the page.
-const COLUMNS: [Column; 11] = [
+const COLUMNS: [Column; 12] = [
     ("passes", |e| e.passes().map_or("-".into(), |n| n.to_string())),
     ("seconds", |e| e.seconds().map_or("-".into(), |s| format!("{s:.2}"))),
     ("prepared", |e| e.stats.as_ref().map_or("-".into(), |s| format!("{:.2}", s.seconds[2]))),
@@ -39,6 +39,7 @@ const COLUMNS: [Column; 11] = [
     ("relMSE", |e| text::number(e.errors.metrics.rel_mse)),
     ("MAE", |e| text::number(e.errors.metrics.mae)),
     ("SMAPE", |e| text::number(e.errors.metrics.smape)),
+    ("within 2 %", |e| format!("{:.1} %", 100.0 * e.errors.metrics.close)),
     ("FLIP LDR", |e| format!("{:.4}", e.errors.flip_ldr)),
     ("FLIP HDR", |e| format!("{:.4}", e.errors.flip_hdr)),
     ("mean ratio R G B", |e| e.errors.metrics.mean_ratio.map(|r| format!("{r:.4}")).join(" ")),
@@ -150,6 +151,7 @@ fn entry(e: &Entry) -> Value {
         "seconds": e.seconds(),
         "errors": {
             "mse": m.mse, "rmse": m.rmse, "rel_mse": m.rel_mse, "mae": m.mae, "smape": m.smape,
+            "within_2_percent": 100.0 * m.close,
             "mean_ratio": m.mean_ratio, "flip_ldr": e.errors.flip_ldr, "flip_hdr": e.errors.flip_hdr,
             "pixels_left_out": m.left_out,
         },

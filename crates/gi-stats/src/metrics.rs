@@ -13,6 +13,8 @@ pub struct Metrics {
     pub mae: f64,
     /// Mean of 2 |a - r| / (|a| + |r| + [`RELATIVE_FLOOR`]).
     pub smape: f64,
+    /// Fraction of the pixels that are close: the absolute error, summed over the channels, is at most [`CLOSE`] times the reference.
+    pub close: f64,
     /// Sum of the picture divided by the sum of the reference, per channel; 1 if both are black.
     pub mean_ratio: [f64; 3],
     /// Number of excluded pixels: those with an infinite or NaN value in the picture or the reference.
@@ -21,6 +23,9 @@ pub struct Metrics {
 
 /// Keeps relative errors of dark pixels finite.
 pub const RELATIVE_FLOOR: f64 = 1e-2;
+
+/// Relative error up to which a pixel is close.
+pub const CLOSE: f64 = 0.02;
 
 /// For each pixel, whether it is finite in every channel of all pictures.
 ///
@@ -63,6 +68,15 @@ pub fn compare(picture: &[f32], reference: &[f32]) -> Result<Metrics, String> {
         sums[i % 3] += a;
         reference_sums[i % 3] += r;
     }
+    let is_close = |i: usize| {
+        let [mut error, mut whole] = [0.0; 2];
+        for k in 3 * i..3 * i + 3 {
+            error += (f64::from(picture[k]) - f64::from(reference[k])).abs();
+            whole += f64::from(reference[k]);
+        }
+        error <= CLOSE * whole
+    };
+    let close = (0..finite.len()).filter(|&i| finite[i] && is_close(i)).count();
     let n = (3 * pixels) as f64;
     let ratio =
         |k: usize| if sums[k] == reference_sums[k] { 1.0 } else { sums[k] / reference_sums[k] };
@@ -72,6 +86,7 @@ pub fn compare(picture: &[f32], reference: &[f32]) -> Result<Metrics, String> {
         rel_mse: relative / n,
         mae: absolute / n,
         smape: symmetric / n,
+        close: close as f64 / pixels as f64,
         mean_ratio: [ratio(0), ratio(1), ratio(2)],
         left_out: finite.len() - pixels,
     })
@@ -113,6 +128,10 @@ mod tests {
         assert!((m.rel_mse - 1.0 / 1.01 / 3.0).abs() < 1e-12);
         assert!((m.smape - 2.0 / 3.01 / 3.0).abs() < 1e-12);
         assert_eq!(m.mean_ratio, [2.0, 1.0, 1.0]);
+        let reference = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 2.0, 2.0, 2.0];
+        let near = [1.05, 1.0, 1.0, 0.0, 0.0, 0.0, 2.0, 2.2, 2.0];
+        let close = compare(&near, &reference).expect("comparable").close;
+        assert!((close - 2.0 / 3.0).abs() < 1e-12, "5 % of one channel is 1.7 % of all: {close}");
     }
 
     #[test]
