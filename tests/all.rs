@@ -45,5 +45,7 @@ mod random_scenes;
 mod references;
 /// Small lamps near surfaces and behind glass.
 mod small_lamps;
+/// Extra camera rays that look only for light sources.
+mod source_rays;
 /// Walls without thickness.
 mod thin_walls;

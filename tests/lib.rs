@@ -79,6 +79,7 @@ impl World {
             seed,
             show,
             surface_layers: SurfaceLayers::First,
+            source_rays: 0,
         }
     }
 

@@ -53,6 +53,7 @@ pub(crate) fn of_run<P: Program>(
         ("filter".into(), words(&filter.numbers())),
         ("seed".into(), common.seed.to_string()),
         ("component".into(), name(common.component.to_possible_value())),
+        ("--source-rays".into(), common.source_rays.to_string()),
         ("choice of surface layers".into(), name(common.surface_layers.to_possible_value())),
     ];
     let options = P::Params::augment_args(Command::new("options"));

@@ -65,6 +65,8 @@ pub trait Program: Parser {
 
     /// Default number of passes. Two processors should make them in less than two minutes for a picture of 512 x 512.
     const PASSES: &str = "64";
+    /// Default number of rays per pixel and pass that look for light sources in view.
+    const SOURCE_RAYS: &str = "0";
 
     /// What was parsed.
     fn args(&self) -> &Args<Self::Params>;
@@ -119,8 +121,9 @@ pub fn main<P: Program>() -> ExitCode {
 /// The command line of a program.
 fn command<P: Program>() -> clap::Command {
     let arranged = help::arranged(P::command()).args_override_self(true);
-    let spp = |spp: clap::Arg| spp.required(false).default_value(P::PASSES);
-    arranged.mut_arg("spp", spp).version(VERSION)
+    let by_default = |value| move |arg: clap::Arg| arg.required(false).default_value(value);
+    let arranged = arranged.mut_arg("spp", by_default(P::PASSES));
+    arranged.mut_arg("source_rays", by_default(P::SOURCE_RAYS)).version(VERSION)
 }
 
 /// Parse a command line in which a later flag wins over an earlier one; `--help` and usage errors end the process

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use std::sync::mpsc::{RecvTimeoutError::Timeout, channel};
 use std::time::{Duration, Instant};
 
+use gi_core::eye::SourceRays;
 use gi_core::film::Film;
 use gi_core::technique::Technique;
 
@@ -34,6 +35,8 @@ pub(crate) struct Making<'a> {
     /// When preparation began.
     start: Instant,
     keeper: Option<Keeper<'a>>,
+    /// Rays that look for light sources in view.
+    sources: Option<&'a SourceRays<'a>>,
     /// Whether the last pass was abandoned. The technique's state must then not be saved.
     abandoned: bool,
 }
@@ -41,7 +44,7 @@ pub(crate) struct Making<'a> {
 impl<'a> Making<'a> {
     /// Check that the technique supports the requested options, and resume if asked to.
     pub(crate) fn begin<'t>(
-        technique: &mut impl Technique<'t>,
+        (technique, sources): (&mut impl Technique<'t>, Option<&'a SourceRays<'a>>),
         common: &'a Common,
         film: &mut Film,
         identity: &'a Identity,
@@ -80,7 +83,7 @@ impl<'a> Making<'a> {
         let every = common.checkpoint_interval;
         let keeper = common.checkpoint.as_deref().map(|path| Keeper::new(path, identity, every));
         let earlier = made.len() as u32;
-        Ok(Making { common, made, earlier, start, keeper, abandoned: false })
+        Ok(Making { common, made, earlier, start, keeper, sources, abandoned: false })
     }
 
     /// Number of passes that were resumed.
@@ -120,7 +123,7 @@ impl<'a> Making<'a> {
             if in_film == 0 && !previews.is_empty() {
                 self.first_pass(technique, film, (about, &mut previews));
             } else {
-                technique.pass(self.made.end, film);
+                self.pass(technique, film);
             }
             // An abandoned pass does not count.
             self.abandoned = film.passes() == in_film;
@@ -143,6 +146,15 @@ impl<'a> Making<'a> {
         }
     }
 
+    /// Make the next pass.
+    fn pass<'t>(&self, technique: &mut impl Technique<'t>, film: &mut Film) {
+        let index = self.made.end;
+        if let Some(rays) = self.sources {
+            rays.add_to_pass(index, film);
+        }
+        technique.pass(index, film);
+    }
+
     /// Make the first pass. It can take long, so previews show the tiles that are finished.
     fn first_pass<'t, T: Technique<'t>>(
         &self,
@@ -151,12 +163,12 @@ impl<'a> Making<'a> {
         (about, previews): (&About, &mut [Preview]),
     ) {
         let before = about.so_far(technique, film, Duration::ZERO, None);
-        let (watched, index) = (film.watch(), self.made.end);
+        let watched = film.watch();
         std::thread::scope(|threads| {
             let (running, ended) = channel::<()>();
             threads.spawn(move || {
                 let _running = running;
-                technique.pass(index, film);
+                self.pass(technique, film);
             });
             while ended.recv_timeout(LOOK_EVERY) == Err(Timeout) {
                 let elapsed = self.start.elapsed();

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use clap::ArgMatches;
 use gi_core::camera::Camera;
+use gi_core::eye::{PathLimits, SourceRays};
 use gi_core::film::Film;
 use gi_core::filter::Filter;
 use gi_core::image_io::Layers;
@@ -84,6 +85,7 @@ fn read_and_render<P: Program>(
     let (all, matches) = parse::<P>(&with_presets);
     let Args { common, params } = all.args();
     params.check().map_err(input_error)?;
+    check_source_rays(common, params)?;
     let mut files = Files::of(common, output, (&command, &matches), &params.outputs());
     files.read_by_scene(&loaded.files);
     files.check()?;
@@ -124,7 +126,6 @@ fn render<P: Program>(
         None => Camera::new(&camera),
     };
     views.set_size(camera.size());
-    warnings::say_scene(common, &scene, Film::memory(camera.size(), filter), camera.size());
     let setting = Setting {
         scene: &scene,
         world,
@@ -132,7 +133,13 @@ fn render<P: Program>(
         seed: common.seed,
         show: common.component,
         surface_layers: common.surface_layers,
+        source_rays: common.source_rays,
     };
+    let limits = PathLimits { max_depth: params.max_depth(), ..PathLimits::default() };
+    let sources = SourceRays::new(&setting, limits, params.simulates_media());
+    let of_sources = if sources.is_some() { SourceRays::memory(camera.size()) } else { 0 };
+    let memory = Film::memory(camera.size(), filter) + of_sources;
+    warnings::say_scene(common, &scene, memory, camera.size());
     let mut film = Film::new(camera.size(), filter, common.component);
     let start = Instant::now();
     let mut identity = of_run::<P>(common, matches, (world, &camera, filter));
@@ -142,7 +149,13 @@ fn render<P: Program>(
         identity
             .push(("set of records or photons".into(), format!("{:016x}", technique.prepared())));
     }
-    let passes = make_passes(&about, &identity, start, &mut technique, &mut film, (output, views))?;
+    let passes = make_passes(
+        &about,
+        (&identity, start),
+        (&mut technique, sources.as_ref()),
+        &mut film,
+        (output, views),
+    )?;
     let elapsed = start.elapsed();
     stop::enter(Phase::Saving);
     film.end_passes();
@@ -187,6 +200,16 @@ fn build(about: &mut About, params: &impl Parameters, parts: SceneParts) -> Resu
     Ok(scene)
 }
 
+/// Refuse rays for light sources if the technique finds those in another way.
+fn check_source_rays(common: &Common, params: &impl Parameters) -> Result<(), Failure> {
+    if common.source_rays == 0 || params.can_leave_out_sources() {
+        return Ok(());
+    }
+    let text = "--source-rays works only if paths from the eye find all light sources in view, as in `pathtrace --mode path` and `--mode volpath`; \
+                use --source-rays 0";
+    Err(input_error(text.into()))
+}
+
 /// Prepare the technique.
 fn prepare<'t, P: Program>(
     about: &mut About,
@@ -210,9 +233,8 @@ fn prepare<'t, P: Program>(
 /// Make the passes, or add up those of checkpoints. Returns what writes the last checkpoint.
 fn make_passes<'a, 't, T: Technique<'t>>(
     about: &About<'a>,
-    identity: &'a Identity,
-    start: Instant,
-    technique: &mut T,
+    (identity, start): (&'a Identity, Instant),
+    (technique, sources): (&mut T, Option<&'a SourceRays<'a>>),
     film: &mut Film,
     (output, views): (&Output, &mut Views),
 ) -> Result<Option<Making<'a>>, Failure> {
@@ -223,7 +245,7 @@ fn make_passes<'a, 't, T: Technique<'t>>(
         technique.recall(last, film);
         return Ok(None);
     }
-    let mut passes = Making::begin(technique, common, film, identity, start)?;
+    let mut passes = Making::begin((technique, sources), common, film, identity, start)?;
     let mut previews = Vec::new();
     if let Some(every) = common.preview() {
         let save = |layers, so_far: &SoFar| {

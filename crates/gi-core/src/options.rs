@@ -37,6 +37,12 @@ pub trait Parameters: Args {
         false
     }
 
+    /// Whether the technique's paths from the eye find the light sources in view, so that [`crate::eye::SourceRays`] can
+    /// find them instead.
+    fn can_leave_out_sources(&self) -> bool {
+        true
+    }
+
     /// Files to write in addition to the picture. [`crate::technique::Technique::export`] returns their contents.
     fn outputs(&self) -> Vec<PathBuf> {
         Vec::new()

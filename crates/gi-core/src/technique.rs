@@ -27,9 +27,18 @@ pub struct Setting<'a> {
     pub show: Show,
     /// Which surface the layers Albedo, N and Z describe.
     pub surface_layers: SurfaceLayers,
+    /// Number of [`crate::eye::SourceRays`] per pixel and pass. If there are any, paths leave out the light sources that the camera
+    /// sees.
+    pub source_rays: u32,
 }
 
 impl Setting<'_> {
+    /// Whether paths leave out the light sources that the camera sees. The irradiance sensors of `--points` do not look at light sources.
+    #[inline]
+    pub fn leaves_out_sources(&self) -> bool {
+        self.source_rays > 0 && self.camera.sensors().is_none()
+    }
+
     /// The medium around the camera: the same for all pixels, even if the lens extends across a boundary.
     pub fn camera_medium(&self) -> Option<MediumId> {
         let [w, h] = self.camera.size();

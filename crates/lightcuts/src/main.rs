@@ -24,6 +24,7 @@ impl gi_cli::Program for Program {
     type Technique<'a> = Lightcuts<'a>;
 
     const PASSES: &str = "1";
+    const SOURCE_RAYS: &str = "32";
 
     fn args(&self) -> &gi_cli::Args<Params> {
         &self.args

@@ -60,6 +60,7 @@ fn measure(name: &str) {
         seed: 1,
         show: Show::All,
         surface_layers: SurfaceLayers::First,
+        source_rays: 0,
     };
     let (mut paths, mut rays, mut counts) = (0.0, [0.0; 3], [0; 3]);
     let [width, height] = camera.size();

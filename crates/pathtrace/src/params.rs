@@ -108,6 +108,10 @@ impl Parameters for Params {
         !matches!(self.mode, Mode::Path)
     }
 
+    fn can_leave_out_sources(&self) -> bool {
+        matches!(self.mode, Mode::Path | Mode::VolPath)
+    }
+
     fn simulates_varying_media(&self) -> bool {
         matches!(self.mode, Mode::VolPath | Mode::Light)
     }

@@ -29,6 +29,7 @@ fn main() {
             seed: 1,
             show,
             surface_layers: SurfaceLayers::First,
+            source_rays: 0,
         };
         let params = Params { method, photons, ..Params::default() };
         let mut film = Film::new(SIZE, loaded.filter, show);

@@ -16,7 +16,7 @@ impl<'a> EyeWalk<'a> {
     pub fn add_emitted(&mut self, v: &EyeVertex) {
         let emitted = self.scene.emitted(&v.surface, v.wo);
         let left = self.remainder.emitted(self.after_delta);
-        if emitted.is_black() || left.is_black() {
+        if emitted.is_black() || left.is_black() || self.source_is_left_out() {
             return;
         }
         let weight = match self.last {
@@ -29,11 +29,18 @@ impl<'a> EyeWalk<'a> {
             self.throughput * left * emitted * weight;
     }
 
+    /// Whether [`super::SourceRays`] find the light sources that the path sees now.
+    #[inline(always)]
+    fn source_is_left_out(&self) -> bool {
+        self.leaves_out_sources && self.non_delta == 0
+    }
+
     /// Add light from infinity, weighted in the same way.
     #[inline]
     pub(super) fn add_background(&mut self) {
         let left = self.remainder.emitted(self.after_delta);
-        if left.is_black() || (self.hides_background && self.segments == 1) {
+        let is_hidden = self.hides_background && self.segments == 1;
+        if left.is_black() || is_hidden || self.source_is_left_out() {
             return;
         }
         for (radiance, pdf_light) in

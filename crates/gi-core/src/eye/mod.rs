@@ -27,6 +27,7 @@ mod light;
 mod media;
 mod remainder;
 mod sensor;
+mod sources;
 mod start;
 #[cfg(test)]
 mod tests;
@@ -46,6 +47,7 @@ use crate::sampler::Sampler;
 use crate::scene::{Line, Scene};
 pub use media::{Beam, Entrance, EyeEvent, EyeMediumVertex};
 use remainder::Remainder;
+pub use sources::SourceRays;
 pub use start::GatherRay;
 pub use vertex::{Covers, Estimate, EyeVertex};
 
@@ -105,6 +107,8 @@ pub struct EyeWalk<'a> {
     line: Line,
     /// Whether light from infinity is invisible on the first segment.
     hides_background: bool,
+    /// Whether other rays find the light sources that the camera sees, also over delta lobes.
+    leaves_out_sources: bool,
     /// Hit of the next segment if [`EyeWalk::beam_ahead`] has traced it; the inner `None` means that the ray leaves the
     /// scene.
     ahead: Option<Option<Hit>>,

@@ -58,6 +58,7 @@ impl<'a> EyeWalk<'a> {
         walk.show = setting.show;
         walk.surface_layers = setting.surface_layers;
         walk.sample.offset = [u - 0.5, v - 0.5];
+        walk.leaves_out_sources = setting.leaves_out_sources();
         if setting.scene.hides_emitters() {
             walk.hides_background = true;
             walk.ray = setting.scene.behind_lamps(walk.ray);
@@ -123,6 +124,7 @@ impl<'a> EyeWalk<'a> {
             medium: None,
             entered: None,
             hides_background: false,
+            leaves_out_sources: false,
             ahead: None,
             line: Line::default(),
             estimate: None,

@@ -37,6 +37,8 @@ pub struct Film {
     /// This pass's samples, in the order of the pixels.
     kept: Kept,
     passes: u32,
+    /// Light that other paths bring to the pixels in the next pass, in row order; empty if there is none.
+    brought: Vec<Components>,
     /// Who watches the next pass.
     watched: Option<Arc<WatchedPass>>,
 }
@@ -48,7 +50,8 @@ impl Film {
         let pixels = vec![Pixel::default(); tiles.pixels()];
         let filter = FilterTable::new(filter);
         let kept = Kept { width: 2 * filter.reach() + 1, floats: Vec::new() };
-        Film { tiles, filter, show, pixels, kept, passes: 0, watched: None }
+        let brought = Vec::new();
+        Film { tiles, filter, show, pixels, kept, passes: 0, brought, watched: None }
     }
 
     /// Bytes that a film of this size needs during a pass. [`Film::layers`] needs up to 88 bytes more per pixel.
@@ -85,31 +88,21 @@ impl Film {
         self.passes
     }
 
+    /// Add light that other paths brought to the pixels, in row order. It counts in the next pass, and is filtered already.
+    pub fn bring(&mut self, light: Vec<Components>) {
+        let [w, h] = self.size();
+        assert_eq!(light.len(), w * h, "the light is of another picture");
+        if self.brought.is_empty() {
+            self.brought = light;
+        } else {
+            self.brought.iter_mut().zip(&light).for_each(|(sum, light)| sum.add(light, 1.0));
+        }
+    }
+
     /// Take one sample in every pixel, tiles in parallel, and filter. `sample` must be a pure function of the pixel.
     pub fn add_pass(&mut self, sample: impl Fn([usize; 2]) -> Sample + Sync) {
         let mut nothing = vec![(); self.pixels.len()]; // takes no memory
-        self.sample_all(&mut nothing, None, |at, ()| sample(at));
-    }
-
-    /// The same, and add to every pixel light that other paths have brought to it, in row order. It is filtered already.
-    pub fn add_pass_and_splats(
-        &mut self,
-        splats: &[Components],
-        sample: impl Fn([usize; 2]) -> Sample + Sync,
-    ) {
-        let mut nothing = vec![(); self.pixels.len()]; // takes no memory
-        self.sample_all(&mut nothing, Some(splats), |at, ()| sample(at));
-    }
-
-    /// The same, with data that a technique keeps per pixel.
-    pub fn add_pass_and_splats_with<T: Send>(
-        &mut self,
-        kept: &mut PerPixel<T>,
-        splats: &[Components],
-        sample: impl Fn([usize; 2], &mut T) -> Sample + Sync,
-    ) {
-        assert_eq!(kept.tiles.size, self.size(), "what is kept is of another picture");
-        self.sample_all(&mut kept.values, Some(splats), sample);
+        self.sample_all(&mut nothing, |at, ()| sample(at));
     }
 
     /// [`Film::add_pass`], with data that a technique keeps per pixel.
@@ -119,43 +112,44 @@ impl Film {
         sample: impl Fn([usize; 2], &mut T) -> Sample + Sync,
     ) {
         assert_eq!(kept.tiles.size, self.size(), "what is kept is of another picture");
-        self.sample_all(&mut kept.values, None, sample);
+        self.sample_all(&mut kept.values, sample);
     }
 
     fn sample_all<T: Send>(
         &mut self,
         values: &mut [T],
-        splats: Option<&[Components]>,
         sample: impl Fn([usize; 2], &mut T) -> Sample + Sync,
     ) {
+        self.begin_and_end(|film| film.take_samples(values, sample));
+    }
+
+    /// Make a pass. `pass` returns whether it is complete: an abandoned pass is not counted.
+    fn begin_and_end(&mut self, pass: impl FnOnce(&mut Self) -> bool) {
         // What the technique has prepared for this pass may be incomplete.
-        if progress::is_abandoned() {
-            return;
+        if !progress::is_abandoned() {
+            progress::begin(progress::PIXELS, self.tiles.corners.len() as u64);
+            let is_complete = pass(self);
+            self.passes += u32::from(is_complete);
+            self.watched = None;
         }
-        progress::begin(progress::PIXELS, self.tiles.corners.len() as u64);
-        self.take_samples(values, splats, sample);
-        self.watched = None;
+        self.brought = Vec::new();
     }
 
     fn take_samples<T: Send>(
         &mut self,
         values: &mut [T],
-        splats: Option<&[Components]>,
         sample: impl Fn([usize; 2], &mut T) -> Sample + Sync,
-    ) {
-        let width = self.tiles.size[0];
-        let splat = |[x, y]: [usize; 2]| splats.map(|all| &all[y * width + x]);
+    ) -> bool {
         if self.filter.reach() == 0 {
             let values = values.par_chunks_mut(AREA);
             self.for_each_pixel(values, Tile::Sampled, |film, at, pixel, i, values| {
                 let mut sample = sample(at, &mut values[i]);
-                splat(at).inspect(|splat| sample.radiance.add(splat, 1.0));
+                film.add_brought(at, 1.0, &mut sample.radiance);
                 pixel.add_surface(&sample);
                 pixel.add(1.0, &sample.radiance, film.show);
                 film.show.of(&sample.radiance)
             });
-            self.passes += u32::from(!progress::is_abandoned());
-            return;
+            return !progress::is_abandoned();
         }
         let floats = std::mem::take(&mut self.kept.floats);
         let mut kept = Kept { width: self.kept.width, floats };
@@ -166,31 +160,31 @@ impl Film {
             let sample = sample(at, &mut values[i]);
             pixel.add_surface(&sample);
             keep(&mut runs[i * stride..(i + 1) * stride], &sample, film.filter);
-            film.show.of(&sample.radiance)
+            let mut shown = sample.radiance;
+            film.add_brought(at, 1.0, &mut shown);
+            film.show.of(&shown)
         });
         // Samples are missing from an abandoned pass; those that were taken are dropped.
-        if !progress::is_abandoned() {
+        let is_complete = !progress::is_abandoned();
+        if is_complete {
             self.for_each_pixel(self.nothing(), Tile::Filtered, |film, at, pixel, _, ()| {
                 let (weight, mut radiance) = film.gather(&kept, at);
-                splat(at).inspect(|splat| radiance.add(splat, weight));
+                film.add_brought(at, weight, &mut radiance);
                 pixel.add(weight, &radiance, film.show);
                 film.show.of(&radiance)
             });
-            self.passes += 1;
         }
         self.kept = kept;
+        is_complete
     }
 
     /// Take samples in every pixel, tiles in parallel, that are filtered already. `sample` returns the sum of the weights
     /// of its samples, and the sum of their radiance multiplied by the weights.
     pub fn add_filtered_pass(&mut self, sample: impl Fn([usize; 2]) -> (f32, Sample) + Sync) {
-        if progress::is_abandoned() {
-            return;
-        }
-        progress::begin(progress::PIXELS, self.tiles.corners.len() as u64);
-        self.add_weighted(Tile::Sampled, sample);
-        self.passes += u32::from(!progress::is_abandoned());
-        self.watched = None;
+        self.begin_and_end(|film| {
+            film.add_weighted(Tile::Sampled, sample);
+            !progress::is_abandoned()
+        });
     }
 
     /// Add the result of `sample` to every pixel without filtering, for pictures that are filtered already.
@@ -199,13 +193,15 @@ impl Film {
             return;
         }
         self.add_weighted(Tile::Filtered, |at| (1.0, sample(at)));
+        self.brought = Vec::new();
         self.passes += 1;
     }
 
     /// Add to every pixel a sum of weights, and a sample whose radiance is multiplied by them.
     fn add_weighted(&mut self, tile: Tile, sample: impl Fn([usize; 2]) -> (f32, Sample) + Sync) {
         self.for_each_pixel(self.nothing(), tile, |film, at, pixel, _, ()| {
-            let (weight, sample) = sample(at);
+            let (weight, mut sample) = sample(at);
+            film.add_brought(at, weight, &mut sample.radiance);
             pixel.add_surface(&sample);
             pixel.add(weight, &sample.radiance, film.show);
             film.show.of(&sample.radiance)
@@ -220,7 +216,12 @@ impl Film {
         tile: Tile,
         work: impl Fn(&PassContext, [usize; 2], &mut Pixel, usize, &mut E) -> Rgb + Sync,
     ) {
-        let frame = PassContext { filter: &self.filter, show: self.show, tiles: &self.tiles };
+        let frame = PassContext {
+            filter: &self.filter,
+            show: self.show,
+            tiles: &self.tiles,
+            brought: &self.brought,
+        };
         let tiles = self.pixels.par_chunks_mut(AREA).zip(extra).zip(&self.tiles.corners);
         tiles.with_max_len(1).for_each(|((pixels, mut extra), &corner)| {
             let sampled = tile == Tile::Sampled;
@@ -258,9 +259,19 @@ struct PassContext<'a> {
     filter: &'a FilterTable,
     show: Show,
     tiles: &'a Tiles,
+    /// [`Film::bring`].
+    brought: &'a [Components],
 }
 
 impl PassContext<'_> {
+    /// Add `weight` times the light that other paths have brought to a pixel.
+    #[inline]
+    fn add_brought(&self, [x, y]: [usize; 2], weight: f32, radiance: &mut Components) {
+        if !self.brought.is_empty() {
+            radiance.add(&self.brought[y * self.tiles.size[0] + x], weight);
+        }
+    }
+
     /// The filter's weights of all samples round a pixel, and their weighted radiance, row by row.
     fn gather(&self, kept: &Kept, [x, y]: [usize; 2]) -> (f32, Components) {
         let reach = self.filter.reach();

@@ -44,6 +44,31 @@ impl FilterPlaces {
         (x, self.filter.eval(x) / magnitude)
     }
 
+    /// A position around a pixel in a picture of `size` pixels, in pixels from the pixel's corner, and its weight.
+    pub fn sample_2d(&self, u: [f32; 2], pixel: [usize; 2], size: [usize; 2]) -> ([f32; 2], f32) {
+        let [(x, along_x), (y, along_y)] =
+            [0, 1].map(|axis| self.sample(u[axis], pixel[axis], size[axis]));
+        ([x + 0.5, y + 0.5], along_x * along_y)
+    }
+
+    /// The mean weight of the positions along one axis around pixel `pixel` of `pixels`.
+    pub fn mean_weight(&self, pixel: usize, pixels: usize) -> f32 {
+        if self.filter == Filter::Box {
+            return 1.0;
+        }
+        let cells = self.integral.len() - 1;
+        let left = -(pixel as f32 + 0.5);
+        let (mut sum, mut magnitude) = (0.0, 0.0);
+        for k in 0..cells {
+            let middle = middle_of(k, cells);
+            let inside = 0.5 + STEPS * (middle - left).min(left + pixels as f32 - middle);
+            let value = self.filter.eval(middle) * inside.clamp(0.0, 1.0);
+            sum += value;
+            magnitude += self.filter.eval(middle).abs() * inside.clamp(0.0, 1.0);
+        }
+        sum / magnitude
+    }
+
     /// The integral up to `x`.
     fn integral_to(&self, x: f32) -> f32 {
         let cells = self.integral.len() - 1;
@@ -85,6 +110,9 @@ mod tests {
                     assert!((w.abs() - 1.0).abs() < 0.6 || filter.eval(x).abs() < 0.05);
                     found = [found[0] + f64::from(w) * value(x), found[1] + f64::from(w)];
                 }
+                let mean = found[1] / f64::from(n);
+                let known = f64::from(places.mean_weight(pixel, pixels));
+                assert!((mean - known).abs() < 2e-3, "{filter:?}, {pixel}: {mean}, not {known}");
                 let [a, b] = [expected, found].map(|[sum, weight]| sum / weight);
                 assert!(
                     (a - b).abs() < 2e-3,

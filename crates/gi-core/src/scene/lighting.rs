@@ -188,6 +188,13 @@ impl Scene {
         }
     }
 
+    /// Whether a hit emits light, or scatters it by a delta lobe.
+    pub(crate) fn may_shine(&self, hit: &Hit) -> bool {
+        let shape = &self.shapes[self.primitives.all[hit.prim as usize].shape as usize];
+        let material = &self.materials[shape.material];
+        shape.emission.is_some() || material.has_delta || material.has_null
+    }
+
     /// Whether light may pass straight through a primitive.
     pub(super) fn has_null_at(&self, prim: u32) -> bool {
         self.materials[self.shapes[self.primitives.all[prim as usize].shape as usize].material]

@@ -129,12 +129,10 @@ impl<'a> Lightcuts<'a> {
         for k in 0..count {
             let number = index.wrapping_mul(count).wrapping_add(k);
             let mut weight = 1.0 / count as f32;
-            let place = |u: [f32; 2]| {
-                [0, 1].map(|axis| {
-                    let (x, w) = places.sample(u[axis], pixel[axis], size[axis]);
-                    weight *= w;
-                    x + 0.5
-                })
+            let place = |u| {
+                let (at, w) = places.sample_2d(u, pixel, size);
+                weight *= w;
+                at
             };
             let limits = self.params.limits;
             let mut walk = EyeWalk::through_pixel_at(&self.setting, limits, pixel, number, place);

@@ -91,11 +91,10 @@ impl<'a> Bidirectional<'a> {
     ) -> (u64, u64) {
         let paths = self.trace(index, film.filter());
         let splats = paths.light.splats(self, film.size().iter().product());
+        film.bring(splats);
         match pyramid {
-            None => film.add_pass_and_splats(&splats, |pixel| {
-                self.sample(pixel, index, &paths, &mut |_| ())
-            }),
-            Some(pyramid) => pyramid.pass((self, index), film, &paths, &splats),
+            None => film.add_pass(|pixel| self.sample(pixel, index, &paths, &mut |_| ())),
+            Some(pyramid) => pyramid.pass((self, index), film, &paths),
         }
         paths.memory()
     }

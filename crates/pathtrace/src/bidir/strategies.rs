@@ -1,7 +1,7 @@
 //! The pyramid of all ways to find light, each as a picture of its own [Veach97, fig. 10.2].
 
 use gi_core::canvas::Legend;
-use gi_core::film::{Components, Film, PerPixel};
+use gi_core::film::{Film, PerPixel};
 use gi_core::math::Rgb;
 use gi_core::technique::Picture;
 
@@ -58,10 +58,9 @@ impl Pyramid {
         (of, index): (&Bidirectional, u32),
         film: &mut Film,
         paths: &PassPaths,
-        splats: &[Components],
     ) {
         let (before, [w, _]) = (film.passes(), film.size());
-        film.add_pass_and_splats_with(&mut self.pixels, splats, |pixel, ways| {
+        film.add_pass_with(&mut self.pixels, |pixel, ways| {
             ways.paths += 1;
             of.sample(pixel, index, paths, &mut |found| ways.add(found))
         });
