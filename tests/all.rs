@@ -18,6 +18,8 @@ mod instant_radiosity_facts;
 mod irrcache_facts;
 /// Checks lightcuts.
 mod lightcuts_facts;
+/// Lightcuts in participating media.
+mod lightcuts_media;
 /// Many lamps: the light tree.
 mod many_lamps;
 /// Compares all programs on scenes that combine surfaces, maps, media, lights and places.

@@ -195,8 +195,9 @@ fn garbage_and_clients_that_say_nothing_do_not_hurt() {
     }
     wait_until("it answers", || served.get("/state.json").is_some());
     served.run.signal("TERM");
-    assert_eq!(served.run.end().0, Some(143));
-    assert!(Path::new(&folder.at("out.exr")).exists());
+    let (code, said) = served.run.end();
+    assert_eq!(code, Some(143), "{said}");
+    assert!(Path::new(&folder.at("out.exr")).exists(), "{said}");
 }
 
 #[test]

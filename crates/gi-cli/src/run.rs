@@ -194,7 +194,7 @@ fn build(about: &mut About, params: &impl Parameters, parts: SceneParts) -> Resu
         sensors::check_scene(&scene, points)?;
     }
     about.warn(warnings::of_media(&scene, params.simulates_media()));
-    if !params.finds_focused_light() {
+    if !params.finds_focused_light(scene.has_media()) {
         about.warn(warnings::of_focused_light(&scene, common.seed));
     }
     Ok(scene)

@@ -58,7 +58,7 @@ impl<'a> Technique<'a> for InstantRadiosity<'a> {
 
     fn prepare(setting: Setting<'a>, params: &Params) -> Result<Self, String> {
         let Setting { scene, camera, seed, .. } = setting;
-        let pilot = Pilot::of(scene, seed);
+        let pilot = Pilot::of(scene, seed, false);
         let [w, h] = camera.size();
         let pixels = if params.caustics.by_photons() { w * h } else { 0 };
         let focused = FocusedLight::new(scene, seed, pixels);
@@ -162,6 +162,7 @@ impl InstantRadiosity<'_> {
             max_scatterings: self.params.limits.max_depth.map(|d| d.saturating_sub(2)),
             lights: self.params.direct == Direct::Vpl,
             pilot: self.pilot,
+            through_media: false,
         };
         shoot(self.setting.scene, &how)
     }

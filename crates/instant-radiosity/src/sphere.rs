@@ -73,7 +73,7 @@ impl SphereLights<'_> {
                 continue;
             }
             connections += 1;
-            let shadow = scene.tree().shadow_ray(at.surface.p, at.surface.ng, vpl.p);
+            let shadow = scene.tree().shadow_ray(at.p, at.ng, vpl.p);
             sum += light * scene.transmittance_to(shadow, vpl.on);
         }
         (sum, connections)
@@ -81,7 +81,7 @@ impl SphereLights<'_> {
 
     /// Unshadowed radiance from one sphere: power / (pi r^2) times the integral of f(x) cos f(y) cos' over its cone.
     fn light(&self, at: &Receiver, vpl: &Vpl, radius: f32, u: [f32; 2]) -> Rgb {
-        let to = vpl.p - at.surface.p;
+        let to = vpl.p - at.p;
         let distance = to.length();
         if distance == 0.0 {
             return Rgb::BLACK;

@@ -81,7 +81,7 @@ impl Parameters for Params {
         self.limits.max_depth
     }
 
-    fn finds_focused_light(&self) -> bool {
+    fn finds_focused_light(&self, _: bool) -> bool {
         self.caustics.by_photons()
     }
 

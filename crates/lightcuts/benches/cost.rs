@@ -168,8 +168,7 @@ fn check<'a>(
 ) {
     let mut cut = Cut::default();
     choose(lights, at, limits, &mut cut, &mut None);
-    let surface =
-        if at.receiver.bsdf.diffuse_only(at.receiver.wo).is_some() { "diffuse" } else { "glossy" };
+    let surface = if at.site.is_lambertian() { "diffuse" } else { "glossy" };
     for c in cut.clusters().iter().filter(|c| c.error > 0.0) {
         let tree = &lights.forest.trees[c.tree as usize];
         let members = tree.members(c.node);

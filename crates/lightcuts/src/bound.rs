@@ -5,7 +5,9 @@
 use gi_core::bsdf::{Bsdf, ScatterBound, Toward};
 use gi_core::geometry::Surface;
 use gi_core::math::{Bounds, Frame, INV_PI, Rgb, safe_sqrt};
+use gi_core::medium::Phase;
 use glam::Vec3;
+use vpl::Scatterer;
 
 use crate::tree::{Family, Node, Tree};
 
@@ -23,15 +25,15 @@ pub trait Receives {
     fn clamp(&self) -> Option<f32>;
 }
 
-/// A point that receives light, in the form that bounds need.
+/// A point of a surface or a medium that receives light, in the form that bounds need.
 #[derive(Clone, Copy)]
 pub struct Site<'s, 'a> {
     /// Position, world.
     pub p: Vec3,
     /// Unit direction back to the eye.
     pub wo: Vec3,
-    /// How it scatters.
-    pub bsdf: &'s Bsdf<'a>,
+    /// What scatters there.
+    pub scatterer: Scatterer<'s, 'a>,
     /// The clamp of the geometry term of lights on surfaces, per squared world unit.
     pub most: f32,
     /// Whether shading uses the geometric normal: then f times the clamp is a bound of the clamped light.
@@ -42,16 +44,28 @@ pub struct Site<'s, 'a> {
 
 impl<'s, 'a> Site<'s, 'a> {
     /// A point of a surface.
-    pub fn new(surface: &Surface, wo: Vec3, bsdf: &'s Bsdf<'a>, most: f32) -> Self {
+    pub fn new(surface: &'s Surface, wo: Vec3, bsdf: &'s Bsdf<'a>, most: f32) -> Self {
         let lambert = bsdf
             .diffuse_only(wo)
             .map(|part| (part.albedo * (INV_PI * SAFETY), Frame::from_normal(part.normal)));
-        Site { p: surface.p, wo, bsdf, most, flat: bsdf.is_flat(), lambert }
+        let scatterer = Scatterer::Surface(surface, bsdf);
+        Site { p: surface.p, wo, scatterer, most, flat: bsdf.is_flat(), lambert }
+    }
+
+    /// A point of a medium. Lights on surfaces do not count there, so there is no clamp.
+    pub fn in_medium(p: Vec3, wo: Vec3, phase: Phase) -> Self {
+        let scatterer = Scatterer::Medium(phase);
+        Site { p, wo, scatterer, most: f32::INFINITY, flat: false, lambert: None }
     }
 
     /// Whether shading uses the geometric normal.
     pub(crate) fn is_flat(&self) -> bool {
         self.flat
+    }
+
+    /// Whether it is on a purely Lambertian surface.
+    pub fn is_lambertian(&self) -> bool {
+        self.lambert.is_some()
     }
 
     /// f of a purely Lambertian surface, with a margin for rounding, and the unit normal on the side of `wo`.
@@ -68,9 +82,16 @@ impl Receives for Site<'_, '_> {
 
     #[inline(always)]
     fn scatter(&self, toward: &Toward) -> ScatterBound {
-        match &self.lambert {
-            Some((f, frame)) => ScatterBound { f: *f, f_cos: *f * toward.max_cos(frame).max(0.0) },
-            None => self.bsdf.bound(self.wo, toward),
+        match (&self.lambert, self.scatterer) {
+            (Some((f, frame)), _) => {
+                ScatterBound { f: *f, f_cos: *f * toward.max_cos(frame).max(0.0) }
+            }
+            (None, Scatterer::Surface(_, bsdf)) => bsdf.bound(self.wo, toward),
+            (None, Scatterer::Medium(phase)) => {
+                let most = |n: Vec3| toward.max_cos(&Frame::from_normal(n));
+                let bound = Rgb::grey(phase.bound(|| most(-self.wo), || most(self.wo)));
+                ScatterBound { f: bound, f_cos: bound }
+            }
         }
     }
 

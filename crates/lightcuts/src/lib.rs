@@ -14,6 +14,7 @@
 //! | `--clamp`, `--compensation` | upper bound of the geometry term of indirect lights, and paths for the light that it cuts off, as in instant radiosity |
 //! | `--caustics` | `photon`: light focused by mirrors and glass is read from photons, blurred over discs that shrink with the passes; `path` |
 //! | `--method` | `cuts`; `multidimensional`: one cut per pixel for `--gather` camera paths \[Walter06\]; `all`: every light; `stochastic`, `one`: lights sampled from the same trees, without bias \[Yuksel19, Conty18\]; `learned`: paths with light samples chosen by what earlier passes have learned \[Vevoda18\] |
+//! | in media | media attenuate and scatter paths from the eye and from the lights. Cuts illuminate the first scattering of a camera path that is not by a mirror or clear glass: on a surface by all lights, in a medium by those on light sources. Paths find all other light, caustics too |
 //! | `--reconstruct` | cuts only at the corners of blocks of pixels, interpolated where they agree [Walter05, 5] |
 //! | bias | each cluster's error is at most `--error` times the total; the errors of many clusters partly cancel. None with `--error 0`, except the blur of caustics |
 //! | how it fails | few or near lights show individually. In dark places, where 2 % is little light, and with `whole` and many lights, cuts reach `--max-cut` (statistics: `at_max_cut`) |
@@ -52,6 +53,8 @@ use std::path::Path;
 use gi_core::caustics::FocusedLight;
 use gi_core::film::Film;
 use gi_core::filter::FilterPlaces;
+use gi_core::medium::MediumId;
+use gi_core::options::Parameters;
 use gi_core::technique::{Picture, Setting, Technique};
 use vpl::{Pilot, Prepared};
 
@@ -143,6 +146,8 @@ pub struct Lightcuts<'a> {
     lights: PassLights,
     focused: FocusedLight,
     tally: Tally,
+    /// The medium around the camera, if media are simulated.
+    camera_medium: Option<MediumId>,
     /// For `--method learned`, which needs no virtual lights.
     learned: Option<Learned>,
 }
@@ -152,10 +157,12 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
 
     fn prepare(setting: Setting<'a>, params: &Params) -> Result<Self, String> {
         let Setting { scene, camera, seed, .. } = setting;
-        let pilot = Pilot::of(scene, seed);
+        let in_media = scene.has_media() && params.simulates_media();
+        let pilot = Pilot::of(scene, seed, in_media);
         let [w, h] = camera.size();
         let learned = (params.method == Method::Learned).then(|| Learned::new(&setting));
-        let by_photons = params.caustics.by_photons() && learned.is_none();
+        // Photons of focused light do not know media.
+        let by_photons = params.finds_focused_light(scene.has_media());
         let pixels = if by_photons { w * h } else { 0 };
         let focused = FocusedLight::new(scene, seed, pixels);
         let mut technique = Lightcuts {
@@ -165,6 +172,7 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
             lights: PassLights::default(),
             focused,
             tally: Tally::default(),
+            camera_medium: if in_media { setting.camera_medium() } else { None },
             learned,
         };
         if technique.learned.is_none() {

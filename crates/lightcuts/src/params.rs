@@ -210,8 +210,13 @@ impl Parameters for Params {
         self.limits.max_depth
     }
 
-    fn finds_focused_light(&self) -> bool {
-        self.caustics.by_photons() && self.method != Method::Learned
+    fn simulates_media(&self) -> bool {
+        self.method != Method::Learned && !self.reconstruction.reconstruct
+    }
+
+    fn finds_focused_light(&self, has_media: bool) -> bool {
+        let in_media = has_media && self.simulates_media();
+        self.caustics.by_photons() && self.method != Method::Learned && !in_media
     }
 
     fn outputs(&self) -> Vec<PathBuf> {

@@ -1,13 +1,14 @@
 //! The eye paths of a pass, and the light at their vertices.
 
 use gi_core::bsdf::Bsdf;
-use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk};
+use gi_core::eye::{Covers, Estimate, EyeEvent, EyeMediumVertex, EyeVertex, EyeWalk};
 use gi_core::film::Sample as PixelSample;
 use gi_core::math::Rgb;
 use gi_core::sampler::Sampler;
 use vpl::{Direct, MIN_ROUGHNESS};
 
-use crate::light::Lights;
+use crate::cut::Lit;
+use crate::light::{At, Lights};
 use crate::params::Method;
 use crate::reconstruct::{Corners, Sample};
 use crate::view::PathState;
@@ -22,22 +23,51 @@ impl<'a> Lightcuts<'a> {
         index: u32,
         corners: impl Fn(&EyeVertex) -> Option<Corners<'s>>,
     ) -> PixelSample {
-        let mut walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
-        while let Some(v) = &walk.next_vertex() {
-            walk.add_emitted(v);
-            if v.wants_estimate() {
-                let corners = corners(v);
-                if let Some(estimate) = self.gather(lights, v, corners.as_ref(), &mut walk.sampler)
-                {
-                    walk.add_estimate(v, estimate);
+        let walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
+        let mut walk = self.in_media(walk);
+        while let Some(event) = &walk.next_event() {
+            let goes_on = match event {
+                EyeEvent::Surface(v) => {
+                    walk.add_emitted(v);
+                    if v.wants_estimate() {
+                        let corners = corners(v);
+                        let estimate = self.gather(lights, v, corners.as_ref(), &mut walk.sampler);
+                        estimate.into_iter().for_each(|e| walk.add_estimate(v, e));
+                    }
+                    walk.add_direct(v);
+                    walk.scatter(v)
                 }
-            }
-            walk.add_direct(v);
-            if !walk.scatter(v) {
+                EyeEvent::Medium(v) => self.scatter_within(lights, v, &mut walk),
+            };
+            if !goes_on {
                 break;
             }
         }
         walk.sample()
+    }
+
+    /// The same path, but media attenuate and scatter it, if the scene has any and the method simulates them.
+    pub(crate) fn in_media(&self, walk: EyeWalk<'a>) -> EyeWalk<'a> {
+        if self.view().is_in_media() { walk.through_media(self.camera_medium) } else { walk }
+    }
+
+    /// A medium scatters the path: the lights on light sources illuminate the point, and the path continues for all other light.
+    /// Returns whether it continues.
+    fn scatter_within(
+        &self,
+        lights: &Lights<'_, 'a>,
+        v: &EyeMediumVertex,
+        walk: &mut EyeWalk<'a>,
+    ) -> bool {
+        let path = PathState::of(walk, Some(v.medium));
+        let Some(at) = self.view().at_medium((v.p, v.wo), v.medium, path) else {
+            walk.add_direct_within(v);
+            return walk.scatter_within(v);
+        };
+        let lit = self.light(lights, &at, &mut walk.sampler);
+        self.tally.note(&lit, path.non_delta == 0);
+        walk.add_estimate_within(v, lit.direct);
+        walk.scatter_within_after_estimate(v)
     }
 
     /// The light of a vertex from all lights, and what it covers: the path continues for the rest.
@@ -49,23 +79,31 @@ impl<'a> Lightcuts<'a> {
         sampler: &mut Sampler,
     ) -> Option<Estimate> {
         let bsdf = v.bsdf.broad(v.wo, MIN_ROUGHNESS)?;
-        let path = PathState { segments: v.segments, non_delta: v.non_delta };
+        let path = PathState { segments: v.segments, non_delta: v.non_delta, medium: v.medium };
         let at = self.view().at(&v.surface, v.wo, &bsdf, path)?;
         let params = &self.params;
-        let lit = match (params.method, corners) {
-            (Method::Cuts, Some(corners)) if lights.agree_on_the_whole(&at, corners) => {
+        let lit = match corners {
+            Some(corners) if lights.agree_on_the_whole(&at, corners) => {
                 self.tally.reconstructed();
                 reconstruct(lights, &at, corners, &params.cut, params.reconstruction.agree)
             }
-            (Method::Cuts, _) => light_by_cut(lights, &at, &params.cut),
-            (Method::All, _) => lights.light_by_all(&at),
-            (Method::Stochastic, _) => lights.light_stochastically(&at, params.samples, sampler),
-            (Method::One | Method::Learned | Method::Multidimensional, _) => {
-                lights.light_by_some(&at, params.samples, sampler)
-            }
+            _ => self.light(lights, &at, sampler),
         };
         self.tally.note(&lit, v.non_delta == 0);
         self.estimate(v, &bsdf, lit.direct, lit.indirect)
+    }
+
+    /// The light of a point by the chosen method.
+    fn light(&self, lights: &Lights<'_, 'a>, at: &At<'_, '_, 'a>, sampler: &mut Sampler) -> Lit {
+        let params = &self.params;
+        match params.method {
+            Method::Cuts => light_by_cut(lights, at, &params.cut),
+            Method::All => lights.light_by_all(at),
+            Method::Stochastic => lights.light_stochastically(at, params.samples, sampler),
+            Method::One | Method::Learned | Method::Multidimensional => {
+                lights.light_by_some(at, params.samples, sampler)
+            }
+        }
     }
 
     /// The light of a vertex, with the light of photons. `bsdf` is without narrow lobes.

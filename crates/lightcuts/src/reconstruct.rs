@@ -93,10 +93,11 @@ impl Sample {
         for tree in 0..lights.forest.trees.len() as u32 {
             sum_up(&mut record, lights.forest, at, tree, NodeId { tree, node: 0 });
         }
+        let surface = at.receiver.surface().expect("cuts are recorded on surfaces");
         Sample {
             record,
-            surface: *at.receiver.surface,
-            material: lights.scene.shapes()[at.receiver.surface.shape as usize].material,
+            surface: *surface,
+            material: lights.scene.shapes()[surface.shape as usize].material,
             total: lit.all().luminance(),
             rays: lit.rays,
         }

@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use gi_core::film::Show;
+use gi_core::options::Parameters;
 use gi_core::progress;
 use gi_core::technique::Setting;
 use vpl::{Direct, Pilot, Shooting, Termination, Vpls, points, shoot};
@@ -46,6 +47,7 @@ fn make_lights(setting: &Setting, params: &Params, pilot: Pilot, index: u32) -> 
         max_scatterings: params.limits.max_depth.map(|d| d.saturating_sub(2)),
         lights: false,
         pilot,
+        through_media: params.simulates_media(),
     };
     // A picture of direct light or caustics needs no lights on surfaces.
     let indirect = !matches!(setting.show, Show::Direct | Show::Caustic);

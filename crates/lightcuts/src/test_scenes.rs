@@ -6,6 +6,7 @@ use gi_core::geometry::{Geometry, Mesh, Shape, Surface};
 use gi_core::light::{Light, LightSource};
 use gi_core::material::{BentNormals, Distribution, Material, Roughness};
 use gi_core::math::Rgb;
+use gi_core::medium::{Medium, Phase};
 use gi_core::ray::Ray;
 use gi_core::rng::Pcg;
 use gi_core::scene::{Scene, SceneParts};
@@ -105,7 +106,20 @@ pub(crate) fn rubble(seed: u64) -> Scene {
             beam: 0.4,
         },
     ];
-    Scene::new(SceneParts { shapes, materials, lights, ..SceneParts::default() }).expect("a scene")
+    let media = media();
+    Scene::new(SceneParts { shapes, materials, lights, media, ..SceneParts::default() })
+        .expect("a scene")
+}
+
+/// Media with every phase function. No shape bounds them.
+fn media() -> Vec<Medium> {
+    let phases = [
+        Phase::Isotropic,
+        Phase::Rayleigh,
+        Phase::HenyeyGreenstein { g: 0.8 },
+        Phase::HenyeyGreenstein { g: -0.5 },
+    ];
+    phases.map(|phase| Medium::homogeneous(Rgb::grey(0.1), Rgb::grey(0.9), phase)).into()
 }
 
 /// A random point of the scene, and the direction from which it is seen.

@@ -1,8 +1,11 @@
 //! Turns a vertex of a path into a point for cuts: decides which lights count there, and how they are clamped.
 
 use gi_core::bsdf::{Bsdf, Transport};
+use gi_core::eye::EyeWalk;
 use gi_core::film::Show;
 use gi_core::geometry::Surface;
+use gi_core::medium::MediumId;
+use gi_core::options::Parameters;
 use gi_core::technique::Setting;
 use glam::Vec3;
 use vpl::{Direct, MIN_ROUGHNESS, Receiver};
@@ -10,6 +13,9 @@ use vpl::{Direct, MIN_ROUGHNESS, Receiver};
 use crate::bound::Site;
 use crate::light::At;
 use crate::params::Params;
+
+/// Largest number of surfaces that a look at the scene passes straight through.
+const MOST_PASSED: u32 = 64;
 
 /// The settings that decide which lights illuminate a point.
 #[derive(Clone, Copy)]
@@ -25,15 +31,19 @@ pub(crate) struct PathState {
     pub(crate) segments: u32,
     /// Number of non-specular scatterings.
     pub(crate) non_delta: u32,
+    /// The medium of the last segment.
+    pub(crate) medium: Option<MediumId>,
 }
 
 impl PathState {
-    /// A point that the eye sees directly.
-    pub(crate) const SEEN: PathState = PathState { segments: 1, non_delta: 0 };
+    /// The path up to a point of `medium` where it is scattered now.
+    pub(crate) fn of(walk: &EyeWalk, medium: Option<MediumId>) -> Self {
+        PathState { segments: walk.segments(), non_delta: walk.non_delta(), medium }
+    }
 }
 
 impl<'a> View<'_, 'a> {
-    /// The point for cuts; `None` if the path is too long for any light.
+    /// The point for cuts; `None` if the path is too long for any light, or has a non-specular scattering already in a scene with media.
     pub(crate) fn at<'s>(
         &self,
         surface: &'s Surface,
@@ -41,21 +51,58 @@ impl<'a> View<'_, 'a> {
         bsdf: &'s Bsdf<'a>,
         path: PathState,
     ) -> Option<At<'s, 's, 'a>> {
+        let in_media = self.is_in_media();
+        // In media most paths are scattered many times: later vertices count little, and a light sample is enough.
+        if in_media && path.non_delta > 0 {
+            return None;
+        }
         let max_scatterings = self.max_scatterings(path.segments)?;
-        // After a non-specular scattering all light is indirect.
-        let direct = match self.setting.show {
+        let indirect = matches!(self.setting.show, Show::All | Show::Indirect);
+        let receiver = Receiver::new(surface, wo, bsdf);
+        Some(At {
+            receiver: if in_media { receiver.through_media(path.medium) } else { receiver },
+            site: Site::new(surface, wo, bsdf, self.max_geometry()),
+            deepest: if indirect { max_scatterings } else { 0 },
+            direct: self.wants_direct(path),
+        })
+    }
+
+    /// A point of a medium for cuts: only lights on light sources count there. `None` if the path is too long for them, if the
+    /// picture does not show their light, or if the path has a non-specular scattering already.
+    pub(crate) fn at_medium<'s>(
+        &self,
+        (p, wo): (Vec3, Vec3),
+        medium: MediumId,
+        path: PathState,
+    ) -> Option<At<'s, 's, 'a>> {
+        if path.non_delta > 0 {
+            return None;
+        }
+        self.max_scatterings(path.segments)?;
+        let scene = self.setting.scene;
+        let at = || At {
+            receiver: Receiver::in_medium(scene, p, wo, medium),
+            site: Site::in_medium(p, wo, scene.medium(medium).phase),
+            deepest: 0,
+            direct: true,
+        };
+        self.wants_direct(path).then(at)
+    }
+
+    /// Whether the scene has media that the method simulates.
+    pub(crate) fn is_in_media(&self) -> bool {
+        self.setting.scene.has_media() && self.params.simulates_media()
+    }
+
+    /// Whether lights on light sources illuminate a vertex. After a non-specular scattering all light is indirect.
+    fn wants_direct(&self, path: PathState) -> bool {
+        let is_shown = match self.setting.show {
             Show::All => true,
             Show::Direct => path.non_delta == 0,
             Show::Indirect => path.non_delta > 0,
             Show::Caustic => false,
         };
-        let indirect = matches!(self.setting.show, Show::All | Show::Indirect);
-        Some(At {
-            receiver: Receiver::new(surface, wo, bsdf),
-            site: Site::new(surface, wo, bsdf, self.max_geometry()),
-            deepest: if indirect { max_scatterings } else { 0 },
-            direct: direct && self.params.direct == Direct::Vpl,
-        })
+        is_shown && self.params.direct == Direct::Vpl
     }
 
     /// Call `look` with the point that the middle of a pixel shows; `None` if nothing there receives light.
@@ -67,18 +114,29 @@ impl<'a> View<'_, 'a> {
         self.at_film([x as f32 + 0.5, y as f32 + 0.5], look)
     }
 
-    /// The same for a film position.
+    /// The same for a film position. The point lies behind surfaces that let all light pass straight through.
     pub(crate) fn at_film<T>(
         &self,
         film: [f32; 2],
         look: impl FnOnce(&At<'_, '_, 'a>) -> T,
     ) -> Option<T> {
         let scene = self.setting.scene;
-        let ray = self.setting.camera.ray(film, [0.5; 2]);
-        let (surface, _) = scene.intersect(&ray)?;
-        let bsdf = scene.bsdf(&surface, -ray.d, Transport::Radiance);
-        let bsdf = bsdf.broad(-ray.d, MIN_ROUGHNESS)?;
-        Some(look(&self.at(&surface, -ray.d, &bsdf, PathState::SEEN)?))
+        let mut ray = self.setting.camera.ray(film, [0.5; 2]);
+        let mut medium = self.setting.camera_medium();
+        for _ in 0..MOST_PASSED {
+            let (surface, _) = scene.intersect(&ray)?;
+            let bsdf = scene.bsdf(&surface, -ray.d, Transport::Radiance);
+            if let Some(bsdf) = bsdf.broad(-ray.d, MIN_ROUGHNESS) {
+                let path = PathState { segments: 1, non_delta: 0, medium };
+                return Some(look(&self.at(&surface, -ray.d, &bsdf, path)?));
+            }
+            if bsdf.straight_through(-ray.d).is_black() {
+                return None;
+            }
+            medium = scene.medium_toward(&surface, ray.d, medium);
+            ray = scene.spawn(&surface, ray.d);
+        }
+        None
     }
 
     /// Largest number of scatterings of a light or photon that may illuminate a vertex after `segments` segments. After

@@ -116,7 +116,7 @@ impl Parameters for Params {
         matches!(self.mode, Mode::VolPath | Mode::Light)
     }
 
-    fn finds_focused_light(&self) -> bool {
+    fn finds_focused_light(&self, _: bool) -> bool {
         matches!(self.mode, Mode::Light | Mode::Bdpt | Mode::Vcm)
     }
 }

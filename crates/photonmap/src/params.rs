@@ -146,7 +146,7 @@ impl Parameters for Params {
         self.volume_photons > 0
     }
 
-    fn finds_focused_light(&self) -> bool {
+    fn finds_focused_light(&self, _: bool) -> bool {
         self.caustic_photons > 0
     }
 

@@ -81,7 +81,7 @@ fn measure(name: &str, vpls: u32) {
         std::process::exit(2)
     };
     let (scene, camera) = (Scene::new(loaded.parts).expect("a scene"), Camera::new(&loaded.camera));
-    let pilot = Pilot::of(&scene, 0);
+    let pilot = Pilot::of(&scene, 0, false);
     let how = |vpls| Shooting {
         seed: 0,
         first_path: 0,
@@ -90,6 +90,7 @@ fn measure(name: &str, vpls: u32) {
         max_scatterings: None,
         lights: false,
         pilot,
+        through_media: false,
     };
     let set = shoot(&scene, &how(vpls));
     let size = camera.size().map(|n| n as f32 / POINTS as f32);

@@ -1,35 +1,91 @@
-//! Illuminates a point by one virtual point light [slide 50].
+//! Illuminates a point of a surface or of a medium by one virtual point light [slide 50].
 
 use gi_core::bsdf::{Bsdf, DiffusePart};
 use gi_core::geometry::Surface;
 use gi_core::math::{INV_PI, Rgb};
+use gi_core::medium::{MediumId, Phase, Tracking};
 use gi_core::ray::Ray;
 use gi_core::scene::Scene;
 use glam::Vec3;
 
 use crate::light::{Kind, Vpl, Vpls};
 
+/// What scatters light at a receiver.
+#[derive(Clone, Copy)]
+pub enum Scatterer<'r, 'a> {
+    /// A surface.
+    Surface(&'r Surface, &'r Bsdf<'a>),
+    /// A medium.
+    Medium(Phase),
+}
+
 /// A point that receives light, at a vertex of an eye path.
 #[derive(Clone, Copy)]
 pub struct Receiver<'r, 'a> {
-    /// The point.
-    pub surface: &'r Surface,
+    /// Position, world.
+    pub p: Vec3,
     /// Unit direction back to the eye.
     pub wo: Vec3,
-    /// How it scatters.
-    pub bsdf: &'r Bsdf<'a>,
+    /// What scatters there.
+    pub scatterer: Scatterer<'r, 'a>,
+    /// Unit geometric normal; zero in a medium.
+    pub ng: Vec3,
     /// The whole BSDF if it is purely Lambertian: evaluated once for all lights.
     diffuse: Option<DiffusePart>,
-    /// Lights below this normal are skipped; `None` if light from below may be transmitted.
+    /// Lights below this normal are skipped; `None` if light from below may be scattered.
     pub(crate) normal: Option<Vec3>,
+    /// `None`: media are left out. Otherwise the medium through which the eye path reaches the point.
+    media: Option<Option<MediumId>>,
 }
 
 impl<'r, 'a> Receiver<'r, 'a> {
-    /// A point of a surface seen along `wo`.
+    /// A point of a surface seen along `wo`, in a scene without media or as if there were none.
     #[inline]
     pub fn new(surface: &'r Surface, wo: Vec3, bsdf: &'r Bsdf<'a>) -> Self {
-        let normal = bsdf.opaque_normal();
-        Receiver { surface, wo, bsdf, diffuse: bsdf.diffuse_only(wo), normal }
+        Receiver {
+            p: surface.p,
+            wo,
+            scatterer: Scatterer::Surface(surface, bsdf),
+            ng: surface.ng,
+            diffuse: bsdf.diffuse_only(wo),
+            normal: bsdf.opaque_normal(),
+            media: None,
+        }
+    }
+
+    /// The same, but media attenuate the light. The eye path reaches the point through `medium`.
+    #[inline]
+    pub fn through_media(self, medium: Option<MediumId>) -> Self {
+        Receiver { media: Some(medium), ..self }
+    }
+
+    /// A point of a medium.
+    pub fn in_medium(scene: &Scene, p: Vec3, wo: Vec3, medium: MediumId) -> Self {
+        Receiver {
+            p,
+            wo,
+            scatterer: Scatterer::Medium(scene.medium(medium).phase),
+            ng: Vec3::ZERO,
+            diffuse: None,
+            normal: None,
+            media: Some(Some(medium)),
+        }
+    }
+
+    /// Its surface, if it is on one.
+    pub fn surface(&self) -> Option<&'r Surface> {
+        match self.scatterer {
+            Scatterer::Surface(surface, _) => Some(surface),
+            Scatterer::Medium(_) => None,
+        }
+    }
+
+    /// Its medium, if it is in one and not on a surface.
+    pub fn medium(&self) -> Option<MediumId> {
+        match self.scatterer {
+            Scatterer::Surface(..) => None,
+            Scatterer::Medium(_) => self.media?,
+        }
     }
 
     /// f if it is the same for all directions above the surface.
@@ -38,12 +94,48 @@ impl<'r, 'a> Receiver<'r, 'a> {
         self.diffuse.map(|part| part.albedo * INV_PI)
     }
 
-    /// f times the cosine of `wi`.
+    /// f times the cosine of `wi`; in a medium, the phase function.
     #[inline]
     pub fn f_cos(&self, wi: Vec3) -> Rgb {
-        match &self.diffuse {
-            Some(part) => part.albedo * (INV_PI * part.normal.dot(wi).max(0.0)),
-            None => self.bsdf.f_cos(self.wo, wi),
+        match (&self.diffuse, self.scatterer) {
+            (Some(part), _) => part.albedo * (INV_PI * part.normal.dot(wi).max(0.0)),
+            (None, Scatterer::Surface(_, bsdf)) => bsdf.f_cos(self.wo, wi),
+            (None, Scatterer::Medium(phase)) => Rgb::grey(phase.eval(self.wo, wi)),
+        }
+    }
+
+    /// A ray from the point to infinity.
+    pub(crate) fn ray_along(&self, scene: &Scene, wi: Vec3) -> Ray {
+        match self.scatterer {
+            Scatterer::Surface(surface, _) => scene.spawn(surface, wi),
+            Scatterer::Medium(_) => Ray::new(self.p, wi),
+        }
+    }
+
+    /// The medium in which a shadow ray along `wi` starts, see [`passing`].
+    #[inline]
+    pub(crate) fn start_medium(&self, scene: &Scene, wi: Vec3) -> Option<Option<MediumId>> {
+        let medium = self.media?;
+        Some(match self.scatterer {
+            Scatterer::Surface(surface, _) => scene.medium_toward(surface, wi, medium),
+            Scatterer::Medium(_) => medium,
+        })
+    }
+}
+
+/// The fraction of light that passes a shadow ray, which may end on the flat primitive `on`. `start` is the medium in which
+/// the ray starts; without it, media are left out.
+#[inline]
+pub(crate) fn passing(
+    scene: &Scene,
+    ray: Ray,
+    on: Option<u32>,
+    start: Option<Option<MediumId>>,
+) -> Rgb {
+    match start {
+        None => scene.transmittance_to(ray, on),
+        Some(medium) => {
+            scene.transmittance_through_media_to(ray, on, medium, &mut Tracking::none())
         }
     }
 }
@@ -65,13 +157,15 @@ pub struct Connection {
     pub shadow: Ray,
     /// [`Vpl::on`] of the light.
     on: Option<u32>,
+    /// [`Receiver::start_medium`].
+    start: Option<Option<MediumId>>,
 }
 
 impl Connection {
     /// The fraction of the light that passes the shadow ray.
     #[inline]
     pub fn transmittance(&self, scene: &Scene) -> Rgb {
-        scene.transmittance_to(self.shadow, self.on)
+        passing(scene, self.shadow, self.on, self.start)
     }
 }
 
@@ -98,7 +192,6 @@ pub(crate) fn connect(
     at: &Receiver,
     scattered: impl FnOnce(u32, Vec3) -> Rgb,
 ) -> Option<Connection> {
-    let x = at.surface;
     if vpl.kind == Kind::Directional {
         let wi = -vpl.n;
         let radiance = at.f_cos(wi) * vpl.power;
@@ -107,11 +200,12 @@ pub(crate) fn connect(
             arriving: vpl.power,
             geometry: 0.0,
             wi,
-            shadow: scene.spawn(x, wi),
+            shadow: at.ray_along(scene, wi),
             on: None,
+            start: at.start_medium(scene, wi),
         });
     }
-    let to = vpl.p - x.p;
+    let to = vpl.p - at.p;
     // Most pairs face away from each other: test that before the division.
     let facing = match vpl.kind {
         Kind::Oriented => to.dot(vpl.n) < 0.0 && to.dot(vpl.ns) < 0.0,
@@ -134,8 +228,8 @@ pub(crate) fn connect(
     if radiance.is_black() {
         return None;
     }
-    let geometry = x.ng.dot(wi).abs() * cos_light * inverse_sq;
-    let shadow = scene.tree().shadow_ray(x.p, x.ng, vpl.p);
+    let geometry = at.ng.dot(wi).abs() * cos_light * inverse_sq;
+    let shadow = scene.tree().shadow_ray(at.p, at.ng, vpl.p);
     Some(Connection {
         radiance,
         arriving: intensity * inverse_sq,
@@ -143,5 +237,6 @@ pub(crate) fn connect(
         wi,
         shadow,
         on: vpl.on,
+        start: at.start_medium(scene, wi),
     })
 }

@@ -19,7 +19,7 @@ mod shoot;
 
 pub use energy::Energy;
 pub use export::{to_csv, to_file, to_ply};
-pub use illuminate::{Connection, Receiver};
+pub use illuminate::{Connection, Receiver, Scatterer};
 pub use light::{Kind, LitSurface, MIN_ROUGHNESS, Vpl, Vpls};
 pub use options::{BoundOptions, Compensation, Direct, Termination};
 pub use points::{LightNumbers, points};

@@ -9,7 +9,7 @@ use gi_core::ray::{Ray, ShadowRays};
 use gi_core::scene::Scene;
 use glam::Vec3;
 
-use crate::illuminate::{Connection, Receiver, connect};
+use crate::illuminate::{Connection, Receiver, connect, passing};
 use crate::light::{Kind, Vpl, Vpls};
 
 /// Lights prepared for many points.
@@ -60,7 +60,7 @@ impl<'v, 'a> Prepared<'v, 'a> {
     ) -> u64 {
         let (mut sides, mut seen) = (Sides::default(), [(0, Rgb::BLACK); BATCH]);
         let mut facing = [0; BATCH];
-        let rays_from = self.scene.tree().shadow_rays(at.surface.p, at.surface.ng);
+        let rays_from = self.scene.tree().shadow_rays(at.p, at.ng);
         let mut rays = 0;
         for from in lights.clone().step_by(BATCH) {
             self.compare(from..lights.end.min(from + BATCH), at, &mut sides);
@@ -69,7 +69,8 @@ impl<'v, 'a> Prepared<'v, 'a> {
             let mut passed = 0;
             for &i in facing {
                 let ray = self.shadow(from + i, at, &rays_from);
-                let through = self.scene.transmittance_to(ray, self.set.lights[from + i].on);
+                let start = at.start_medium(self.scene, ray.d);
+                let through = passing(self.scene, ray, self.set.lights[from + i].on, start);
                 seen[passed] = (i, through);
                 passed += usize::from(!through.is_black());
             }
@@ -92,7 +93,7 @@ impl<'v, 'a> Prepared<'v, 'a> {
     #[inline]
     fn shadow(&self, k: usize, at: &Receiver, rays_from: &ShadowRays) -> Ray {
         if self.has_parallel && self.set.lights[k].kind == Kind::Directional {
-            return self.scene.spawn(at.surface, -self.set.lights[k].n);
+            return at.ray_along(self.scene, -self.set.lights[k].n);
         }
         let [x, y, z] = [0, 1, 2].map(|c| self.columns[c][k]);
         rays_from.to(Vec3::new(x, y, z))
@@ -116,7 +117,7 @@ impl<'v, 'a> Prepared<'v, 'a> {
         let n = at.normal.unwrap_or(Vec3::ZERO);
         // Without a normal no light is below the surface.
         let least = if n == Vec3::ZERO { 0.0 } else { f32::MIN_POSITIVE };
-        let (p, ng) = (at.surface.p, at.surface.ng);
+        let (p, ng) = (at.p, at.ng);
         let column = |k: usize| &self.columns[k][lights.clone()];
         let (px, py, pz) = (column(0), column(1), column(2));
         let (nx, ny, nz) = (column(3), column(4), column(5));
@@ -197,7 +198,7 @@ impl Sides {
     #[inline]
     fn contribution(&self, i: usize, f: Rgb, vpl: &Vpl, at: &Receiver) -> Option<Contribution> {
         let radiance = f * vpl.power * (self.light[i] * self.point[i]);
-        let is_lit = !radiance.is_black() && (vpl.p - at.surface.p).dot(vpl.ns) < 0.0;
+        let is_lit = !radiance.is_black() && (vpl.p - at.p).dot(vpl.ns) < 0.0;
         is_lit.then(|| Contribution { radiance, geometry: self.light[i] * self.ground[i] })
     }
 }

@@ -4,7 +4,7 @@ use gi_core::math::{INV_PI, Rgb};
 use gi_core::progress;
 use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
-use gi_core::walk::{LightVertex, LightWalk, Roulette};
+use gi_core::walk::{LightEvent, LightVertex, LightWalk, Roulette};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -28,6 +28,8 @@ pub struct Shooting {
     pub lights: bool,
     /// What a few pilot paths found out about the scene.
     pub pilot: Pilot,
+    /// Whether media attenuate and scatter the paths. Only surfaces get lights.
+    pub through_media: bool,
 }
 
 /// What a few pilot paths found out about the scene.
@@ -49,16 +51,23 @@ const CHUNK: u32 = 256;
 const SALT: u32 = 0x7670_6c73;
 
 impl Pilot {
-    /// Walk a few paths with Russian roulette.
-    pub fn of(scene: &Scene, seed: u32) -> Self {
+    /// Walk a few paths with Russian roulette. Media scatter them if `through_media` is set.
+    pub fn of(scene: &Scene, seed: u32, through_media: bool) -> Self {
         let (mut met, mut went_on, mut lights) = (0u32, 0u32, 0u32);
         for path in 0..PILOT_PATHS {
             let sampler = Sampler::new(seed ^ SALT ^ 0x0070_696c, 1, path);
-            let Some(mut walk) = LightWalk::begin(scene, sampler) else { continue };
-            while let Some(vertex) = walk.next_vertex() {
+            let Some(walk) = LightWalk::begin(scene, sampler) else { continue };
+            let mut walk = if through_media { walk.through_media() } else { walk };
+            while let Some(event) = walk.next_event() {
                 met += 1;
-                lights += u32::from(!vertex.bsdf.is_delta());
-                if !walk.scatter(&vertex, Roulette::ByAlbedo { from: 1 }) {
+                let goes_on = match &event {
+                    LightEvent::Surface(v) => {
+                        lights += u32::from(!v.bsdf.is_delta());
+                        walk.scatter(v, Roulette::ByAlbedo { from: 1 })
+                    }
+                    LightEvent::Medium(v) => walk.scatter_within(v, Roulette::ByAlbedo { from: 1 }),
+                };
+                if !goes_on {
                     break;
                 }
                 went_on += 1;
@@ -123,7 +132,8 @@ impl Shooting {
     fn walk(&self, scene: &Scene, path: u32, chunk: &mut Chunk) {
         // The paths of all sets are consecutive points of one sequence.
         let sampler = Sampler::new(self.seed ^ SALT, 0, self.first_path.wrapping_add(path));
-        let Some(mut walk) = LightWalk::begin(scene, sampler) else { return };
+        let Some(walk) = LightWalk::begin(scene, sampler) else { return };
+        let mut walk = if self.through_media { walk.through_media() } else { walk };
         let paths = self.paths as f32;
         chunk.emitted += walk.emission().power / paths;
         if self.lights {
@@ -132,13 +142,20 @@ impl Shooting {
         let mut scatterings = 0;
         // The light at a vertex scatters there once: a path with j scatterings leaves a light of depth j + 1.
         while self.max_scatterings.is_none_or(|most| scatterings < most) {
-            let Some(vertex) = walk.next_vertex() else { return };
-            scatterings = vertex.depth + 1;
-            chunk.arrived += vertex.power / paths;
-            if !vertex.bsdf.is_delta() {
-                chunk.leave(scene, &vertex, paths);
-            }
-            if !walk.scatter(&vertex, self.roulette(path, scatterings)) {
+            let Some(event) = walk.next_event() else { return };
+            scatterings = event.depth() + 1;
+            let roulette = self.roulette(path, scatterings);
+            let goes_on = match &event {
+                LightEvent::Surface(vertex) => {
+                    chunk.arrived += vertex.power / paths;
+                    if !vertex.bsdf.is_delta() {
+                        chunk.leave(scene, vertex, paths);
+                    }
+                    walk.scatter(vertex, roulette)
+                }
+                LightEvent::Medium(vertex) => walk.scatter_within(vertex, roulette),
+            };
+            if !goes_on {
                 return;
             }
         }

@@ -142,6 +142,25 @@ impl<'a> EyeWalk<'a> {
             self.throughput * v.remainder * direct;
     }
 
+    /// The factor by which radiance that the medium scatters at `v` toward the eye counts in the sample.
+    pub fn throughput_within(&self, v: &EyeMediumVertex) -> Rgb {
+        self.throughput * v.remainder
+    }
+
+    /// Add an estimate of the light that a medium scatters at `v` straight from light sources, instead of
+    /// [`EyeWalk::add_direct_within`]. Continue with [`EyeWalk::scatter_within_after_estimate`].
+    pub fn add_estimate_within(&mut self, v: &EyeMediumVertex, direct: Rgb) {
+        let radiance = self.throughput_within(v) * direct;
+        *self.sample.radiance.of_path(self.non_delta + 1, false) += radiance;
+    }
+
+    /// [`EyeWalk::scatter_within`] after an estimate: the path leaves out light straight from light sources.
+    pub fn scatter_within_after_estimate(&mut self, v: &EyeMediumVertex) -> bool {
+        let goes_on = self.scatter_within(v);
+        self.remainder = Remainder::WITHOUT_DIRECT;
+        goes_on
+    }
+
     /// Sample the direction in which the path continues from a point of a medium. Returns whether it continues.
     #[inline]
     pub fn scatter_within(&mut self, v: &EyeMediumVertex) -> bool {

@@ -301,6 +301,11 @@ impl<'a> EyeWalk<'a> {
         self.segments
     }
 
+    /// Number of scatterings so far that were not by delta lobes.
+    pub fn non_delta(&self) -> u32 {
+        self.non_delta
+    }
+
     /// The light that the path has found, and the layers that describe a surface.
     #[inline(always)]
     pub fn sample(self) -> Sample {

@@ -26,6 +26,9 @@ impl Remainder {
     pub(super) const ALL: Remainder =
         Remainder { indirect: Rgb::WHITE, caustic: Rgb::WHITE, direct: Rgb::WHITE, visible: None };
 
+    /// An estimate has accounted for the light of sources that the last vertex sees.
+    pub(super) const WITHOUT_DIRECT: Remainder = Remainder { direct: Rgb::BLACK, ..Self::ALL };
+
     /// The remainder after a scattering at `v` toward `wi`, not by a delta lobe.
     #[inline]
     pub(super) fn after(estimate: Option<&Estimate>, v: &EyeVertex, wi: Vec3) -> Self {

@@ -18,6 +18,9 @@ pub enum Phase {
     Rayleigh,
 }
 
+/// Relative margin of the bound, against rounding.
+const SAFETY: f32 = 1.0 + 5e-4;
+
 impl Phase {
     /// Mean cosine of the deflection.
     pub fn mean_cosine(self) -> f32 {
@@ -48,6 +51,22 @@ impl Phase {
         }
     }
 
+    /// Upper bound of [`Phase::eval`] over directions `wi` and `wo`. The functions give upper bounds of the cosine between `wi` and
+    /// `-wo`, straight ahead, and between `wi` and `wo`, straight back. They are called only if they matter.
+    #[inline]
+    pub fn bound(self, ahead: impl FnOnce() -> f32, back: impl FnOnce() -> f32) -> f32 {
+        let bound = match self {
+            Phase::Isotropic => 0.25 * INV_PI,
+            Phase::Rayleigh => 0.1875 * INV_PI * (1.0 + sqr(ahead().max(back()).max(0.0))),
+            Phase::HenyeyGreenstein { g } => {
+                let cos = (if g > 0.0 { ahead() } else { back() }).clamp(-1.0, 1.0);
+                let squared = sqr(1.0 - g.abs()) + 2.0 * g.abs() * (1.0 - cos);
+                0.25 * INV_PI * (1.0 - g * g) / (squared * squared.sqrt())
+            }
+        };
+        bound * SAFETY
+    }
+
     /// Sample the direction in which a path continues.
     #[inline]
     pub fn sample(self, wo: Vec3, [u, v]: [f32; 2]) -> Vec3 {
@@ -75,6 +94,8 @@ impl Phase {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bsdf::Toward;
+    use crate::math::Bounds;
     use crate::rng::Pcg;
 
     #[test]
@@ -96,6 +117,35 @@ mod tests {
             let error = ((squares / n - mean * mean) / n).sqrt();
             assert!((mean - f64::from(g)).abs() < 4.0 * error, "{mean} +- {error}, not {g}");
         }
+    }
+
+    #[test]
+    fn no_direction_of_a_box_exceeds_the_bound() {
+        let mut rng = Pcg::new(4, 1);
+        let phases = [
+            Phase::Isotropic,
+            Phase::Rayleigh,
+            Phase::HenyeyGreenstein { g: 0.9 },
+            Phase::HenyeyGreenstein { g: -0.6 },
+        ];
+        let mut corner = |size: f32| Vec3::from([0; 3].map(|_| size * (rng.next_f32() - 0.5)));
+        let mut tight = 0;
+        for k in 0..4000 {
+            let phase = phases[k % 4];
+            let (middle, half) = (corner(4.0), corner([0.01, 0.3, 2.0][k % 3]).abs());
+            let bounds = Bounds { min: middle - half, max: middle + half };
+            let wo = corner(2.0).normalize();
+            let toward = Toward::new(Vec3::ZERO, &bounds);
+            let most = |n: Vec3| toward.max_cos(&Frame::from_normal(n));
+            let bound = phase.bound(|| most(-wo), || most(wo));
+            for _ in 0..20 {
+                let wi = (middle + 2.0 * half * corner(1.0)).normalize();
+                let value = phase.eval(wo, wi);
+                assert!(value <= bound, "{phase:?}: {value} is above {bound}");
+                tight += u32::from(value > 0.9 * bound);
+            }
+        }
+        assert!(tight > 30_000, "{tight} of 80,000 values are near the bound");
     }
 
     #[test]

@@ -35,7 +35,7 @@ pub(crate) fn define(text: &str) -> (String, String) {
 
 /// Points on light sources, and about `indirect` lights on surfaces.
 pub(crate) fn make(scene: &Scene, direct: u32, indirect: u32) -> Vpls {
-    let pilot = Pilot::of(scene, 0);
+    let pilot = Pilot::of(scene, 0, false);
     let how = Shooting {
         seed: 0,
         first_path: 0,
@@ -44,6 +44,7 @@ pub(crate) fn make(scene: &Scene, direct: u32, indirect: u32) -> Vpls {
         max_scatterings: None,
         lights: false,
         pilot,
+        through_media: false,
     };
     let mut set = if indirect > 0 { shoot(scene, &how) } else { Vpls::default() };
     let numbers = LightNumbers { total: direct, area: None, sky: None, sun: None };

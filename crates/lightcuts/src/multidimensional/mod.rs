@@ -3,10 +3,11 @@
 //! | | |
 //! |---|---|
 //! | estimate | L(pixel) = sum over the pairs (G, C) of a cut of S(G) f(x) G(x, y) V(x, y) power(C): G is a cluster of gather points, C a cluster of lights, x and y are their representatives, S(G) is the sum of the strengths of the points |
-//! | gather points | the vertices of `--gather` camera paths through the pixel: over the pixel's filter, the lens, mirrors and glass. Strength: filter weight x throughput / number of paths |
+//! | gather points | the vertices of `--gather` camera paths through the pixel: over the pixel's filter, the lens, mirrors, glass and media. Strength: filter weight x throughput / number of paths |
 //! | product graph | its nodes are the pairs of a node of the gather tree and a node of a light tree; it is never stored |
 //! | refinement | start with the pairs of the roots; split the pair with the largest error bound on its larger side, until that bound is below `--error` times the estimate of L(pixel) |
-//! | left out | the paper's instants of time (no scene here moves), and its gather points in media |
+//! | in media | gather points receive light from lights on light sources; paths find the other light there |
+//! | left out | the paper's instants of time (no scene here moves) |
 //!
 //! Read next: `pairs.rs` (split, representatives, estimate), `tree.rs` (the gather tree and its bounds), `gather.rs`.
 
@@ -18,7 +19,7 @@ mod tree;
 #[cfg(test)]
 mod tests;
 
-use gi_core::eye::{EyeVertex, EyeWalk};
+use gi_core::eye::{EyeEvent, EyeMediumVertex, EyeVertex, EyeWalk};
 use gi_core::film::{Film, Sample as PixelSample};
 use gi_core::filter::FilterPlaces;
 use gi_core::math::Rgb;
@@ -30,7 +31,7 @@ use crate::cut::{Cut, Limits, Lit};
 use crate::light::Lights;
 use crate::tree::NodeId;
 use crate::view::PathState;
-use gather::{Gather, GatherPoint};
+use gather::{Gather, GatherPoint, Place};
 use pairs::{Pair, Product};
 use tree::GatherTree;
 
@@ -135,14 +136,22 @@ impl<'a> Lightcuts<'a> {
                 at
             };
             let limits = self.params.limits;
-            let mut walk = EyeWalk::through_pixel_at(&self.setting, limits, pixel, number, place);
-            while let Some(v) = &walk.next_vertex() {
-                walk.add_emitted(v);
-                if v.wants_estimate() {
-                    self.add_point(v, &mut walk, weight, &mut paths.points);
-                }
-                walk.add_direct(v);
-                if !walk.scatter(v) {
+            let walk = EyeWalk::through_pixel_at(&self.setting, limits, pixel, number, place);
+            let mut walk = self.in_media(walk);
+            while let Some(event) = &walk.next_event() {
+                let points = &mut paths.points;
+                let goes_on = match event {
+                    EyeEvent::Surface(v) => {
+                        walk.add_emitted(v);
+                        if v.wants_estimate() {
+                            self.add_point(v, &mut walk, weight, points);
+                        }
+                        walk.add_direct(v);
+                        walk.scatter(v)
+                    }
+                    EyeEvent::Medium(v) => self.add_point_within(v, &mut walk, weight, points),
+                };
+                if !goes_on {
                     break;
                 }
             }
@@ -160,16 +169,43 @@ impl<'a> Lightcuts<'a> {
         points: &mut Vec<GatherPoint<'a>>,
     ) {
         let Some(bsdf) = v.bsdf.broad(v.wo, MIN_ROUGHNESS) else { return };
+        let path = PathState { segments: v.segments, non_delta: v.non_delta, medium: v.medium };
+        if self.view().at(&v.surface, v.wo, &bsdf, path).is_none() {
+            return;
+        }
         let Some(estimate) = self.estimate(v, &bsdf, Rgb::BLACK, Rgb::BLACK) else { return };
         walk.add_estimate(v, estimate);
         points.push(GatherPoint {
-            surface: v.surface,
+            place: Place::Surface(v.surface, bsdf),
             wo: v.wo,
-            bsdf,
-            path: PathState { segments: v.segments, non_delta: v.non_delta },
+            path,
             strength: v.throughput * weight.abs(),
             negative: weight < 0.0,
         });
+    }
+
+    /// Keep a point of a medium as a gather point for the lights on light sources. The path continues for all other light. Returns
+    /// whether it continues.
+    fn add_point_within(
+        &self,
+        v: &EyeMediumVertex,
+        walk: &mut EyeWalk<'a>,
+        weight: f32,
+        points: &mut Vec<GatherPoint<'a>>,
+    ) -> bool {
+        let path = PathState::of(walk, Some(v.medium));
+        if self.view().at_medium((v.p, v.wo), v.medium, path).is_none() {
+            walk.add_direct_within(v);
+            return walk.scatter_within(v);
+        }
+        points.push(GatherPoint {
+            place: Place::Medium(v.p, v.medium),
+            wo: v.wo,
+            path,
+            strength: walk.throughput_within(v) * weight.abs(),
+            negative: weight < 0.0,
+        });
+        walk.scatter_within_after_estimate(v)
     }
 }
 

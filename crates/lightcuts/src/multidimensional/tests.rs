@@ -6,6 +6,7 @@ use crate::test_scenes::{Checked, in_cube, lights, rubble, unshadowed};
 use crate::tree::Forest;
 use gi_core::bsdf::{Bsdf, Transport};
 use gi_core::geometry::Surface;
+use gi_core::medium::MediumId;
 use gi_core::ray::Ray;
 use gi_core::rng::Pcg;
 use gi_core::scene::Scene;
@@ -29,14 +30,31 @@ fn points<'a>(scene: &'a Scene, count: u32, spread: f32, rng: &mut Pcg) -> Vec<P
     rays.iter().filter_map(point).collect()
 }
 
-/// Gather points of random strengths; some are seen indirectly, and some have a negative weight.
-fn gathers<'s, 'a>(points: &'s [Point<'a>], most: f32, rng: &mut Pcg) -> Vec<Gather<'s, 'a>> {
+/// Gather points of random strengths; some are seen indirectly, some have a negative weight, and some are in media in front of the
+/// surfaces.
+fn gathers<'s, 'a>(
+    scene: &Scene,
+    points: &'s [Point<'a>],
+    most: f32,
+    rng: &mut Pcg,
+) -> Vec<Gather<'s, 'a>> {
     let gather = |(surface, wo, bsdf): &'s Point<'a>| {
-        let at = At {
-            receiver: Receiver::new(surface, *wo, bsdf),
-            site: Site::new(surface, *wo, bsdf, most),
-            deepest: u32::MAX,
-            direct: true,
+        let at = if rng.next_below(4) == 0 {
+            let medium = MediumId::new(rng.next_below(scene.media().len() as u32) as usize);
+            let p = surface.p + *wo * rng.next_f32();
+            At {
+                receiver: Receiver::in_medium(scene, p, *wo, medium),
+                site: Site::in_medium(p, *wo, scene.medium(medium).phase),
+                deepest: u32::MAX,
+                direct: true,
+            }
+        } else {
+            At {
+                receiver: Receiver::new(surface, *wo, bsdf),
+                site: Site::new(surface, *wo, bsdf, most),
+                deepest: u32::MAX,
+                direct: true,
+            }
         };
         let strength = Rgb::from([0; 3].map(|_| rng.next_f32().powi(2)));
         let [seen, negative] = [0; 2].map(|_| rng.next_below(8) == 0);
@@ -63,7 +81,7 @@ fn at_pixels(
             let count = 1 + rng.next_below(24);
             let points = points(&scene, count, spread, &mut rng);
             let most = [f32::INFINITY, 4.0, 0.1][rng.next_below(3) as usize];
-            let gathers = gathers(&points, most, &mut rng);
+            let gathers = gathers(&scene, &points, most, &mut rng);
             let c = scene.radius();
             let trees = GatherTree::build_all(&gathers, c);
             if !trees.is_empty() {
@@ -288,7 +306,7 @@ fn points_are_representatives_in_proportion_to_their_strength() {
     let scene = rubble(1);
     let mut rng = Pcg::new(43, 0);
     let points = points(&scene, 100, 3.0, &mut rng);
-    let gathers = gathers(&points[..12], f32::INFINITY, &mut rng);
+    let gathers = gathers(&scene, &points[..12], f32::INFINITY, &mut rng);
     let (trials, mut counts) = (4000, [0u32; 12]);
     for tree in GatherTree::build_all(&gathers, scene.radius()) {
         for _ in 0..trials {

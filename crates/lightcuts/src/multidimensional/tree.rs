@@ -5,7 +5,9 @@
 
 use gi_core::bsdf::{ScatterBound, Toward};
 use gi_core::math::{Bounds, Cone, Rgb};
+use gi_core::medium::Phase;
 use glam::Vec3;
+use vpl::Scatterer;
 
 use super::cube::CubeMap;
 use super::gather::{Gather, Kind};
@@ -16,13 +18,13 @@ use crate::bound::{Receives, max_cos};
 pub(super) struct GatherNode {
     /// The box around their positions.
     pub(super) bounds: Bounds,
-    /// The cone around their normals.
+    /// The cone around their normals; in media, around the directions back along the paths.
     pub(super) cone: Cone,
     /// Sum of strength times colour.
     pub(super) strength: Rgb,
     /// The points below, as a range of [`GatherTree::order`].
     range: [u32; 2],
-    /// Sum of strength times f of the Lambertian points.
+    /// Sum of strength times f of the Lambertian points; in media, sum of the strengths.
     lambert: Rgb,
     /// Largest strength of each channel of the other points, as a fraction of the point's strongest channel. Times the
     /// bounds of the node's [`CubeMap`], it bounds their sum.
@@ -54,9 +56,10 @@ impl GatherNode {
 
     fn leaf(gather: &Gather, range: [u32; 2]) -> Self {
         let site = &gather.at.site;
-        let (lambert, glossy) = match site.lambert() {
-            Some((f, _)) => (gather.strength * f, Rgb::BLACK),
-            None => {
+        let (lambert, glossy) = match (site.lambert(), site.scatterer) {
+            (Some((f, _)), _) => (gather.strength * f, Rgb::BLACK),
+            (None, Scatterer::Medium(_)) => (gather.strength, Rgb::BLACK),
+            (None, Scatterer::Surface(..)) => {
                 let strongest = gather.strength.max().max(f32::MIN_POSITIVE);
                 (Rgb::BLACK, gather.strength / strongest)
             }
@@ -176,6 +179,10 @@ impl GatherTree {
             None => GatherCluster::Point(first),
             Some(_) => GatherCluster::Cluster {
                 node,
+                phase: match first.at.site.scatterer {
+                    Scatterer::Surface(..) => None,
+                    Scatterer::Medium(phase) => Some(phase),
+                },
                 map: self.maps.get(k as usize).filter(|_| !node.glossy.is_black()),
                 most: first.at.site.most,
             },
@@ -197,7 +204,10 @@ fn maps<'g, 's: 'g, 'a: 's>(
             Some([a, b]) => CubeMap::join(&maps[a as usize], &maps[b as usize]),
             None => {
                 let Gather { at, strength, .. } = point(node);
-                CubeMap::new(at.site.bsdf, at.site.wo, strength.max())
+                let Scatterer::Surface(_, bsdf) = at.site.scatterer else {
+                    unreachable!("points of media have no glossy part")
+                };
+                CubeMap::new(bsdf, at.site.wo, strength.max())
             }
         };
     }
@@ -234,6 +244,8 @@ pub(super) enum GatherCluster<'g, 's, 'a> {
     Cluster {
         /// The node.
         node: &'g GatherNode,
+        /// The phase function, if the points are in a medium.
+        phase: Option<Phase>,
         /// The map of the points that are not Lambertian, if there are any.
         map: Option<&'g CubeMap>,
         /// The clamp of the geometry term.
@@ -257,7 +269,12 @@ impl Receives for GatherCluster<'_, '_, '_> {
                 let ScatterBound { f, f_cos } = gather.at.site.scatter(toward);
                 ScatterBound { f: f * gather.strength, f_cos: f_cos * gather.strength }
             }
-            Self::Cluster { node, map, .. } => {
+            Self::Cluster { node, phase: Some(phase), .. } => {
+                let most = |axis: Vec3| max_cos(toward, axis, node.cone.angle.cos());
+                let bound = phase.bound(|| most(-node.cone.axis), || most(node.cone.axis));
+                ScatterBound { f: node.lambert * bound, f_cos: node.lambert * bound }
+            }
+            Self::Cluster { node, phase: None, map, .. } => {
                 let cos = max_cos(toward, node.cone.axis, node.cone.angle.cos());
                 let bound = ScatterBound { f: node.lambert, f_cos: node.lambert * cos };
                 match map {

@@ -15,7 +15,7 @@ fn close(a: f32, b: f32) -> bool {
 fn between_four_equal_samples_is_that_sample() {
     let mut some = 0;
     at_points(300, 60, |lights, at| {
-        let surface = at.receiver.surface;
+        let surface = at.receiver.surface().expect("on a surface");
         let sample = record_cut(lights, at, &LIMITS);
         let cut = light_by_cut(lights, at, &LIMITS);
         assert!(sample.serves(lights.scene, surface));
@@ -38,7 +38,7 @@ fn near_samples_give_nearly_the_light_of_all_lights_with_fewer_rays() {
     let mut rng = gi_core::rng::Pcg::new(9, 9);
     let (mut errors, mut rays) = (Vec::new(), [0u32; 2]);
     at_points(600, 60, |lights, at| {
-        let (surface, wo) = (at.receiver.surface, at.site.wo);
+        let (surface, wo) = (at.receiver.surface().expect("on a surface"), at.site.wo);
         let mut samples = Vec::new();
         for _ in 0..40 {
             // Nearby points, seen from the same eye position.
@@ -53,7 +53,7 @@ fn near_samples_give_nearly_the_light_of_all_lights_with_fewer_rays() {
                 ..*at
             };
             let sample = record_cut(lights, &other, &LIMITS);
-            if sample.serves(lights.scene, at.receiver.surface) {
+            if sample.serves(lights.scene, at.receiver.surface().expect("on a surface")) {
                 samples.push(sample);
             }
         }
@@ -85,7 +85,7 @@ fn near_samples_give_nearly_the_light_of_all_lights_with_fewer_rays() {
 #[test]
 fn samples_on_another_surface_or_around_a_corner_are_not_used() {
     at_points(50, 10, |lights, at| {
-        let surface = at.receiver.surface;
+        let surface = at.receiver.surface().expect("on a surface");
         let sample = record_cut(lights, at, &LIMITS);
         let away = |d: Vec3| {
             let mut other = *surface;

@@ -23,9 +23,18 @@ fn sphere(albedo: f32) -> Scene {
 }
 
 fn shooting(scene: &Scene, termination: Termination) -> Shooting {
-    let pilot = Pilot::of(scene, 3);
+    let pilot = Pilot::of(scene, 3, false);
     let (paths, max_scatterings) = (4096, None);
-    Shooting { seed: 1, first_path: 0, paths, termination, max_scatterings, lights: false, pilot }
+    Shooting {
+        seed: 1,
+        first_path: 0,
+        paths,
+        termination,
+        max_scatterings,
+        lights: false,
+        pilot,
+        through_media: false,
+    }
 }
 
 #[test]
