@@ -72,7 +72,12 @@ fn loading_time_is_not_quadratic_in_the_number_of_elements() {
 /// Between 2,000 and 16,000 elements, quadratic growth would take 64 times as long, linear growth 8 times. The limit
 /// in between leaves room for a busy machine.
 fn check(kind: &Kind) {
-    let best = |n: usize| (0..2).map(|_| time(kind, n)).min().expect("two times");
+    // Short times vary most on a busy machine.
+    let best = |n: usize| {
+        let first = time(kind, n);
+        let more = if first < Duration::from_millis(100) { 5 } else { 1 };
+        (0..more).map(|_| time(kind, n)).min().map_or(first, |least| least.min(first))
+    };
     let (before, after) = (best(2_000).max(Duration::from_millis(2)), best(16_000));
     let exponent = exponent(2_000, 16_000, before, after);
     assert!(exponent < 1.6, "{}: {before:?}, then {after:?}: n^{exponent:.2}", kind.name);
