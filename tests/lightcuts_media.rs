@@ -1,39 +1,16 @@
 //! Lightcuts in participating media, against path tracing.
 
 use gi_core::eye::PathLimits;
-use gi_core::film::{Film, Show};
-use gi_core::filter::Filter;
+use gi_core::film::Show;
 use gi_core::options::Caustics;
-use gi_core::technique::Technique;
-use gi_stats::Running;
 use gi_tests::World;
 use lightcuts::cut::{Limits, Rule};
 use lightcuts::{Lightcuts, Method, Params};
 use pathtrace::{Mode, PathTracer};
 
-use crate::agreement::blocks;
-use crate::media_light::{assert_agree, mode, murky_camera, murky_parts};
-
-/// Means of blocks of the picture, one value per run of a few passes with a seed of its own: all pixels of a pass share its
-/// lights.
-fn block_means<'a, T: Technique<'a>>(
-    world: &'a World,
-    params: &T::Params,
-    (runs, passes): (u32, u32),
-    show: Show,
-) -> Vec<Running> {
-    let mut means = Vec::new();
-    for seed in 0..runs {
-        let mut film = Film::new(world.camera.size(), Filter::Box, show);
-        let mut technique =
-            T::prepare(world.setting(seed, show), params).expect("valid parameters");
-        (0..passes).for_each(|pass| technique.pass(pass, &mut film));
-        let blocks = blocks(&film, 8);
-        means.resize(blocks.len(), Running::default());
-        means.iter_mut().zip(blocks).for_each(|(m, (value, _))| m.push(value));
-    }
-    means
-}
+use crate::media_light::{
+    assert_accurate, assert_agree, block_means, mode, murky_camera, murky_parts,
+};
 
 /// Few lights, all of them used if the method is a cut.
 fn exact(method: Method, max_depth: Option<u32>) -> Params {
@@ -46,9 +23,6 @@ fn exact(method: Method, max_depth: Option<u32>) -> Params {
     params
 }
 
-/// Number of runs.
-const RUNS: u32 = 16;
-
 const METHODS: [Method; 5] =
     [Method::Cuts, Method::All, Method::Stochastic, Method::One, Method::Multidimensional];
 
@@ -60,17 +34,13 @@ fn check(
     (show, max_depth, passes): (Show, Option<u32>, [u32; 2]),
 ) {
     let path = mode(Mode::VolPath, max_depth);
-    let expected = block_means::<PathTracer>(world, &path, (RUNS, passes[0]), show);
+    let expected = block_means::<PathTracer>(world, &path, passes[0], show, 8);
     for &method in methods {
         let params = exact(method, max_depth);
-        let found = block_means::<Lightcuts>(world, &params, (RUNS, passes[1]), show);
+        let found = block_means::<Lightcuts>(world, &params, passes[1], show, 8);
         let name = format!("{name}, {method:?}, {show:?}, {max_depth:?}");
         assert_agree(&name, &found, &expected);
-        for all in [&found, &expected] {
-            let mean = all.iter().map(Running::mean).sum::<f64>();
-            let variance = all.iter().map(Running::variance_of_mean).sum::<f64>();
-            assert!(variance.sqrt() < 0.03 * mean, "{name}: {mean} +- {}", variance.sqrt());
-        }
+        [&found, &expected].into_iter().for_each(|all| assert_accurate(&name, all, 0.03));
     }
 }
 

@@ -13,6 +13,7 @@ use gi_core::math::Rgb;
 use gi_core::medium::MediumId;
 use gi_core::medium::{Medium, Phase};
 use gi_core::scene::SceneParts;
+use gi_core::technique::Technique;
 use gi_core::texture::Texture;
 use gi_stats::{Running, sidak, welch_t_test};
 use gi_tests::{World, furnace, grey, polygon, sphere};
@@ -24,16 +25,16 @@ use crate::agreement::blocks;
 const SEEDS: u32 = 16;
 
 /// Means over seeds, for blocks of `side` pixels and for each channel.
-pub(crate) fn block_means(
-    world: &World,
-    params: &Params,
+pub(crate) fn block_means<'a, T: Technique<'a>>(
+    world: &'a World,
+    params: &T::Params,
     passes: u32,
     show: Show,
     side: usize,
 ) -> Vec<Running> {
     let mut means = Vec::new();
     for seed in 0..SEEDS {
-        let found = blocks(&world.render::<PathTracer>(params, passes, seed, show), side);
+        let found = blocks(&world.render::<T>(params, passes, seed, show), side);
         means.resize(found.len(), Running::default());
         means.iter_mut().zip(found).for_each(|(running, (mean, _))| running.push(mean));
     }
@@ -54,13 +55,20 @@ pub(crate) fn assert_agree(name: &str, found: &[Running], expected: &[Running]) 
     }
 }
 
+/// Check that the standard error of the mean over the picture is at most this fraction of it.
+pub(crate) fn assert_accurate(name: &str, means: &[Running], fraction: f64) {
+    let mean = means.iter().map(Running::mean).sum::<f64>();
+    let variance = means.iter().map(Running::variance_of_mean).sum::<f64>();
+    assert!(variance.sqrt() < fraction * mean, "{name}: {mean} +- {}", variance.sqrt());
+}
+
 pub(crate) fn mode(mode: Mode, max_depth: Option<u32>) -> Params {
     Params { mode, limits: PathLimits { max_depth, ..PathLimits::default() }, ..Params::default() }
 }
 
 /// Check that a medium is invisible: the picture reads `expected` everywhere.
 pub(crate) fn assert_reads(name: &str, world: &World, (m, passes): (Mode, u32), expected: f64) {
-    let found = block_means(world, &mode(m, None), passes, Show::All, 8);
+    let found = block_means::<PathTracer>(world, &mode(m, None), passes, Show::All, 8);
     // With a sample of zero variance, Welch's test becomes Student's test.
     let exact: Running = [expected; 2].into_iter().collect();
     assert_agree(name, &found, &vec![exact; found.len()]);
@@ -173,13 +181,9 @@ pub(crate) fn assert_paths_agree(world: &World) {
         (Show::Caustic, None, [64, 64]),
     ] {
         let [eye, light] = [(Mode::VolPath, passes[0]), (Mode::Light, passes[1])]
-            .map(|(m, n)| block_means(world, &mode(m, max_depth), n, show, 8));
+            .map(|(m, n)| block_means::<PathTracer>(world, &mode(m, max_depth), n, show, 8));
         assert_agree(&format!("{show:?}, {max_depth:?}"), &light, &eye);
         // The mean over the picture must be accurate to 2 % in both.
-        for all in [&eye, &light] {
-            let mean = all.iter().map(Running::mean).sum::<f64>();
-            let variance = all.iter().map(Running::variance_of_mean).sum::<f64>();
-            assert!(variance.sqrt() < 0.02 * mean, "{show:?}: {mean} +- {}", variance.sqrt());
-        }
+        [&eye, &light].into_iter().for_each(|all| assert_accurate(&format!("{show:?}"), all, 0.02));
     }
 }

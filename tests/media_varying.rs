@@ -16,7 +16,7 @@ use gi_core::rng::Pcg;
 use gi_core::scene::SceneParts;
 use gi_tests::World;
 use glam::{Affine3A, Vec3};
-use pathtrace::Mode;
+use pathtrace::{Mode, PathTracer};
 
 use crate::media_light::{
     assert_agree, assert_paths_agree, assert_reads, ball, block_means, mode, murky_camera,
@@ -66,7 +66,7 @@ fn a_grid_of_one_value_looks_like_the_homogeneous_medium() {
     same.media = parts.media.iter().map(|m| even(3.1, m)).collect();
     let [a, b] = [parts, same].map(|parts| {
         let world = World::new(parts, &murky_camera());
-        block_means(&world, &mode(Mode::VolPath, None), 16, Show::All, 8)
+        block_means::<PathTracer>(&world, &mode(Mode::VolPath, None), 16, Show::All, 8)
     });
     assert_agree("grid", &b, &a);
 }

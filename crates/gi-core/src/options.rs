@@ -32,8 +32,7 @@ pub trait Parameters: Args {
         false
     }
 
-    /// Whether the technique finds light focused by mirrors and glass reliably, by paths that start at the lights. `has_media`: whether
-    /// the scene has media.
+    /// Whether the technique reliably finds caustics, by paths that start at the lights. `has_media` tells whether the scene has media.
     fn finds_focused_light(&self, _has_media: bool) -> bool {
         false
     }

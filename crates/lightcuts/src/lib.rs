@@ -157,7 +157,7 @@ impl<'a> Technique<'a> for Lightcuts<'a> {
 
     fn prepare(setting: Setting<'a>, params: &Params) -> Result<Self, String> {
         let Setting { scene, camera, seed, .. } = setting;
-        let in_media = scene.has_media() && params.simulates_media();
+        let in_media = View { setting: &setting, params }.is_in_media();
         let pilot = Pilot::of(scene, seed, in_media);
         let [w, h] = camera.size();
         let learned = (params.method == Method::Learned).then(|| Learned::new(&setting));

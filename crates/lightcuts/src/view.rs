@@ -1,11 +1,12 @@
 //! Turns a vertex of a path into a point for cuts: decides which lights count there, and how they are clamped.
 
-use gi_core::bsdf::{Bsdf, Transport};
-use gi_core::eye::EyeWalk;
+use gi_core::bsdf::Bsdf;
+use gi_core::eye::{EyeWalk, GatherRay};
 use gi_core::film::Show;
 use gi_core::geometry::Surface;
 use gi_core::medium::MediumId;
 use gi_core::options::Parameters;
+use gi_core::sampler::Sampler;
 use gi_core::technique::Setting;
 use glam::Vec3;
 use vpl::{Direct, MIN_ROUGHNESS, Receiver};
@@ -13,9 +14,6 @@ use vpl::{Direct, MIN_ROUGHNESS, Receiver};
 use crate::bound::Site;
 use crate::light::At;
 use crate::params::Params;
-
-/// Largest number of surfaces that a look at the scene passes straight through.
-const MOST_PASSED: u32 = 64;
 
 /// The settings that decide which lights illuminate a point.
 #[derive(Clone, Copy)]
@@ -51,34 +49,29 @@ impl<'a> View<'_, 'a> {
         bsdf: &'s Bsdf<'a>,
         path: PathState,
     ) -> Option<At<'s, 's, 'a>> {
-        let in_media = self.is_in_media();
-        // In media most paths are scattered many times: later vertices count little, and a light sample is enough.
-        if in_media && path.non_delta > 0 {
-            return None;
-        }
-        let max_scatterings = self.max_scatterings(path.segments)?;
+        let deepest = self.deepest(path)?;
         let indirect = matches!(self.setting.show, Show::All | Show::Indirect);
         let receiver = Receiver::new(surface, wo, bsdf);
         Some(At {
-            receiver: if in_media { receiver.through_media(path.medium) } else { receiver },
+            receiver: if self.is_in_media() {
+                receiver.through_media(path.medium)
+            } else {
+                receiver
+            },
             site: Site::new(surface, wo, bsdf, self.max_geometry()),
-            deepest: if indirect { max_scatterings } else { 0 },
+            deepest: if indirect { deepest } else { 0 },
             direct: self.wants_direct(path),
         })
     }
 
-    /// A point of a medium for cuts: only lights on light sources count there. `None` if the path is too long for them, if the
-    /// picture does not show their light, or if the path has a non-specular scattering already.
+    /// A point of a medium for cuts: only lights on light sources count there. `None` if they do not illuminate it, see
+    /// [`View::is_lit_in_medium`].
     pub(crate) fn at_medium<'s>(
         &self,
         (p, wo): (Vec3, Vec3),
         medium: MediumId,
         path: PathState,
     ) -> Option<At<'s, 's, 'a>> {
-        if path.non_delta > 0 {
-            return None;
-        }
-        self.max_scatterings(path.segments)?;
         let scene = self.setting.scene;
         let at = || At {
             receiver: Receiver::in_medium(scene, p, wo, medium),
@@ -86,7 +79,22 @@ impl<'a> View<'_, 'a> {
             deepest: 0,
             direct: true,
         };
-        self.wants_direct(path).then(at)
+        self.is_lit_in_medium(path).then(at)
+    }
+
+    /// Whether lights on light sources illuminate a point of a medium: the path is not too long for them, has no non-specular
+    /// scattering yet, and the picture shows their light.
+    pub(crate) fn is_lit_in_medium(&self, path: PathState) -> bool {
+        self.deepest(path).is_some() && self.wants_direct(path)
+    }
+
+    /// Largest number of scatterings of a light that may illuminate a vertex; `None` if no light may.
+    pub(crate) fn deepest(&self, path: PathState) -> Option<u32> {
+        // In media most paths are scattered many times: later vertices count little, and a light sample is enough.
+        if self.is_in_media() && path.non_delta > 0 {
+            return None;
+        }
+        self.max_scatterings(path.segments)
     }
 
     /// Whether the scene has media that the method simulates.
@@ -120,21 +128,22 @@ impl<'a> View<'_, 'a> {
         film: [f32; 2],
         look: impl FnOnce(&At<'_, '_, 'a>) -> T,
     ) -> Option<T> {
-        let scene = self.setting.scene;
-        let mut ray = self.setting.camera.ray(film, [0.5; 2]);
-        let mut medium = self.setting.camera_medium();
-        for _ in 0..MOST_PASSED {
-            let (surface, _) = scene.intersect(&ray)?;
-            let bsdf = scene.bsdf(&surface, -ray.d, Transport::Radiance);
-            if let Some(bsdf) = bsdf.broad(-ray.d, MIN_ROUGHNESS) {
-                let path = PathState { segments: 1, non_delta: 0, medium };
-                return Some(look(&self.at(&surface, -ray.d, &bsdf, path)?));
+        let Setting { scene, camera, seed, .. } = *self.setting;
+        let start = GatherRay { ray: camera.ray(film, [0.5; 2]), segments: 1, length: 0.0 };
+        let walk = EyeWalk::along(scene, self.params.limits, start, Sampler::new(seed, 0, 0));
+        let mut walk = if self.is_in_media() {
+            walk.through_media(self.setting.camera_medium())
+        } else {
+            walk
+        };
+        while let Some(v) = &walk.next_vertex() {
+            if let Some(bsdf) = v.bsdf.broad(v.wo, MIN_ROUGHNESS) {
+                let path = PathState { segments: 1, non_delta: 0, medium: v.medium };
+                return Some(look(&self.at(&v.surface, v.wo, &bsdf, path)?));
             }
-            if bsdf.straight_through(-ray.d).is_black() {
-                return None;
+            if !walk.pass_straight(v) {
+                break;
             }
-            medium = scene.medium_toward(&surface, ray.d, medium);
-            ray = scene.spawn(&surface, ray.d);
         }
         None
     }

@@ -80,7 +80,7 @@ impl<'r, 'a> Receiver<'r, 'a> {
         }
     }
 
-    /// Its medium, if it is in one and not on a surface.
+    /// The medium that it is in; `None` on a surface.
     pub fn medium(&self) -> Option<MediumId> {
         match self.scatterer {
             Scatterer::Surface(..) => None,

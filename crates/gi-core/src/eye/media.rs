@@ -138,8 +138,7 @@ impl<'a> EyeWalk<'a> {
         }
         let at = Vantage::new(self.light_tree, v.p);
         let direct = direct_light_within(self.scene, v.medium, &at, v.wo, &mut self.sampler);
-        *self.sample.radiance.of_path(self.non_delta + 1, false) +=
-            self.throughput * v.remainder * direct;
+        self.add_estimate_within(v, direct);
     }
 
     /// The factor by which radiance that the medium scatters at `v` toward the eye counts in the sample.

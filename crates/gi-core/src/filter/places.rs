@@ -51,7 +51,7 @@ impl FilterPlaces {
         ([x + 0.5, y + 0.5], along_x * along_y)
     }
 
-    /// The mean weight of the positions along one axis around pixel `pixel` of `pixels`.
+    /// Mean weight of [`FilterPlaces::sample`] for pixel `pixel` of `pixels`.
     pub fn mean_weight(&self, pixel: usize, pixels: usize) -> f32 {
         if self.filter == Filter::Box {
             return 1.0;

@@ -170,7 +170,7 @@ impl<'a> Lightcuts<'a> {
     ) {
         let Some(bsdf) = v.bsdf.broad(v.wo, MIN_ROUGHNESS) else { return };
         let path = PathState { segments: v.segments, non_delta: v.non_delta, medium: v.medium };
-        if self.view().at(&v.surface, v.wo, &bsdf, path).is_none() {
+        if self.view().deepest(path).is_none() {
             return;
         }
         let Some(estimate) = self.estimate(v, &bsdf, Rgb::BLACK, Rgb::BLACK) else { return };
@@ -194,7 +194,7 @@ impl<'a> Lightcuts<'a> {
         points: &mut Vec<GatherPoint<'a>>,
     ) -> bool {
         let path = PathState::of(walk, Some(v.medium));
-        if self.view().at_medium((v.p, v.wo), v.medium, path).is_none() {
+        if !self.view().is_lit_in_medium(path) {
             walk.add_direct_within(v);
             return walk.scatter_within(v);
         }
