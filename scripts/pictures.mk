@@ -12,6 +12,7 @@ PICTURE := --size 256x256 --quiet
 pictures: programs
 	mkdir -p $(PICTURES) $(PICTURES_OUT)
 	$(call pair,pathtrace-mode,bulb,pathtrace --spp 256 --mode path,--mode path,pathtrace --spp 64 --mode vcm,--mode vcm)
+	$(call pair,pathtrace-reuse,cornell-box,pathtrace --spp 7,7 samples per pixel,pathtrace --spp 4 --reuse 8,4 samples and --reuse 8)
 	$(call pair,irrcache-rays,cornell-box,irrcache --component indirect --rays 20,--rays 20,irrcache --component indirect,--rays 1000)
 	$(call pair,irrcache-accuracy,cornell-box,irrcache --component indirect --error split-sphere --accuracy 0.7 --weights lecture,--accuracy 0.7,irrcache --component indirect --error split-sphere --accuracy 0.1 --weights lecture,--accuracy 0.1)
 	$(call pair,radcache-order,cornell-glossy,radcache --component indirect --order 3,--order 3,radcache --component indirect --order 10,--order 10)

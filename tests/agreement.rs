@@ -1,5 +1,7 @@
 //! Compares techniques with each other.
 
+use std::ops::Range;
+
 use gi_core::eye::{Covers, Estimate, EyeVertex, EyeWalk, GatherRay, PathLimits};
 use gi_core::film::{Film, Show};
 use gi_core::filter::Filter;
@@ -9,7 +11,7 @@ use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
 use gi_core::texture::Texture;
 use gi_core::warp::cosine_hemisphere;
-use gi_stats::{sidak, z_test};
+use gi_stats::{Running, sidak, z_test};
 use gi_tests::World;
 use pathtrace::{Mode, Params, PathTracer};
 
@@ -40,6 +42,11 @@ pub(crate) fn blocks(film: &Film, side: usize) -> Vec<(f64, f64)> {
     out
 }
 
+/// The means of [`blocks`] alone.
+pub(crate) fn block_means(film: &Film, side: usize) -> Vec<f64> {
+    blocks(film, side).into_iter().map(|(mean, _)| mean).collect()
+}
+
 /// Check that two unbiased estimates of the same picture agree in every block.
 pub(crate) fn assert_agree(name: &str, a: &Film, b: &Film, side: usize) {
     let (a, b) = (blocks(a, side), blocks(b, side));
@@ -53,6 +60,22 @@ pub(crate) fn assert_agree(name: &str, a: &Film, b: &Film, side: usize) {
             vb.sqrt()
         );
     }
+}
+
+/// Means over parts of pictures that `render` makes from these seeds. Their variance follows from the differences between the pictures,
+/// so pixels need not be independent.
+pub(crate) fn means_of_parts(
+    seeds: Range<u32>,
+    render: impl Fn(u32) -> Film,
+    parts: impl Fn(&Film) -> Vec<f64>,
+) -> Vec<Running> {
+    let mut all = Vec::new();
+    for seed in seeds {
+        let means = parts(&render(seed));
+        all.resize(means.len(), Running::default());
+        all.iter_mut().zip(means).for_each(|(sum, mean): (&mut Running, _)| sum.push(mean));
+    }
+    all
 }
 
 fn both_ends(world: &World, passes: [u32; 2], show: Show) -> [Film; 2] {

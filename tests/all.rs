@@ -45,6 +45,8 @@ mod radcache_facts;
 mod random_scenes;
 /// Photon maps against references of scenes whose light is mostly caustic.
 mod references;
+/// Neighbouring pixels that use each other's paths.
+mod reuse;
 /// Small lamps near surfaces and behind glass.
 mod small_lamps;
 /// Extra camera rays that look only for light sources.

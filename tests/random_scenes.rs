@@ -11,7 +11,10 @@ use gi_stats::{Running, sidak, welch_t_test};
 use gi_tests::World;
 use pathtrace::{Mode, Params, PathTracer};
 
-use crate::agreement::blocks;
+use crate::agreement::{block_means, means_of_parts};
+
+/// Number of pictures per way to render, each with its own seed.
+const PICTURES: u32 = 8;
 
 /// Generates random scenes.
 struct Dice(Pcg);
@@ -175,32 +178,26 @@ impl Dice {
     }
 }
 
-/// Number of pictures per mode, each with its own seed. Their variance is estimated from these pictures.
-const PICTURES: u32 = 8;
-
-/// Means over blocks of a picture, over several pictures.
-fn pictures(world: &World, mode: Mode, passes: u32, side: usize, seed: u32) -> Vec<Running> {
-    let params = Params { mode, ..Params::default() };
-    let mut all = Vec::new();
-    for k in 0..PICTURES {
-        let film = world.render::<PathTracer>(&params, passes, seed * PICTURES + k, Show::All);
-        let blocks = blocks(&film, side);
-        all.resize(blocks.len(), Running::default());
-        all.iter_mut().zip(blocks).for_each(|(sum, (mean, _)): (&mut Running, _)| sum.push(mean));
-    }
-    all
-}
-
-/// Compare paths from the eye, from the lights and from both ends on a scene. Returns a description of the differences, if any.
+/// Compare paths from the eye, one by one and in groups, from the lights and from both ends on a scene. Returns a description of the
+/// differences, if any.
 fn compare(seed: u64, passes: u32) -> Option<String> {
     let body = Dice(Pcg::new(seed, 0x7261)).scene();
     let world = World::of_xml(&body);
-    let modes = [(Mode::Path, passes), (Mode::Light, passes), (Mode::Bdpt, passes / 2)];
-    let [eye, light, both] =
-        modes.map(|(mode, passes)| pictures(&world, mode, passes, 8, seed as u32));
+    let modes = [
+        (Mode::Path, 1, passes),
+        (Mode::Path, 8, passes),
+        (Mode::Light, 1, passes),
+        (Mode::Bdpt, 1, passes / 2),
+    ];
+    let [eye, reuse, light, both] = modes.map(|(mode, reuse, passes)| {
+        let params = Params { mode, reuse, ..Params::default() };
+        let first = seed as u32 * PICTURES;
+        let render = |seed| world.render::<PathTracer>(&params, passes, seed, Show::All);
+        means_of_parts(first..first + PICTURES, render, |film| block_means(film, 8))
+    });
     let brightest = eye.iter().map(Running::mean).fold(0.0, f64::max);
-    let level = sidak(1e-5, 2 * eye.len());
-    let pairs = [("light", &light), ("both", &both)];
+    let level = sidak(1e-5, 3 * eye.len());
+    let pairs = [("reuse", &reuse), ("light", &light), ("both", &both)];
     let pairs = pairs.into_iter().flat_map(|(other, means)| {
         eye.iter().zip(means).enumerate().map(move |(k, (a, b))| (other, k, a, b))
     });

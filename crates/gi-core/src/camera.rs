@@ -135,7 +135,7 @@ impl Camera {
 
     /// The ray with unit direction through the position `film` (pixels from the top left corner) and the point of the
     /// lens that `u` selects. For sensors: a ray of the sensor of this pixel, with the density cos / pi.
-    #[inline]
+    #[inline(always)]
     pub fn ray(&self, film: [f32; 2], u: [f32; 2]) -> Ray {
         if let Some(sensors) = &self.sensors {
             return sensor::ray(sensors, film);

@@ -21,7 +21,7 @@ pub fn power_heuristic(pdf: f32, other: f32) -> f32 {
 
 /// Radiance scattered along `wo`, from light straight from a light source, by one light sample for the point `at` of
 /// `surface`. Rays that hit a light contribute the rest, weighted by [`emitter_weight`].
-#[inline]
+#[inline(always)]
 pub fn direct_light(
     scene: &Scene,
     (at, surface): (&Vantage, &Surface),
@@ -94,7 +94,7 @@ fn light_within(
     seen(scene, &light, visible) * arriving * (weight / light.pdf_w)
 }
 
-#[inline]
+#[inline(always)]
 fn direct_light_seen(
     scene: &Scene,
     at: &Vantage,
@@ -118,6 +118,12 @@ fn direct_light_seen(
     let direct = seen(scene, &light, visibility(&light)) * arriving;
     at.learn(&light, || direct.luminance() / light.pdf_w);
     direct * (weight / light.pdf_w)
+}
+
+/// The radiance of a light sample that reaches `surface`.
+#[inline]
+pub fn arriving_light(scene: &Scene, surface: &Surface, light: &LightSample) -> Rgb {
+    seen(scene, light, scene.visibility(surface, light)) * light.radiance
 }
 
 /// The visible fraction of a light sample, times what is not yet looked up of its radiance.

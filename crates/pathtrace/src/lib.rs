@@ -11,16 +11,18 @@
 //! | how it fails | noise: `path` for caustics of small lights, `light` in media near the eye. `light` sees nothing through mirrors and glass, and `bdpt` no caustics of small lamps there; `vcm` finds them, blurred |
 //! | sources | \[Kajiya86\], \[Veach97\], \[Georgiev12\] |
 //!
-//! Read next: `gi_core::eye` (the eye walk), `light.rs` (paths from the lights), `bidir/` (paths from both ends), `params.rs` (the options).
+//! Read next: `gi_core::eye` (the eye walk), `reuse.rs` (paths that pixels share), `light.rs` (paths from the lights), `bidir/` (paths
+//! from both ends), `params.rs` (the options).
 
 mod bidir;
 mod light;
 mod params;
+mod reuse;
 mod to_camera;
 
 use gi_core::bytes::{Reader, Writer};
 use gi_core::eye::{EyeEvent, EyeWalk};
-use gi_core::film::{Film, Sample};
+use gi_core::film::{Film, Sample, Show};
 use gi_core::light::LightTree;
 use gi_core::medium::MediumId;
 use gi_core::technique::{Picture, Setting, Technique};
@@ -59,6 +61,9 @@ impl<'a> Technique<'a> for PathTracer<'a> {
         if from_lights && setting.camera.sensors().is_some() {
             return Err("--points works with paths from the eye only: use `--mode path`".into());
         }
+        if params.reuse > 1 && setting.camera.sensors().is_some() {
+            return Err("--reuse: the points of --points are not neighbours: leave it out".into());
+        }
         let light_tree = match params.light_selection {
             LightSelection::Auto => setting.scene.tree_of_many_lights(),
             LightSelection::Power => None,
@@ -75,6 +80,9 @@ impl<'a> Technique<'a> for PathTracer<'a> {
     /// One path per pixel.
     fn pass(&mut self, index: u32, film: &mut Film) {
         match self.params.mode {
+            Mode::Path if self.reuses_paths() => {
+                film.add_pass_by_tile(|tile| self.reuse_paths(tile, index));
+            }
             Mode::Path => film.add_pass(|pixel| self.path(pixel, index)),
             Mode::VolPath => {
                 let medium = self.setting.camera_medium();
@@ -145,6 +153,11 @@ impl<'a> Technique<'a> for PathTracer<'a> {
 }
 
 impl<'a> PathTracer<'a> {
+    /// Whether pixels use each other's paths: only light that is scattered at least twice is shared.
+    fn reuses_paths(&self) -> bool {
+        self.params.reuse > 1 && matches!(self.setting.show, Show::All | Show::Indirect)
+    }
+
     /// Paths from both ends, of pass `index`.
     fn bidirectional(&self, index: u32) -> Bidirectional<'a> {
         let plan = self.plan.expect("made for these modes");
@@ -157,13 +170,7 @@ impl<'a> PathTracer<'a> {
     fn path(&self, pixel: [usize; 2], index: u32) -> Sample {
         let walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
         let mut walk = walk.choosing_lights(self.light_tree);
-        while let Some(v) = &walk.next_vertex() {
-            walk.add_emitted(v);
-            walk.add_direct(v);
-            if !walk.scatter(v) {
-                break;
-            }
-        }
+        walk_on(&mut walk);
         walk.sample()
     }
 
@@ -188,5 +195,17 @@ impl<'a> PathTracer<'a> {
             }
         }
         walk.sample()
+    }
+}
+
+/// Walk a path to its end: at every vertex add emitted light, sample a light, and sample the BSDF for the next direction.
+#[inline(always)]
+fn walk_on(walk: &mut EyeWalk) {
+    while let Some(v) = &walk.next_vertex() {
+        walk.add_emitted(v);
+        walk.add_direct(v);
+        if !walk.scatter(v) {
+            break;
+        }
     }
 }

@@ -3,6 +3,8 @@
 use clap::{Args, ValueEnum};
 use gi_core::options::{Parameters, PathLimits, defaults, number, rr_depth};
 
+use crate::reuse::LARGEST_GROUP;
+
 /// Where paths start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Mode {
@@ -57,6 +59,10 @@ pub struct Params {
     /// path, volpath: how light sampling chooses a light
     #[arg(long, value_enum, default_value_t = LightSelection::Auto, value_name = "HOW")]
     pub light_selection: LightSelection,
+    /// path: number of neighbouring pixels that use each other's paths, at most 16 (Bekaert02). With 8, pixels have less noise after
+    /// the same time, but it is no longer independent: it looks blotchy
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=i64::from(LARGEST_GROUP)))]
+    pub reuse: u32,
     /// bdpt, vcm: weights of the ways to find a path [Veach97, 9.2]
     #[arg(long, value_enum, default_value_t = Heuristic::Power)]
     pub heuristic: Heuristic,
@@ -93,6 +99,9 @@ impl Parameters for Params {
             return Err(
                 "--light-selection tree: only --mode path and --mode volpath use the tree".into()
             );
+        }
+        if self.reuse > 1 && self.mode != Mode::Path {
+            return Err("--reuse: only --mode path reuses paths".into());
         }
         if self.figures.is_empty() || connects {
             return Ok(());

@@ -200,7 +200,7 @@ impl<'a> Bsdf<'a> {
     }
 
     /// Sample a direction; `None` if the path is absorbed. `u_choice` chooses the lobe, `u` the direction.
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, wo: Vec3, u_choice: f32, u: [f32; 2]) -> Option<Scatter> {
         if let Some((albedo, frame)) = self.plain_diffuse() {
             let wi = warp::cosine_hemisphere(u);
@@ -258,6 +258,13 @@ impl<'a> Bsdf<'a> {
             self.parts,
             Parts::One(Component { lobe: Lobe::Diffuse { .. }, bend: None, part: None, .. })
         )
+    }
+
+    /// Whether a normal is bent. The BSDF then depends on the direction that it was made for, else only on the side of the surface
+    /// that this direction is on.
+    #[inline]
+    pub fn is_bent(&self) -> bool {
+        self.components().iter().any(|c| c.bend.is_some())
     }
 
     /// The normal of an opaque surface: f is zero unless both directions are on its side. `None` if there is none.

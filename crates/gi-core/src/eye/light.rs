@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::{Covers, Estimate, EyeVertex, EyeWalk};
 use crate::bsdf::Bsdf;
 use crate::film::Show;
-use crate::light::Vantage;
+use crate::light::{LightSample, Vantage};
 use crate::math::Rgb;
 use crate::nee::{direct_light, direct_light_through_media, emitter_weight};
 
@@ -97,6 +97,13 @@ impl<'a> EyeWalk<'a> {
     #[inline(always)]
     pub(super) fn vantage(&self, v: &EyeVertex) -> Vantage<'a> {
         Vantage::on_surface(self.light_tree, v.surface.p, &v.bsdf)
+    }
+
+    /// Sample a light for `v`: its direction, density and so on. The radiance is what arrives if nothing is in between.
+    #[inline]
+    pub fn sample_light(&mut self, v: &EyeVertex<'a>) -> Option<LightSample> {
+        let u = self.sampler.next_2d();
+        self.scene.aim_at_light(&self.vantage(v), u)
     }
 
     /// For walks that do not collect light: skip the random numbers that [`EyeWalk::add_direct`] would draw.

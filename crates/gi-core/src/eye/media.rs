@@ -175,7 +175,7 @@ impl<'a> EyeWalk<'a> {
         self.remainder = Remainder::ALL;
         self.line.turn();
         self.ray = Ray::new(v.p, wi);
-        !self.is_done() && self.survives(MAX_SURVIVAL_WITHIN, v.u_roulette)
+        !self.is_done() && self.survives(MAX_SURVIVAL_WITHIN, v.u_roulette).is_some()
     }
 
     /// For techniques that estimate the light in media: the part of the next segment that is inside a medium, unless an

@@ -37,7 +37,7 @@ use crate::medium::MediumId;
 use glam::Vec3;
 
 use crate::bsdf::{Scatter, Transport};
-use crate::film::{Sample, Show};
+use crate::film::{Components, Sample, Show};
 use crate::light::{LightTree, Vantage};
 use crate::math::Rgb;
 pub use crate::options::PathLimits;
@@ -176,30 +176,43 @@ impl<'a> EyeWalk<'a> {
     /// Sample the direction in which the path continues. Returns whether it continues.
     #[inline(always)]
     pub fn scatter(&mut self, v: &EyeVertex<'a>) -> bool {
+        let sampled = self.sample_direction(v);
+        sampled.is_some_and(|(scatter, u)| self.follow(v, &scatter, u).is_some())
+    }
+
+    /// Sample the direction in which the path may continue from `v`: the first half of [`EyeWalk::scatter`]. The random number is for
+    /// Russian roulette in the second half.
+    #[inline(always)]
+    pub fn sample_direction(&mut self, v: &EyeVertex<'a>) -> Option<(Scatter, f32)> {
         // After the last segment, only light that passes straight through counts.
         if v.is_last && v.bsdf.straight_through(v.wo).is_black() || self.covers_all(v) {
-            return false;
+            return None;
         }
         // Numbers that nothing uses are skipped: a draw costs as much as evaluating a diffuse surface.
         let u_lobe = self.sampler.next_1d_if(v.bsdf.has_choice());
         let u = self.sampler.next_2d();
         let u_roulette = self.sampler.next_1d_if(self.segments + 1 > self.roulette_start());
-        let Some(scatter) = v.bsdf.sample(v.wo, u_lobe, u) else { return false };
-        if v.is_last && !scatter.null {
-            return false;
-        }
+        let scatter = v.bsdf.sample(v.wo, u_lobe, u)?;
+        (!v.is_last || scatter.null).then_some((scatter, u_roulette))
+    }
+
+    /// Continue in the direction of `scatter`, unless it carries no light or Russian roulette ends the path: the second half of
+    /// [`EyeWalk::scatter`]. Returns the probability with which the path survived roulette; `None` if it has ended.
+    #[inline(always)]
+    pub fn follow(&mut self, v: &EyeVertex<'a>, scatter: &Scatter, u_roulette: f32) -> Option<f32> {
         self.throughput *= scatter.weight;
         if !scatter.null {
-            self.turn(v, &scatter);
+            self.turn(v, scatter);
         } else if !self.line.cross() {
-            return false;
+            return None;
         }
-        if self.is_done() || !self.survives(MAX_SURVIVAL, u_roulette) {
-            return false;
+        if self.is_done() {
+            return None;
         }
-        self.enter(&v.surface, &scatter);
+        let survival = self.survives(MAX_SURVIVAL, u_roulette)?;
+        self.enter(&v.surface, scatter);
         self.ray = self.scene.spawn(&v.surface, scatter.wi);
-        true
+        Some(survival)
     }
 
     /// Continue straight through the surface at `v`, with the fraction of the light that it lets pass. Returns whether
@@ -252,9 +265,9 @@ impl<'a> EyeWalk<'a> {
     }
 
     /// Russian roulette by the throughput T, without the factor from refraction: the survival probability is [`SPARED`] T. On
-    /// a long path it is at most `most`. After an estimate, it is T and at most `most`.
+    /// a long path it is at most `most`. After an estimate, it is T and at most `most`. Returns the probability if the path survives.
     #[inline(always)]
-    fn survives(&mut self, most: f32, u: f32) -> bool {
+    fn survives(&mut self, most: f32, u: f32) -> Option<f32> {
         let mut survival = 1.0;
         if self.segments > self.roulette_start() {
             let (spared, most) = match self.segments {
@@ -265,7 +278,7 @@ impl<'a> EyeWalk<'a> {
             survival = (spared * self.throughput.max() * self.eta_sq).min(most);
         }
         self.throughput = self.throughput / survival;
-        u < survival
+        (u < survival).then_some(survival)
     }
 
     /// Whether the picture needs none of the light that the path can still find.
@@ -278,6 +291,12 @@ impl<'a> EyeWalk<'a> {
                 Show::Direct | Show::Caustic => self.non_delta > 1,
                 Show::Indirect => self.non_delta == 1 && self.remainder.indirect.is_black(),
             }
+    }
+
+    /// Set the throughput and the light that the path has found. Returns the light that it had found before.
+    pub fn restart(&mut self, throughput: Rgb, found: Components) -> Components {
+        self.throughput = throughput;
+        std::mem::replace(&mut self.sample.radiance, found)
     }
 
     /// Fraction of the radiance along the next segment that reaches the picture.

@@ -74,7 +74,7 @@ impl Remainder {
 
     /// Fraction of the scattering at `surface` that remains. Russian roulette rounds small fractions to zero or one. If
     /// the fraction differs between lobes, it is multiplied into `bsdf`, and the result is white.
-    #[inline]
+    #[inline(always)]
     pub(super) fn at(
         &self,
         surface: &Surface,

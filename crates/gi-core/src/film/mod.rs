@@ -102,7 +102,18 @@ impl Film {
     /// Take one sample in every pixel, tiles in parallel, and filter. `sample` must be a pure function of the pixel.
     pub fn add_pass(&mut self, sample: impl Fn([usize; 2]) -> Sample + Sync) {
         let mut nothing = vec![(); self.pixels.len()]; // takes no memory
-        self.sample_all(&mut nothing, |at, ()| sample(at));
+        self.sample_all(&mut nothing, |_| (), |at, (), ()| sample(at));
+    }
+
+    /// [`Film::add_pass`] for samples that are taken together: `samples` takes those of a tile, whose pixels it gets. It must be a
+    /// pure function of them.
+    pub fn add_pass_by_tile(&mut self, samples: impl Fn(&[[usize; 2]]) -> Vec<Sample> + Sync) {
+        let mut nothing = vec![(); self.pixels.len()]; // takes no memory
+        let begin = |tile: &[[usize; 2]]| samples(tile).into_iter();
+        let next = |_, (): &mut (), samples: &mut std::vec::IntoIter<Sample>| {
+            samples.next().expect("a sample for each pixel")
+        };
+        self.sample_all(&mut nothing, begin, next);
     }
 
     /// [`Film::add_pass`], with data that a technique keeps per pixel.
@@ -112,15 +123,18 @@ impl Film {
         sample: impl Fn([usize; 2], &mut T) -> Sample + Sync,
     ) {
         assert_eq!(kept.tiles.size, self.size(), "what is kept is of another picture");
-        self.sample_all(&mut kept.values, sample);
+        self.sample_all(&mut kept.values, |_| (), |at, value, ()| sample(at, value));
     }
 
-    fn sample_all<T: Send>(
+    /// Make a pass. `begin` is called for each tile with its pixels, and what it returns is given to `sample` for each of them, in the
+    /// same order.
+    fn sample_all<T: Send, S>(
         &mut self,
         values: &mut [T],
-        sample: impl Fn([usize; 2], &mut T) -> Sample + Sync,
+        begin: impl Fn(&[[usize; 2]]) -> S + Sync,
+        sample: impl Fn([usize; 2], &mut T, &mut S) -> Sample + Sync,
     ) {
-        self.begin_and_end(|film| film.take_samples(values, sample));
+        self.begin_and_end(|film| film.take_samples(values, begin, sample));
     }
 
     /// Make a pass. `pass` returns whether it is complete: an abandoned pass is not counted.
@@ -135,20 +149,28 @@ impl Film {
         self.brought = Vec::new();
     }
 
-    fn take_samples<T: Send>(
+    fn take_samples<T: Send, S>(
         &mut self,
         values: &mut [T],
-        sample: impl Fn([usize; 2], &mut T) -> Sample + Sync,
+        begin: impl Fn(&[[usize; 2]]) -> S + Sync,
+        sample: impl Fn([usize; 2], &mut T, &mut S) -> Sample + Sync,
     ) -> bool {
         if self.filter.reach() == 0 {
             let values = values.par_chunks_mut(AREA);
-            self.for_each_pixel(values, Tile::Sampled, |film, at, pixel, i, values| {
-                let mut sample = sample(at, &mut values[i]);
-                film.add_brought(at, 1.0, &mut sample.radiance);
-                pixel.add_surface(&sample);
-                pixel.add(1.0, &sample.radiance, film.show);
-                film.show.of(&sample.radiance)
-            });
+            let begin = |values, tile: &_| (values, begin(tile));
+            self.for_each_pixel(
+                values,
+                Tile::Sampled,
+                begin,
+                |film, at, pixel, i, (values, begun)| {
+                    let values: &mut &mut [T] = values;
+                    let mut sample = sample(at, &mut values[i], begun);
+                    film.add_brought(at, 1.0, &mut sample.radiance);
+                    pixel.add_surface(&sample);
+                    pixel.add(1.0, &sample.radiance, film.show);
+                    film.show.of(&sample.radiance)
+                },
+            );
             return !progress::is_abandoned();
         }
         let floats = std::mem::take(&mut self.kept.floats);
@@ -156,23 +178,35 @@ impl Film {
         let stride = kept.stride();
         kept.floats.resize(self.pixels.len() * stride, 0.0);
         let pieces = kept.floats.par_chunks_mut(AREA * stride).zip(values.par_chunks_mut(AREA));
-        self.for_each_pixel(pieces, Tile::Sampled, |film, at, pixel, i, (runs, values)| {
-            let sample = sample(at, &mut values[i]);
-            pixel.add_surface(&sample);
-            keep(&mut runs[i * stride..(i + 1) * stride], &sample, film.filter);
-            let mut shown = sample.radiance;
-            film.add_brought(at, 1.0, &mut shown);
-            film.show.of(&shown)
-        });
+        let begin = |(runs, values), tile: &_| (runs, values, begin(tile));
+        self.for_each_pixel(
+            pieces,
+            Tile::Sampled,
+            begin,
+            |film, at, pixel, i, (runs, values, begun)| {
+                let (runs, values): (&mut &mut [f32], &mut &mut [T]) = (runs, values);
+                let sample = sample(at, &mut values[i], begun);
+                pixel.add_surface(&sample);
+                keep(&mut runs[i * stride..(i + 1) * stride], &sample, film.filter);
+                let mut shown = sample.radiance;
+                film.add_brought(at, 1.0, &mut shown);
+                film.show.of(&shown)
+            },
+        );
         // Samples are missing from an abandoned pass; those that were taken are dropped.
         let is_complete = !progress::is_abandoned();
         if is_complete {
-            self.for_each_pixel(self.nothing(), Tile::Filtered, |film, at, pixel, _, ()| {
-                let (weight, mut radiance) = film.gather(&kept, at);
-                film.add_brought(at, weight, &mut radiance);
-                pixel.add(weight, &radiance, film.show);
-                film.show.of(&radiance)
-            });
+            self.for_each_pixel(
+                self.nothing(),
+                Tile::Filtered,
+                |(), _| (),
+                |film, at, pixel, _, ()| {
+                    let (weight, mut radiance) = film.gather(&kept, at);
+                    film.add_brought(at, weight, &mut radiance);
+                    pixel.add(weight, &radiance, film.show);
+                    film.show.of(&radiance)
+                },
+            );
         }
         self.kept = kept;
         is_complete
@@ -199,22 +233,28 @@ impl Film {
 
     /// Add to every pixel a sum of weights, and a sample whose radiance is multiplied by them.
     fn add_weighted(&mut self, tile: Tile, sample: impl Fn([usize; 2]) -> (f32, Sample) + Sync) {
-        self.for_each_pixel(self.nothing(), tile, |film, at, pixel, _, ()| {
-            let (weight, mut sample) = sample(at);
-            film.add_brought(at, weight, &mut sample.radiance);
-            pixel.add_surface(&sample);
-            pixel.add(weight, &sample.radiance, film.show);
-            film.show.of(&sample.radiance)
-        });
+        self.for_each_pixel(
+            self.nothing(),
+            tile,
+            |(), _| (),
+            |film, at, pixel, _, ()| {
+                let (weight, mut sample) = sample(at);
+                film.add_brought(at, weight, &mut sample.radiance);
+                pixel.add_surface(&sample);
+                pixel.add(weight, &sample.radiance, film.show);
+                film.show.of(&sample.radiance)
+            },
+        );
     }
 
-    /// Call `work` for every pixel, tiles in parallel, with the pixel's position, its index in the tile, and the tile's entry of
-    /// `extra`. `work` returns the radiance of the pixel's sample, for those who watch the pass.
-    fn for_each_pixel<E: Send>(
+    /// Call `work` for every pixel, tiles in parallel, with the pixel's position, its index in the tile, and what `begin` makes of the
+    /// tile's entry of `extra` and its pixels. `work` returns the radiance of the pixel's sample, for those who watch the pass.
+    fn for_each_pixel<E: Send, S>(
         &mut self,
         extra: impl IndexedParallelIterator<Item = E>,
         tile: Tile,
-        work: impl Fn(&PassContext, [usize; 2], &mut Pixel, usize, &mut E) -> Rgb + Sync,
+        begin: impl Fn(E, &[[usize; 2]]) -> S + Sync,
+        work: impl Fn(&PassContext, [usize; 2], &mut Pixel, usize, &mut S) -> Rgb + Sync,
     ) {
         let frame = PassContext {
             filter: &self.filter,
@@ -223,14 +263,17 @@ impl Film {
             brought: &self.brought,
         };
         let tiles = self.pixels.par_chunks_mut(AREA).zip(extra).zip(&self.tiles.corners);
-        tiles.with_max_len(1).for_each(|((pixels, mut extra), &corner)| {
+        tiles.with_max_len(1).for_each(|((pixels, extra), &corner)| {
             let sampled = tile == Tile::Sampled;
             if sampled && progress::is_abandoned() {
                 return;
             }
             let mut shown = [Rgb::BLACK; AREA];
-            for (i, at) in frame.tiles.inside(corner) {
-                shown[i] = work(&frame, at, &mut pixels[i], i, &mut extra);
+            let inside = frame.tiles.inside(corner);
+            let places: Vec<[usize; 2]> = inside.clone().map(|(_, at)| at).collect();
+            let mut begun = begin(extra, &places);
+            for (i, at) in inside {
+                shown[i] = work(&frame, at, &mut pixels[i], i, &mut begun);
             }
             if let Some(watched) = self.watched.as_ref().filter(|_| sampled) {
                 watched.show(corner, &shown);

@@ -48,7 +48,7 @@ impl Tiles {
     pub(super) fn inside(
         &self,
         [x0, y0]: [usize; 2],
-    ) -> impl Iterator<Item = (usize, [usize; 2])> + use<> {
+    ) -> impl Iterator<Item = (usize, [usize; 2])> + Clone + use<> {
         let [w, h] = self.size;
         let all = (0..AREA).map(move |i| (i, [x0 + i % TILE, y0 + i / TILE]));
         all.filter(move |&(_, [x, y])| x < w && y < h)

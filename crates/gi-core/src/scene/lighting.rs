@@ -161,13 +161,25 @@ impl Scene {
     }
 
     /// Fraction of the light of a light sample that reaches `surface`.
-    #[inline]
+    #[inline(always)]
     pub fn visibility(&self, surface: &Surface, light: &LightSample) -> Rgb {
         let ray = match light.p {
             Some(q) => self.tree.shadow_ray(surface.p, surface.ng, q),
             None => self.spawn(surface, light.wi),
         };
         self.transmittance_to(ray, self.flat_end(light))
+    }
+
+    /// Whether a ray from `from` to the surface point `to` meets no other surface first, not even one that light passes straight
+    /// through.
+    #[inline]
+    pub fn sees(&self, from: &Surface, to: &Surface) -> bool {
+        let ray = self.tree.shadow_ray(from.p, from.ng, to.p);
+        match self.tree.any(&ray) {
+            None => true,
+            Some(prim) if Some(prim) != self.flat_at(to) => false,
+            Some(prim) => self.tree.closest(&ray).is_none_or(|hit| hit.prim == prim),
+        }
     }
 
     /// Fraction of light that passes along a ray segment: 0 or 1, or the transmittance of masks and panes.
@@ -178,7 +190,7 @@ impl Scene {
 
     /// [`Scene::transmittance`] to a point of the flat primitive `end`, which is ignored: it cannot occlude its own
     /// point, but rounding makes it seem so for slivers, whose hit points are inaccurate along their length.
-    #[inline]
+    #[inline(always)]
     pub fn transmittance_to(&self, ray: Ray, end: Option<u32>) -> Rgb {
         match self.tree.any(&ray) {
             None => Rgb::WHITE,

@@ -21,7 +21,7 @@ struct Local {
 
 impl Scene {
     /// The surface point that `ray` hit.
-    #[inline]
+    #[inline(always)]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
         let primitive = &self.primitives.all[hit.prim as usize];
         let shape_id = primitive.shape;
@@ -55,7 +55,7 @@ impl Scene {
     }
 
     /// The point of a triangle of `mesh` with these weights of its second and third corner.
-    #[inline]
+    #[inline(always)]
     fn on_mesh(&self, mesh: &Mesh, primitive: &Primitive, b: Vec2) -> Local {
         let [v0, v1, v2] = primitive.corners.map(|i| &self.primitives.vertices[i as usize]);
         let b0 = 1.0 - b.x - b.y;

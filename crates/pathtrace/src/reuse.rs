@@ -1,0 +1,271 @@
+//! Path reuse: neighbouring pixels use each other's paths \[Bekaert02\].
+//!
+//! The path of pixel k scatters at its first rough surface point x_k and reaches the next surface at y. The light that y scatters
+//! toward x_k also reaches the points x_i of other pixels, unless something is in between. So the path continues once from y, for
+//! all pixels of a group. With the throughput T of the paths at their first points, the BSDF f, the geometry term G with
+//! visibility, and the density p of y per area, the estimate of pixel i is
+//!
+//! ```text
+//! sum over the paths k of the group: T_i f_i G(x_i, y_k) L(y_k -> x_i) / sum over j of p_j(y_k)
+//! ```
+//!
+//! This is the balance heuristic over all paths of the group that can reach y ([Veach97, 9.2.2]), so it is unbiased for any group.
+//! A path cannot reach y if y is hidden from its first point, or if it would carry no light there. Such a path has density 0.
+//! Directions that are sampled at y are weighted in the same way.
+//!
+//! A path keeps for itself: light sources that x_k sees, and all light after a delta lobe at x_k or y.
+
+use gi_core::bsdf::{Bsdf, Scatter, Transport};
+use gi_core::eye::{EyeVertex, EyeWalk};
+use gi_core::film::{Components, Sample};
+use gi_core::math::Rgb;
+use gi_core::nee::{arriving_light, power_heuristic};
+use gi_core::rng::hash_words;
+use glam::Vec3;
+
+use super::{PathTracer, walk_on};
+
+/// Groups are chosen at random from squares of so many pixels. The squares shift from pass to pass.
+const SQUARE: usize = 4;
+/// Largest number of pixels in a group.
+pub(crate) const LARGEST_GROUP: u32 = (SQUARE * SQUARE) as u32;
+
+/// The path of one pixel of a group.
+struct Member<'a> {
+    walk: EyeWalk<'a>,
+    first: Option<First<'a>>,
+    second: Option<Second<'a>>,
+}
+
+/// The first vertex with a lobe that is not a delta lobe: x.
+struct First<'a> {
+    vertex: EyeVertex<'a>,
+    /// Throughput from the pixel to here.
+    throughput: Rgb,
+}
+
+/// The next vertex, if other pixels can use it: y.
+struct Second<'a> {
+    vertex: EyeVertex<'a>,
+    /// Probability with which the path survived Russian roulette on its way here.
+    survival: f32,
+}
+
+/// The way from the second vertex of one path to the first vertex of another, or of the same.
+struct Link<'a> {
+    /// Number of the other path in the group.
+    member: usize,
+    /// Unit direction from the second vertex.
+    wo: Vec3,
+    /// The BSDF at the second vertex, if it depends on that direction.
+    bsdf: Option<Box<Bsdf<'a>>>,
+    /// Fraction of the radiance along the link that is added to the pixel.
+    throughput: Rgb,
+    /// Share of the other path in the density of the second vertex.
+    share: f32,
+    /// `throughput` times the BSDF at the second vertex, for the direction of the last [`weigh`].
+    scattered: Rgb,
+}
+
+impl<'a> PathTracer<'a> {
+    /// The samples of the pixels of a tile in pass `index`.
+    pub(crate) fn reuse_paths(&self, tile: &[[usize; 2]], index: u32) -> Vec<Sample> {
+        let shift =
+            [0, 1].map(|axis| hash_words(&[self.setting.seed, index, axis]) as usize % SQUARE);
+        let square = |&[x, y]: &[usize; 2]| [(y + shift[1]) / SQUARE, (x + shift[0]) / SQUARE];
+        let random = |&[x, y]: &[usize; 2]| hash_words(&[index, x as u32, y as u32]);
+        let mut order: Vec<usize> = (0..tile.len()).collect();
+        order.sort_by_cached_key(|&i| (square(&tile[i]), random(&tile[i])));
+        let mut samples = vec![Sample::default(); tile.len()];
+        for square in order.chunk_by(|&a, &b| square(&tile[a]) == square(&tile[b])) {
+            for group in square.chunks(self.params.reuse as usize) {
+                let pixels = group.iter().map(|&i| tile[i]);
+                let found = self.reuse_in_group(pixels, index);
+                group.iter().zip(found).for_each(|(&i, sample)| samples[i] = sample);
+            }
+        }
+        samples
+    }
+
+    /// The samples of a group.
+    fn reuse_in_group(
+        &self,
+        pixels: impl Iterator<Item = [usize; 2]>,
+        index: u32,
+    ) -> impl Iterator<Item = Sample> {
+        let mut members: Vec<Member> = pixels.map(|pixel| self.member(pixel, index)).collect();
+        let (mut shared, mut links) = (vec![Rgb::BLACK; members.len()], Vec::new());
+        for k in 0..members.len() {
+            if let Some(second) = members[k].second.take() {
+                self.link(&members, k, &second, &mut links);
+                self.continue_for_all(
+                    &mut members[k].walk,
+                    &second.vertex,
+                    &mut links,
+                    &mut shared,
+                );
+            }
+        }
+        members.into_iter().zip(shared).map(|(member, shared)| {
+            let mut sample = member.walk.sample();
+            sample.radiance.indirect += shared;
+            sample
+        })
+    }
+
+    /// Walk the path of a pixel to its second vertex, or to its end if it has no second vertex that others can use.
+    fn member(&self, pixel: [usize; 2], index: u32) -> Member<'a> {
+        let walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
+        let walk = walk.choosing_lights(self.light_tree);
+        let mut member = Member { walk, first: None, second: None };
+        let walk = &mut member.walk;
+        let first = loop {
+            let Some(v) = walk.next_vertex() else { return member };
+            walk.add_emitted(&v);
+            if !v.bsdf.is_delta() {
+                break v;
+            }
+            if !walk.scatter(&v) {
+                return member;
+            }
+        };
+        walk.add_direct(&first);
+        let throughput = walk.throughput();
+        let sampled = walk.sample_direction(&first);
+        let followed = sampled.and_then(|(s, u)| Some((s, walk.follow(&first, &s, u)?)));
+        member.first = Some(First { vertex: first, throughput });
+        let Some((scatter, survival)) = followed else { return member };
+        if scatter.delta {
+            finish(walk);
+        } else if let Some(vertex) = walk.next_vertex() {
+            walk.add_emitted(&vertex);
+            if !vertex.bsdf.is_delta() {
+                member.second = Some(Second { vertex, survival });
+            } else if walk.scatter(&vertex) {
+                finish(walk);
+            }
+        }
+        member
+    }
+
+    /// The links from the second vertex of path `k` to the first vertices of all paths.
+    fn link(
+        &self,
+        members: &[Member<'a>],
+        k: usize,
+        second: &Second<'a>,
+        links: &mut Vec<Link<'a>>,
+    ) {
+        let (scene, Second { vertex: y, survival }) = (self.setting.scene, second);
+        let side = |w: Vec3| y.surface.frame.n.dot(w) >= 0.0;
+        links.clear();
+        for (i, member) in members.iter().enumerate() {
+            let Some(First { vertex: x, throughput }) = &member.first else { continue };
+            let to = y.surface.p - x.surface.p;
+            let distance_sq = to.length_squared();
+            let wi = if i == k { -y.wo } else { to / distance_sq.sqrt() };
+            // Two sides of a surface may have two BSDFs, and paths of other lengths other limits.
+            if x.segments + 1 != y.segments || side(-wi) != side(y.wo) {
+                continue;
+            }
+            let (f_cos, pdf_w) = x.bsdf.f_cos_pdf(x.wo, wi);
+            let (carried, to_area) =
+                (*throughput * f_cos, y.surface.ng.dot(wi).abs() / distance_sq);
+            if carried.is_black() || !(to_area > 0.0 && to_area.is_finite()) {
+                continue;
+            }
+            if i != k && !scene.sees(&x.surface, &y.surface) {
+                continue;
+            }
+            let bsdf = (y.bsdf.is_bent() && i != k)
+                .then(|| Box::new(scene.bsdf(&y.surface, -wi, Transport::Radiance)));
+            let (throughput, share) = (carried * (to_area / survival), pdf_w * to_area);
+            links.push(Link { member: i, wo: -wi, bsdf, throughput, share, scattered: Rgb::BLACK });
+        }
+        let density: f32 = links.iter().map(|link| link.share).sum();
+        for link in links {
+            link.throughput = link.throughput / density;
+            link.share /= density;
+        }
+    }
+
+    /// Continue a path from its second vertex `y`, and add what it finds to all pixels that are linked with it.
+    fn continue_for_all(
+        &self,
+        walk: &mut EyeWalk<'a>,
+        y: &EyeVertex<'a>,
+        links: &mut [Link<'a>],
+        shared: &mut [Rgb],
+    ) {
+        self.share_direct(walk, y, links, shared);
+        let Some((scatter, u)) = walk.sample_direction(y) else { return };
+        if scatter.delta {
+            if walk.follow(y, &scatter, u).is_some() {
+                finish(walk);
+            }
+            return;
+        }
+        // This path has density 0 for directions in which it carries no light.
+        let pdf_w = weigh(y, links, scatter.wi);
+        if scatter.weight.is_black() || pdf_w <= 0.0 {
+            return;
+        }
+        // From here on, the walk has the throughput of all links together. More is worth a longer path: half of the error is
+        // gone already.
+        let sum: Rgb = links.iter().map(|link| link.scattered).sum();
+        let all = sum * ((links.len() as f32).sqrt() / pdf_w);
+        let own = walk.restart(Rgb::WHITE, Components::default());
+        if walk.follow(y, &Scatter { weight: all, pdf_w, ..scatter }, u).is_some() {
+            finish(walk);
+        }
+        let found = walk.restart(Rgb::BLACK, own).all();
+        let radiance = found.zip(all, |found, all| if all > 0.0 { found / all } else { 0.0 });
+        for link in links {
+            shared[link.member] += link.scattered * (radiance / pdf_w);
+        }
+    }
+
+    /// Sample a light at `y` for all pixels.
+    fn share_direct(
+        &self,
+        walk: &mut EyeWalk<'a>,
+        y: &EyeVertex<'a>,
+        links: &mut [Link<'a>],
+        shared: &mut [Rgb],
+    ) {
+        if y.is_last() {
+            return;
+        }
+        let Some(light) = walk.sample_light(y) else { return };
+        let pdf_w = weigh(y, links, light.wi);
+        if links.iter().all(|link| link.scattered.is_black()) {
+            return;
+        }
+        let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf_w, pdf_w) };
+        let arriving =
+            arriving_light(self.setting.scene, &y.surface, &light) * (weight / light.pdf_w);
+        for link in links {
+            shared[link.member] += link.scattered * arriving;
+        }
+    }
+}
+
+/// [`walk_on`], compiled once for all places that need it here.
+#[inline(never)]
+fn finish(walk: &mut EyeWalk) {
+    walk_on(walk);
+}
+
+/// Evaluate the BSDF at `y` for light from `wi` along all links. Returns the mean density of `wi` per solid angle, weighted by the
+/// shares of the paths.
+fn weigh(y: &EyeVertex, links: &mut [Link], wi: Vec3) -> f32 {
+    let mut mean = 0.0;
+    for link in links {
+        let (f_cos, pdf_w) = link.bsdf.as_deref().unwrap_or(&y.bsdf).f_cos_pdf(link.wo, wi);
+        link.scattered = link.throughput * f_cos;
+        if !f_cos.is_black() {
+            mean += link.share * pdf_w;
+        }
+    }
+    mean
+}
