@@ -260,11 +260,17 @@ impl<'a> Bsdf<'a> {
         )
     }
 
-    /// Whether a normal is bent. The BSDF then depends on the direction that it was made for, else only on the side of the surface
-    /// that this direction is on.
+    /// Whether a normal is bent. It may then be flipped toward the direction that the BSDF was made for. Otherwise only the side of the
+    /// surface that this direction is on matters.
     #[inline]
     pub fn is_bent(&self) -> bool {
         self.components().iter().any(|c| c.bend.is_some())
+    }
+
+    /// Whether the normals of all lobes equal those of `other`, which describes the same point.
+    pub fn has_normals_of(&self, other: &Bsdf) -> bool {
+        let pairs = self.components().iter().zip(other.components());
+        pairs.into_iter().all(|(a, b)| a.frame.n == b.frame.n)
     }
 
     /// The normal of an opaque surface: f is zero unless both directions are on its side. `None` if there is none.
