@@ -99,12 +99,8 @@ impl<'a> PathTracer<'a> {
         for k in 0..members.len() {
             if let Some(second) = members[k].second.take() {
                 self.link(&members, k, &second, &mut links);
-                self.continue_for_all(
-                    &mut members[k].walk,
-                    &second.vertex,
-                    &mut links,
-                    &mut shared,
-                );
+                let walk = &mut members[k].walk;
+                self.continue_for_all(walk, &second.vertex, &mut links, &mut shared);
             }
         }
         members.into_iter().zip(shared).map(|(member, shared)| {
@@ -175,6 +171,10 @@ impl<'a> PathTracer<'a> {
             links.push(Link { member: i, wo: -wi, throughput, share, scattered: Rgb::BLACK });
         }
         let density: f32 = links.iter().map(|link| link.share).sum();
+        // Points that nearly coincide in a tiny scene.
+        if !density.is_finite() {
+            links.clear();
+        }
         for link in links {
             link.throughput = link.throughput / density;
             link.share /= density;
@@ -185,13 +185,10 @@ impl<'a> PathTracer<'a> {
     /// bent normals.
     fn has_same_bsdf(&self, y: &EyeVertex, wo: Vec3) -> bool {
         let is_front = |w: Vec3| y.surface.frame.n.dot(w) >= 0.0;
-        is_front(wo) == is_front(y.wo)
-            && (!y.bsdf.is_bent()
-                || y.bsdf.has_normals_of(&self.setting.scene.bsdf(
-                    &y.surface,
-                    wo,
-                    Transport::Radiance,
-                )))
+        if is_front(wo) != is_front(y.wo) || !y.bsdf.is_bent() {
+            return is_front(wo) == is_front(y.wo);
+        }
+        y.bsdf.has_normals_of(&self.setting.scene.bsdf(&y.surface, wo, Transport::Radiance))
     }
 
     /// Continue a path from its second vertex `y`, and add what it finds to all pixels that are linked with it.

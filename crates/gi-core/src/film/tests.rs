@@ -22,6 +22,22 @@ fn every_pixel_gets_its_own_samples_and_their_variance() {
 }
 
 #[test]
+fn samples_of_a_tile_reach_their_pixels() {
+    for filter in [Filter::Box, Filter::Tent] {
+        let sample = |[x, y]: [usize; 2]| Sample {
+            radiance: Components { direct: Rgb::grey((x + 100 * y) as f32), ..Default::default() },
+            offset: [0.2, -0.3],
+            ..Default::default()
+        };
+        let mut films = [0, 1].map(|_| Film::new([37, 21], filter, Show::All));
+        films[0].add_pass(sample);
+        films[1].add_pass_by_tile(|tile| tile.iter().map(|&at| sample(at)).collect());
+        let [one, other] = films.map(|film| film.layers().channel("R").expect("R").to_vec());
+        assert_eq!(one, other);
+    }
+}
+
+#[test]
 fn the_stated_memory_is_what_a_film_allocates() {
     for filter in [Filter::Box, Filter::Gaussian { stddev: 0.5 }] {
         let mut film = Film::new([70, 33], filter, Show::All);
