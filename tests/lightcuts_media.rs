@@ -12,7 +12,7 @@ use crate::media_light::{
     assert_accurate, assert_agree, block_means, mode, murky_camera, murky_parts,
 };
 
-/// Few lights, all of them used if the method is a cut.
+/// Parameters with few lights. A cut consists of all of them.
 fn exact(method: Method, max_depth: Option<u32>) -> Params {
     let mut params = Params { method, vpls: 64, ..Params::default() };
     params.limits = PathLimits { max_depth, ..PathLimits::default() };

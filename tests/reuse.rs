@@ -62,7 +62,7 @@ fn reuse_changes_no_mean() {
             "gallery.xml" => LightSelection::Tree,
             _ => LightSelection::Auto,
         };
-        // Long paths of reflections between glass make rare bright samples, which no test of means can judge.
+        // Long paths through glass find light rarely, and are then bright. Means of few pictures would not be normally distributed.
         let limits = PathLimits { max_depth: Some(6), ..PathLimits::default() };
         let params = Params { light_selection, limits, ..groups_of(reuse) };
         assert_same_means(scene, &world, (&params, 32), |film| block_means(film, 6));
@@ -138,8 +138,8 @@ fn reuse_changes_no_mean_where_neighbours_see_different_things() {
     }
 }
 
-/// Regression: a path that a lamp or another black surface ended counted among those that could have found the light of its neighbours.
-/// The ceiling near the lamp lost a fifth of its light.
+/// Regression: paths that end at a black surface, such as a lamp, had a positive density in the weights. The ceiling near the lamp lost a
+/// fifth of its indirect light.
 #[test]
 fn reuse_loses_no_light_next_to_black_surfaces() {
     let world = World::of_xml(
@@ -150,8 +150,8 @@ fn reuse_loses_no_light_next_to_black_surfaces() {
     assert_same_means("black sheet", &world, (&groups_of(16), 32), |film| block_means(film, 6));
 }
 
-/// Regression: a bent normal is flipped toward the path, and the light tree leaves out the lights behind it. Pixels for which the normal
-/// is not flipped lost the light of those lamps: 3 % of all indirect light.
+/// Regression: a bent normal is flipped if it faces away from the path, and the light tree never chooses lights behind the flipped
+/// normal. Pixels that saw the same point with the other normal lost the light of these lamps: 3 % of all indirect light.
 #[test]
 fn reuse_loses_no_light_where_bent_normals_are_flipped() {
     let steep = r#"<bsdf type="bumpmap"><float name="scale" value="3"/><texture type="bitmap"><boolean name="raw" value="true"/><string name="filename" value="height.pfm"/></texture><bsdf type="diffuse"/></bsdf>"#;

@@ -59,7 +59,7 @@ pub struct Params {
     /// path, volpath: how light sampling chooses a light
     #[arg(long, value_enum, default_value_t = LightSelection::Auto, value_name = "HOW")]
     pub light_selection: LightSelection,
-    /// path: number of pixels near each other that use each other's paths, at most 16 (Bekaert02). With 8, single pixels have less
+    /// path: number of nearby pixels that share their paths, at most 16 (Bekaert02). With 8, single pixels have less
     /// noise after the same time. But neighbours have similar noise: the picture looks blotchy
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=i64::from(LARGEST_GROUP)))]
     pub reuse: u32,

@@ -61,7 +61,7 @@ struct Link {
     member: usize,
     /// Unit direction from the second vertex.
     wo: Vec3,
-    /// Fraction of the radiance along the link that is added to the pixel.
+    /// Throughput from the second vertex to the pixel: the weight of radiance along the link in the pixel's estimate.
     throughput: Rgb,
     /// Share of the other path in the density of the second vertex.
     share: f32,
@@ -70,7 +70,7 @@ struct Link {
 }
 
 impl<'a> PathTracer<'a> {
-    /// The samples of the pixels of a tile in pass `index`.
+    /// One sample for each pixel of `tile`, in pass `index`.
     pub(crate) fn reuse_paths(&self, tile: &[[usize; 2]], index: u32) -> Vec<Sample> {
         let shift =
             [0, 1].map(|axis| hash_words(&[self.setting.seed, index, axis]) as usize % SQUARE);
@@ -155,7 +155,7 @@ impl<'a> PathTracer<'a> {
             let to = y.surface.p - x.surface.p;
             let distance_sq = to.length_squared();
             let wi = if i == k { -y.wo } else { to / distance_sq.sqrt() };
-            // With another number of segments, the path of the other pixel may have to end earlier.
+            // Paths with different numbers of segments reach --max-depth at different vertices.
             if x.segments + 1 != y.segments || i != k && !self.has_same_bsdf(y, -wi) {
                 continue;
             }
@@ -186,10 +186,9 @@ impl<'a> PathTracer<'a> {
     /// bent normals.
     fn has_same_bsdf(&self, y: &EyeVertex, wo: Vec3) -> bool {
         let is_front = |w: Vec3| y.surface.frame.n.dot(w) >= 0.0;
-        if is_front(wo) != is_front(y.wo) || !y.bsdf.is_bent() {
-            return is_front(wo) == is_front(y.wo);
-        }
-        y.bsdf.has_normals_of(&self.setting.scene.bsdf(&y.surface, wo, Transport::Radiance))
+        let from_there = || self.setting.scene.bsdf(&y.surface, wo, Transport::Radiance);
+        is_front(wo) == is_front(y.wo)
+            && (!y.bsdf.is_bent() || y.bsdf.has_normals_of(&from_there()))
     }
 
     /// Continue a path from its second vertex `y`, and add what it finds to all pixels that are linked with it.
@@ -236,9 +235,6 @@ impl<'a> PathTracer<'a> {
         links: &mut [Link],
         shared: &mut [Rgb],
     ) {
-        if y.is_last() {
-            return;
-        }
         let Some(light) = walk.sample_light(y) else { return };
         let pdf_w = weigh(y, links, light.wi);
         if links.iter().all(|link| link.scattered.is_black()) {

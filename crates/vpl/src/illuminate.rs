@@ -39,7 +39,7 @@ pub struct Receiver<'r, 'a> {
 }
 
 impl<'r, 'a> Receiver<'r, 'a> {
-    /// A point of a surface seen along `wo`, in a scene without media or as if there were none.
+    /// A point of a surface seen along `wo`. Media are left out.
     #[inline]
     pub fn new(surface: &'r Surface, wo: Vec3, bsdf: &'r Bsdf<'a>) -> Self {
         Receiver {

@@ -269,8 +269,8 @@ impl<'a> Bsdf<'a> {
 
     /// Whether the normals of all lobes equal those of `other`, which describes the same point.
     pub fn has_normals_of(&self, other: &Bsdf) -> bool {
-        let pairs = self.components().iter().zip(other.components());
-        pairs.into_iter().all(|(a, b)| a.frame.n == b.frame.n)
+        let mut pairs = self.components().iter().zip(other.components());
+        pairs.all(|(a, b)| a.frame.n == b.frame.n)
     }
 
     /// The normal of an opaque surface: f is zero unless both directions are on its side. `None` if there is none.

@@ -99,9 +99,12 @@ impl<'a> EyeWalk<'a> {
         Vantage::on_surface(self.light_tree, v.surface.p, &v.bsdf)
     }
 
-    /// Sample a light for `v`: its direction, density and so on. The radiance is what arrives if nothing is in between.
+    /// Sample a light for `v`, without visibility. `None` if no light is found, or if the path may not have another segment.
     #[inline]
     pub fn sample_light(&mut self, v: &EyeVertex<'a>) -> Option<LightSample> {
+        if v.is_last {
+            return None;
+        }
         let u = self.sampler.next_2d();
         self.scene.aim_at_light(&self.vantage(v), u)
     }

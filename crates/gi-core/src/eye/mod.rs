@@ -180,8 +180,8 @@ impl<'a> EyeWalk<'a> {
         sampled.is_some_and(|(scatter, u)| self.follow(v, &scatter, u).is_some())
     }
 
-    /// Sample the direction in which the path may continue from `v`: the first half of [`EyeWalk::scatter`]. The random number is for
-    /// Russian roulette in the second half.
+    /// Sample the direction in which the path may continue from `v`: the first half of [`EyeWalk::scatter`]. Also returns the random
+    /// number that [`EyeWalk::follow`] needs for Russian roulette.
     #[inline(always)]
     pub fn sample_direction(&mut self, v: &EyeVertex<'a>) -> Option<(Scatter, f32)> {
         // After the last segment, only light that passes straight through counts.

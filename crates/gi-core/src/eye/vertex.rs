@@ -32,12 +32,6 @@ pub struct EyeVertex<'a> {
 }
 
 impl EyeVertex<'_> {
-    /// Whether the path may not have another segment.
-    #[inline]
-    pub fn is_last(&self) -> bool {
-        self.is_last
-    }
-
     /// Whether an estimate of scattered light is useful here: the surface has lobes that are not delta lobes, the path
     /// may have another segment, and no earlier estimate accounts for the light.
     #[inline]

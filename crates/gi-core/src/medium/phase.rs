@@ -51,8 +51,8 @@ impl Phase {
         }
     }
 
-    /// Upper bound of [`Phase::eval`] over directions `wi` and `wo`. The functions give upper bounds of the cosine between `wi` and
-    /// `-wo`, straight ahead, and between `wi` and `wo`, straight back. They are called only if they matter.
+    /// Upper bound of [`Phase::eval`] over a set of pairs of directions `wi` and `wo`. `ahead` returns an upper bound of the cosine
+    /// between `wi` and `-wo`, and `back` of that between `wi` and `wo`. Each is called only if it matters.
     #[inline]
     pub fn bound(self, ahead: impl FnOnce() -> f32, back: impl FnOnce() -> f32) -> f32 {
         let bound = match self {
