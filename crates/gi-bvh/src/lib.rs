@@ -180,9 +180,10 @@ impl Bvh {
 
     #[cold]
     fn closest_wild(&self, ray: &Ray) -> Option<Hit> {
-        let tamed = Tamed::new(ray, self.bounds)?;
-        let hit = self.kernel.closest(&self.tree, &tamed.ray)?;
-        Some(Hit { t: tamed.untame(hit.t), ..hit })
+        let tamed = &Tamed::new(ray, self.bounds)?;
+        let mut hit = self.kernel.closest(&self.tree, &tamed.ray)?;
+        hit.t = tamed.untame(hit.t);
+        Some(hit)
     }
 
     #[cold]

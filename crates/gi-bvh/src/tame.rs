@@ -37,9 +37,9 @@ impl Tamed {
             return None;
         }
         let o = ray.o.to_array().map(f64::from);
-        let d = ray.d.to_array().map(|x| f64::from(x) / f64::from(longest));
         let scale = 1.0 / f64::from(longest);
-        let (tmin, tmax) = (f64::from(ray.tmin) / scale, f64::from(ray.tmax) / scale);
+        let d = ray.d.to_array().map(|x| f64::from(x) * scale);
+        let [tmin, tmax] = [ray.tmin, ray.tmax].map(|t| f64::from(t) * f64::from(longest));
         // Enter a box that is slightly larger than the scene's.
         let (mut entry, mut exit) = (f64::NEG_INFINITY, f64::INFINITY);
         let margin = f64::from(bounds.min.abs().max(bounds.max.abs()).max_element()) / 1024.0;
@@ -52,7 +52,8 @@ impl Tamed {
                 }
                 continue;
             }
-            let (a, b) = (low / d[axis], high / d[axis]);
+            let inverse = 1.0 / d[axis];
+            let (a, b) = (low * inverse, high * inverse);
             entry = entry.max(a.min(b));
             exit = exit.min(a.max(b));
         }

@@ -4,6 +4,7 @@ use std::arch::x86_64::*;
 
 use super::super::layout::{Node, WIDTH};
 use super::super::walk::SMALLEST_STEP;
+use super::coordinates;
 use crate::ray::Ray;
 
 /// Bytes per row of [`Node::bounds`].
@@ -26,8 +27,8 @@ pub(super) struct Wide {
 #[inline]
 #[target_feature(enable = "avx2,fma")]
 pub(super) fn widen(ray: &Ray) -> Wide {
-    let d = _mm_set_ps(1.0, ray.d.z, ray.d.y, ray.d.x);
-    let o = _mm_set_ps(0.0, ray.o.z, ray.o.y, ray.o.x);
+    let ([ox, oy, oz], [dx, dy, dz]) = (coordinates(&ray.o), coordinates(&ray.d));
+    let (o, d) = (_mm_set_ps(0.0, oz, oy, ox), _mm_set_ps(1.0, dz, dy, dx));
     let sign = _mm_set1_ps(-0.0);
     let small = _mm_cmplt_ps(_mm_andnot_ps(sign, d), _mm_set1_ps(SMALLEST_STEP));
     let longest = _mm_or_ps(_mm_set1_ps(1.0 / SMALLEST_STEP), _mm_and_ps(sign, d));

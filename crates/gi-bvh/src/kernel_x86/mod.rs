@@ -7,10 +7,21 @@ mod triangles;
 use std::arch::x86_64::*;
 use std::mem::MaybeUninit;
 
+use glam::Vec3;
+
 use super::layout::{SENTINEL, STACK, Tree, is_leaf, is_solid, leaf_range};
 use super::portable::FOUND;
 use crate::ray::{Hit, Ray};
 use triangles::{shear, triangles_fma, triangles_sse2};
+
+/// The origin or the direction of a ray, loaded one coordinate at a time: the loads are volatile, so that the compiler does not
+/// combine them. Callers have just stored the coordinates one by one. A load of several would wait until these stores have reached
+/// the cache.
+#[inline]
+fn coordinates(v: &Vec3) -> [f32; 3] {
+    // SAFETY: the references are valid.
+    [&v.x, &v.y, &v.z].map(|x| unsafe { std::ptr::read_volatile(x) })
+}
 
 /// Prefetch the node or leaf that a word points at.
 #[inline]

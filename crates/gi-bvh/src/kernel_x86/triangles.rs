@@ -4,6 +4,7 @@ use std::arch::x86_64::*;
 
 use super::super::layout::{Block, LANES};
 use super::super::walk::main_axes;
+use super::coordinates;
 use crate::ray::{Hit, Ray};
 
 /// The shear that maps the ray to the z axis, broadcast to all lanes.
@@ -18,7 +19,8 @@ pub(super) struct Shear {
 #[inline]
 #[target_feature(enable = "sse2")]
 pub(super) fn shear(ray: &Ray) -> Shear {
-    let d = _mm_set_ps(0.0, ray.d.z, ray.d.y, ray.d.x);
+    let [dx, dy, dz] = coordinates(&ray.d);
+    let d = _mm_set_ps(0.0, dz, dy, dx);
     let size = _mm_andnot_ps(_mm_set1_ps(-0.0), d);
     let larger = _mm_movemask_ps(_mm_cmpgt_ps(size, _mm_shuffle_ps::<0b11_00_10_01>(size, size)));
     let axes = main_axes(larger as usize);
