@@ -69,8 +69,10 @@ fn loading_time_is_not_quadratic_in_the_number_of_elements() {
     }
 }
 
-/// Between 2,000 and 16,000 elements, quadratic growth would take 64 times as long, linear growth 8 times. The limit
-/// in between leaves room for a busy machine.
+/// Largest exponent of growth. From 2,000 to 16,000 elements, quadratic growth would take 64 times as long, linear growth 8 times. The
+/// limit in between leaves room for a busy machine.
+const MOST: f64 = 1.6;
+
 fn check(kind: &Kind) {
     // Short times vary most on a busy machine.
     let best = |n: usize| {
@@ -78,7 +80,14 @@ fn check(kind: &Kind) {
         let more = if first < Duration::from_millis(100) { 5 } else { 1 };
         (0..more).map(|_| time(kind, n)).min().map_or(first, |least| least.min(first))
     };
-    let (before, after) = (best(2_000).max(Duration::from_millis(2)), best(16_000));
-    let exponent = exponent(2_000, 16_000, before, after);
-    assert!(exponent < 1.6, "{}: {before:?}, then {after:?}: n^{exponent:.2}", kind.name);
+    let few = || best(2_000).max(Duration::from_millis(2));
+    let (mut before, mut after) = (few(), best(16_000));
+    // Other work on the machine lengthens times. So if they look quadratic, measure again, and keep the shortest.
+    for _ in 0..3 {
+        if exponent(2_000, 16_000, before, after) >= MOST {
+            (before, after) = (before.min(few()), after.min(best(16_000)));
+        }
+    }
+    let found = exponent(2_000, 16_000, before, after);
+    assert!(found < MOST, "{}: {before:?}, then {after:?}: n^{found:.2}", kind.name);
 }
