@@ -14,7 +14,7 @@ use std::ops::Range;
 use glam::{IVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::math::Bounds;
+use crate::math::{Bounds, floor_i32};
 pub use radius::probabilistic_radius;
 
 /// A point and what is stored there.
@@ -198,7 +198,8 @@ impl<T: Copy + Default + Send + Sync> Grid<T> {
     ) {
         const BLOCK: usize = 32;
         let radius_sq = radius * radius;
-        let [x, y, z] = [0, 1, 2].map(|axis| &self.columns[axis][range.clone()]);
+        let [x, y, z] = &self.columns;
+        let (x, y, z) = (&x[range.clone()], &y[range.clone()], &z[range.clone()]);
         let values = &self.values[range];
         for first in (0..values.len()).step_by(BLOCK) {
             let end = (first + BLOCK).min(values.len());
@@ -223,7 +224,8 @@ impl<T: Copy + Default + Send + Sync> Grid<T> {
     /// The cell that contains a point; its coordinates are outside the grid if the point is outside the box.
     #[inline]
     fn cell_at(&self, p: Vec3) -> IVec3 {
-        ((p - self.origin) * self.inverse_cell).floor().as_ivec3()
+        let q = (p - self.origin) * self.inverse_cell;
+        IVec3::new(floor_i32(q.x), floor_i32(q.y), floor_i32(q.z))
     }
 
     /// The cell of a point.

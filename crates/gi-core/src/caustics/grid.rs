@@ -2,6 +2,8 @@
 
 use glam::{IVec3, Vec3};
 
+use crate::math::floor_i32;
+
 /// Photons sorted by the hash of the cell that contains them.
 pub(super) struct Grid {
     /// Edge length of a cell, world units.
@@ -32,7 +34,8 @@ impl Grid {
 
     /// The cell that contains a point.
     pub(super) fn cell_of(&self, p: Vec3) -> IVec3 {
-        (p / self.cell).floor().as_ivec3()
+        let q = p / self.cell;
+        IVec3::new(floor_i32(q.x), floor_i32(q.y), floor_i32(q.z))
     }
 
     /// The bucket of a cell. Several cells may share one.

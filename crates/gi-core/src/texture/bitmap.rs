@@ -2,7 +2,7 @@ use std::sync::{LazyLock, OnceLock};
 
 use glam::Vec2;
 
-use crate::math::Rgb;
+use crate::math::{Rgb, floor_i32};
 
 /// How texels are stored; row by row from the top.
 #[derive(Clone, Debug)]
@@ -158,8 +158,8 @@ impl Bitmap {
         let within = y % SIDE * SIDE + x % SIDE;
         match &self.tiles {
             Tiles::Bytes(tiles, linear) => {
-                let [r, g, b, _] = tiles[tile].0[within].map(|c| linear[c as usize]);
-                Rgb { r, g, b }
+                let [r, g, b, _] = tiles[tile].0[within];
+                Rgb::new(linear[r as usize], linear[g as usize], linear[b as usize])
             }
             Tiles::Float(tiles) => tiles[tile][within],
         }
@@ -213,10 +213,13 @@ impl Bitmap {
     /// The four texels around `p` (texel coordinates) in two rows, and the bilinear weights of the right column and the lower row.
     #[inline]
     fn cell(&self, p: Vec2) -> ([[Rgb; 2]; 2], [f32; 2]) {
-        let [(x, fx), (y, fy)] = [p.x - 0.5, p.y - 0.5].map(floor);
-        let columns = [x, x.wrapping_add(1)].map(|x| self.wrapped(x, self.width));
-        let rows = [y, y.wrapping_add(1)].map(|y| self.wrapped(y, self.height));
-        (rows.map(|y| columns.map(|x| self.texel(x, y))), [fx, fy])
+        let ((x, fx), (y, fy)) = (floor(p.x - 0.5), floor(p.y - 0.5));
+        let column = |x| self.wrapped(x, self.width);
+        let row = |y| self.wrapped(y, self.height);
+        let (left, right) = (column(x), column(x.wrapping_add(1)));
+        let (upper, lower) = (row(y), row(y.wrapping_add(1)));
+        let in_row = |y| [self.texel(left, y), self.texel(right, y)];
+        ([in_row(upper), in_row(lower)], [fx, fy])
     }
 
     /// The same place of the repeated picture near the unit square, for coordinates far from it: at that distance
@@ -279,8 +282,7 @@ const FAR: f32 = 1e9;
 /// The largest integer up to `x`, and the fractional part.
 #[inline]
 fn floor(x: f32) -> (i32, f32) {
-    let toward_zero = x as i32;
-    let below = if (toward_zero as f32) > x { toward_zero.wrapping_sub(1) } else { toward_zero };
+    let below = floor_i32(x);
     (below, x - below as f32)
 }
 
