@@ -107,16 +107,16 @@ fn direct_light_seen(
     if bsdf.is_delta() {
         return Rgb::BLACK;
     }
-    let Some(light) = scene.aim_at_light(at, u) else { return Rgb::BLACK };
+    let Some(light) = &scene.aim_at_light(at, u) else { return Rgb::BLACK };
     let (f_cos, pdf_bsdf) = bsdf.f_cos_pdf(wo, light.wi);
     let arriving = f_cos * light.radiance;
     if arriving.is_black() {
-        at.learn(&light, || 0.0);
+        at.learn(light, || 0.0);
         return Rgb::BLACK;
     }
     let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf_w, pdf_bsdf) };
-    let direct = seen(scene, &light, visibility(&light)) * arriving;
-    at.learn(&light, || direct.luminance() / light.pdf_w);
+    let direct = seen(scene, light, visibility(light)) * arriving;
+    at.learn(light, || direct.luminance() / light.pdf_w);
     direct * (weight / light.pdf_w)
 }
 

@@ -8,7 +8,7 @@ use crate::bsdf::{Bsdf, Scatter, Transport};
 use crate::geometry::Surface;
 use crate::light::{Emission, Targets};
 use crate::math::Rgb;
-use crate::ray::Ray;
+use crate::ray::{Hit, Ray};
 use crate::sampler::Sampler;
 use crate::scene::{Line, Scene};
 pub use focused::{Focused, focused};
@@ -142,22 +142,32 @@ impl<'a> LightWalk<'a> {
     }
 
     /// Follow the path to the next surface.
+    #[inline]
     pub fn next_vertex(&mut self) -> Option<LightVertex<'a>> {
+        let found = self.next_hit()?;
+        Some(self.vertex(&found))
+    }
+
+    /// The hit of the next segment, without regard to media, and the ray that found it.
+    #[inline]
+    fn next_hit(&mut self) -> Option<(Ray, Hit)> {
         if self.power.is_black() {
             return None;
         }
         self.sampler.jump_to(EMISSION_DIMENSIONS + self.met * VERTEX_DIMENSIONS);
-        let (surface, _) = self.intersect(f32::INFINITY)?;
-        Some(self.vertex(surface))
+        self.intersect(f32::INFINITY)
     }
 
-    /// The next surface, and its distance, if it is nearer than `tmax`.
-    fn intersect(&mut self, tmax: f32) -> Option<(Surface, f32)> {
+    /// The first hit of the next segment before `tmax`, and the ray that found it.
+    #[inline]
+    fn intersect(&mut self, tmax: f32) -> Option<(Ray, Hit)> {
         self.scene.intersect_behind(&mut self.line, self.ray, self.left, tmax)
     }
 
-    /// The vertex at `surface`, which the path has reached.
-    fn vertex(&self, surface: Surface) -> LightVertex<'a> {
+    /// The vertex at a hit.
+    #[inline(always)]
+    fn vertex(&self, (ray, hit): &(Ray, Hit)) -> LightVertex<'a> {
+        let surface = self.scene.surface(ray, hit);
         let wo = -self.ray.d;
         let bsdf = self.scene.bsdf(&surface, wo, Transport::Power);
         let LightWalk { power, depth, non_delta, after_delta, medium, .. } = *self;

@@ -35,8 +35,8 @@ impl Learned {
         self.tree.learn_from_samples(learns);
         let tree = &self.tree;
         film.add_pass(|pixel| {
-            let walk = EyeWalk::through_pixel(setting, limits, pixel, index);
-            let mut walk = walk.choosing_lights(Some(tree));
+            let mut walk = EyeWalk::through_pixel(setting, limits, pixel, index);
+            walk.choose_lights_by(Some(tree));
             while let Some(v) = &walk.next_vertex() {
                 walk.add_emitted(v);
                 walk.add_direct(v);

@@ -23,8 +23,8 @@ impl<'a> Lightcuts<'a> {
         index: u32,
         corners: impl Fn(&EyeVertex) -> Option<Corners<'s>>,
     ) -> PixelSample {
-        let walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
-        let mut walk = self.in_media(walk);
+        let mut walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
+        self.use_media(&mut walk);
         while let Some(event) = &walk.next_event() {
             let goes_on = match event {
                 EyeEvent::Surface(v) => {
@@ -46,9 +46,11 @@ impl<'a> Lightcuts<'a> {
         walk.sample()
     }
 
-    /// The same path, but media attenuate and scatter it, if the scene has any and the method simulates them.
-    pub(crate) fn in_media(&self, walk: EyeWalk<'a>) -> EyeWalk<'a> {
-        if self.view().is_in_media() { walk.through_media(self.camera_medium) } else { walk }
+    /// Let media attenuate and scatter the path, if the scene has any and the method simulates them.
+    pub(crate) fn use_media(&self, walk: &mut EyeWalk<'a>) {
+        if self.view().is_in_media() {
+            walk.use_media(self.camera_medium);
+        }
     }
 
     /// A medium scatters the path: the lights on light sources illuminate the point, and the path continues for all other light.

@@ -130,12 +130,10 @@ impl<'a> View<'_, 'a> {
     ) -> Option<T> {
         let Setting { scene, camera, seed, .. } = *self.setting;
         let start = GatherRay { ray: camera.ray(film, [0.5; 2]), segments: 1, length: 0.0 };
-        let walk = EyeWalk::along(scene, self.params.limits, start, Sampler::new(seed, 0, 0));
-        let mut walk = if self.is_in_media() {
-            walk.through_media(self.setting.camera_medium())
-        } else {
-            walk
-        };
+        let mut walk = EyeWalk::along(scene, self.params.limits, start, Sampler::new(seed, 0, 0));
+        if self.is_in_media() {
+            walk.use_media(self.setting.camera_medium());
+        }
         while let Some(v) = &walk.next_vertex() {
             if let Some(bsdf) = v.bsdf.broad(v.wo, MIN_ROUGHNESS) {
                 let path = PathState { segments: 1, non_delta: 0, medium: v.medium };

@@ -168,16 +168,17 @@ impl<'a> PathTracer<'a> {
     /// direction.
     #[inline]
     fn path(&self, pixel: [usize; 2], index: u32) -> Sample {
-        let walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
-        let mut walk = walk.choosing_lights(self.light_tree);
+        let mut walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
+        walk.choose_lights_by(self.light_tree);
         walk_on(&mut walk);
         walk.sample()
     }
 
     /// The same in media: a medium may scatter the path before it reaches the next surface [slide 34].
     fn path_in_media(&self, pixel: [usize; 2], index: u32, medium: Option<MediumId>) -> Sample {
-        let walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
-        let mut walk = walk.choosing_lights(self.light_tree).through_media(medium);
+        let mut walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
+        walk.use_media(medium);
+        walk.choose_lights_by(self.light_tree);
         while let Some(event) = &walk.next_event() {
             let continues = match event {
                 EyeEvent::Surface(v) => {

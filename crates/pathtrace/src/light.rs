@@ -58,8 +58,8 @@ impl PathTracer<'_> {
         let scene = self.setting.scene;
         // Each pass is a stream; within a stream, paths are the points of a sequence.
         let sampler = Sampler::new(self.setting.seed ^ 0x6c69_6768, pass, path);
-        let Some(walk) = LightWalk::begin(scene, sampler) else { return };
-        let mut walk = walk.through_media();
+        let Some(mut walk) = LightWalk::begin(scene, sampler) else { return };
+        walk.use_media();
         let roulette = Roulette::ByAlbedo { from: self.params.limits.rr_depth };
         // Seen directly: connect the point on the light itself.
         let emission = *walk.emission();
@@ -79,12 +79,12 @@ impl PathTracer<'_> {
             };
             splats.push(Splat { pixel, non_delta: 0, after_delta: false, power });
         }
-        while let Some(event) = walk.next_event() {
+        while let Some(event) = &walk.next_event() {
             // Segments from the light to here; the connection would be one more.
             if !self.params.limits.goes_on(event.depth() + 1) {
                 return;
             }
-            let goes_on = match &event {
+            let goes_on = match event {
                 LightEvent::Surface(vertex) => {
                     if !vertex.bsdf.is_delta() {
                         self.connect_surface(vertex, filter, walk.sampler(), splats);
@@ -178,7 +178,8 @@ impl PathTracer<'_> {
     /// describe a surface. The eye is in `medium`.
     fn look(&self, pixel: [usize; 2], index: u32, medium: Option<MediumId>) -> Sample {
         let eye_path = || EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
-        let mut straight = eye_path().through_media(medium);
+        let mut straight = eye_path();
+        straight.use_media(medium);
         while let Some(v) = &straight.next_vertex() {
             if !straight.pass_straight(v) {
                 break;

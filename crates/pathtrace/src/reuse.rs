@@ -114,9 +114,9 @@ impl<'a> PathTracer<'a> {
     /// Walk the path of a pixel to its second vertex, or to its end if it has no second vertex that others can use.
     fn member(&self, pixel: [usize; 2], index: u32) -> Member<'a> {
         let walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
-        let walk = walk.choosing_lights(self.light_tree);
         let mut member = Member { walk, first: None, second: None };
         let walk = &mut member.walk;
+        walk.choose_lights_by(self.light_tree);
         let first = loop {
             let Some(v) = walk.next_vertex() else { return member };
             walk.add_emitted(&v);

@@ -104,7 +104,7 @@ impl<'a> Gatherer<'_, 'a> {
         let start = GatherRay { ray, segments: v.segments + 1, length: v.length };
         let mut walk = EyeWalk::along(scene, self.params.limits, start, sampler.clone());
         if self.maps.media.is_some() {
-            walk = walk.through_media(scene.medium_toward(&v.surface, wi, v.medium));
+            walk.use_media(scene.medium_toward(&v.surface, wi, v.medium));
         }
         let mut focused = 0;
         loop {

@@ -80,7 +80,7 @@ impl<'a> Technique<'a> for PhotonMapping<'a> {
             let rays = Rays::of_pixel(&self.setting, pixel, index);
             let mut walk = EyeWalk::through_pixel(&self.setting, self.params.limits, pixel, index);
             if self.maps.media.is_some() {
-                walk = walk.through_media(medium);
+                walk.use_media(medium);
             }
             loop {
                 gatherer.add_medium(&mut walk);

@@ -231,24 +231,26 @@ impl Source<'_> {
                 LightWalk::begin_toward(self.scene, sampler(0x6361_7573), targets)
             }
         };
-        let Some(walk) = walk else { return };
-        let mut walk = if self.media { walk.through_media() } else { walk };
+        let Some(mut walk) = walk else { return };
+        if self.media {
+            walk.use_media();
+        }
         let (start, mut focused) = (walk.emission().p, 0);
-        while let Some(event) = walk.next_event() {
+        while let Some(event) = &walk.next_event() {
             if self.max_segments.is_some_and(|most| event.depth() >= most) {
                 return;
             }
             // Roulette from the first scattering on keeps powers nearly equal [Jensen01, 5.1].
             let roulette = Roulette::ByAlbedo { from: 1 };
-            let goes_on = match &event {
+            let goes_on = match event {
                 LightEvent::Surface(vertex) => match wanted {
                     Wanted::Aimed(targets) => walk.scatter_toward(vertex, roulette, targets),
                     _ => walk.scatter(vertex, roulette),
                 },
                 LightEvent::Medium(vertex) => walk.scatter_within(vertex, roulette),
             };
-            visit(Step { start, event: &event, focused, after: goes_on.then_some(&walk) });
-            if let LightEvent::Surface(vertex) = &event
+            visit(Step { start, event, focused, after: goes_on.then_some(&walk) });
+            if let LightEvent::Surface(vertex) = event
                 && is_near_specular(&vertex.bsdf, vertex.wo)
             {
                 focused += walk.non_delta() - event.non_delta();

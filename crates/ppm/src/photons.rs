@@ -102,18 +102,18 @@ impl Emission {
         };
         let Some(mut walk) = walk else { return };
         let roulette = Roulette::ByAlbedo { from: self.rr_from };
-        while let Some(vertex) = walk.next_vertex() {
+        while let Some(vertex) = &walk.next_vertex() {
             let segments = vertex.depth + 1;
             if self.max_segments.is_some_and(|most| segments > most) {
                 return;
             }
-            if (self.direct || vertex.depth > 0) && gathers(&vertex) {
-                let value = Arrival::at(&vertex, self.paths);
+            if (self.direct || vertex.depth > 0) && gathers(vertex) {
+                let value = Arrival::at(vertex, self.paths);
                 photons.push(Photon { p: vertex.surface.p, value });
             }
             let goes_on = match &self.targets {
-                Some(targets) => walk.scatter_toward(&vertex, roulette, targets),
-                None => walk.scatter(&vertex, roulette),
+                Some(targets) => walk.scatter_toward(vertex, roulette, targets),
+                None => walk.scatter(vertex, roulette),
             };
             if !goes_on {
                 return;

@@ -56,11 +56,13 @@ impl Pilot {
         let (mut met, mut went_on, mut lights) = (0u32, 0u32, 0u32);
         for path in 0..PILOT_PATHS {
             let sampler = Sampler::new(seed ^ SALT ^ 0x0070_696c, 1, path);
-            let Some(walk) = LightWalk::begin(scene, sampler) else { continue };
-            let mut walk = if through_media { walk.through_media() } else { walk };
-            while let Some(event) = walk.next_event() {
+            let Some(mut walk) = LightWalk::begin(scene, sampler) else { continue };
+            if through_media {
+                walk.use_media();
+            }
+            while let Some(event) = &walk.next_event() {
                 met += 1;
-                let goes_on = match &event {
+                let goes_on = match event {
                     LightEvent::Surface(v) => {
                         lights += u32::from(!v.bsdf.is_delta());
                         walk.scatter(v, Roulette::ByAlbedo { from: 1 })
@@ -132,8 +134,10 @@ impl Shooting {
     fn walk(&self, scene: &Scene, path: u32, chunk: &mut Chunk) {
         // The paths of all sets are consecutive points of one sequence.
         let sampler = Sampler::new(self.seed ^ SALT, 0, self.first_path.wrapping_add(path));
-        let Some(walk) = LightWalk::begin(scene, sampler) else { return };
-        let mut walk = if self.through_media { walk.through_media() } else { walk };
+        let Some(mut walk) = LightWalk::begin(scene, sampler) else { return };
+        if self.through_media {
+            walk.use_media();
+        }
         let paths = self.paths as f32;
         chunk.emitted += walk.emission().power / paths;
         if self.lights {
@@ -142,10 +146,10 @@ impl Shooting {
         let mut scatterings = 0;
         // The light at a vertex scatters there once: a path with j scatterings leaves a light of depth j + 1.
         while self.max_scatterings.is_none_or(|most| scatterings < most) {
-            let Some(event) = walk.next_event() else { return };
+            let Some(event) = &walk.next_event() else { return };
             scatterings = event.depth() + 1;
             let roulette = self.roulette(path, scatterings);
-            let goes_on = match &event {
+            let goes_on = match event {
                 LightEvent::Surface(vertex) => {
                     chunk.arrived += vertex.power / paths;
                     if !vertex.bsdf.is_delta() {

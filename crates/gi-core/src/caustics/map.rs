@@ -151,14 +151,14 @@ impl Map {
 
 /// Follow a path over delta lobes, and store a photon at each surface that also has other lobes.
 fn leave_photons(mut walk: LightWalk, paths: f32, photons: &mut Vec<Photon>) {
-    while let Some(vertex) = walk.next_vertex() {
+    while let Some(vertex) = &walk.next_vertex() {
         if vertex.non_delta > 0 || vertex.depth >= MOST_MET {
             return;
         }
         if !vertex.bsdf.is_delta() && vertex.depth > 0 {
-            photons.push(Photon::at(&vertex, paths));
+            photons.push(Photon::at(vertex, paths));
         }
-        if !walk.scatter(&vertex, Roulette::ByAlbedo { from: 4 }) || walk.non_delta() > 0 {
+        if !walk.scatter(vertex, Roulette::ByAlbedo { from: 4 }) || walk.non_delta() > 0 {
             return;
         }
     }

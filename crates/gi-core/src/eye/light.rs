@@ -1,7 +1,5 @@
 //! The light that the eye walk adds up.
 
-use std::borrow::Cow;
-
 use super::{Covers, Estimate, EyeVertex, EyeWalk};
 use crate::bsdf::Bsdf;
 use crate::film::Show;
@@ -78,16 +76,24 @@ impl<'a> EyeWalk<'a> {
         if v.is_last {
             return;
         }
-        let Some(bsdf) = self.left_for_lights(&v.bsdf) else { return };
+        let narrow;
+        let bsdf = match self.left_for_lights(&v.bsdf) {
+            SampledLobes::All => &v.bsdf,
+            SampledLobes::Narrow(min_roughness) => {
+                narrow = v.bsdf.with_broad(min_roughness, Rgb::BLACK);
+                &narrow
+            }
+            SampledLobes::None => return,
+        };
         if !self.wants_direct() || v.remainder.is_black() {
             return self.sampler.skip();
         }
         let at = self.vantage(v);
         let direct = if self.knows_media {
             let place = (&at, &v.surface, self.medium);
-            direct_light_through_media(self.scene, place, &bsdf, v.wo, &mut self.sampler)
+            direct_light_through_media(self.scene, place, bsdf, v.wo, &mut self.sampler)
         } else {
-            direct_light(self.scene, (&at, &v.surface), &bsdf, v.wo, &mut self.sampler)
+            direct_light(self.scene, (&at, &v.surface), bsdf, v.wo, &mut self.sampler)
         };
         *self.sample.radiance.of_path(self.non_delta + 1, false) += v.throughput * direct;
     }
@@ -112,7 +118,7 @@ impl<'a> EyeWalk<'a> {
     /// For walks that do not collect light: skip the random numbers that [`EyeWalk::add_direct`] would draw.
     #[inline]
     pub fn skip_direct(&mut self, v: &EyeVertex<'a>) {
-        if !v.is_last && self.left_for_lights(&v.bsdf).is_some() {
+        if !v.is_last && !matches!(self.left_for_lights(&v.bsdf), SampledLobes::None) {
             self.sampler.skip();
         }
     }
@@ -130,15 +136,23 @@ impl<'a> EyeWalk<'a> {
 
     /// The part of `bsdf` for which the estimate does not include light straight from light sources.
     #[inline]
-    fn left_for_lights<'b>(&self, bsdf: &'b Bsdf<'a>) -> Option<Cow<'b, Bsdf<'a>>> {
+    fn left_for_lights(&self, bsdf: &Bsdf) -> SampledLobes {
         match self.estimate {
             Some(Estimate { direct: Some(_), covers, .. }) => match covers {
                 Covers::Visible { min_roughness, .. } if bsdf.is_sharp(min_roughness) => {
-                    Some(Cow::Owned(bsdf.with_broad(min_roughness, Rgb::BLACK)))
+                    SampledLobes::Narrow(min_roughness)
                 }
-                _ => None,
+                _ => SampledLobes::None,
             },
-            _ => Some(Cow::Borrowed(bsdf)),
+            _ => SampledLobes::All,
         }
     }
+}
+
+/// The lobes of a BSDF that light is sampled for.
+enum SampledLobes {
+    All,
+    /// Lobes that are narrower than this roughness.
+    Narrow(f32),
+    None,
 }

@@ -83,13 +83,12 @@ struct FreeFlight {
 }
 
 impl<'a> EyeWalk<'a> {
-    /// The same path, but media attenuate and scatter it. `medium` is the one in which it starts
+    /// Let media attenuate and scatter the path. `medium` is the one in which it starts
     /// ([`crate::technique::Setting::camera_medium`]).
     #[inline]
-    pub fn through_media(mut self, medium: Option<MediumId>) -> Self {
+    pub fn use_media(&mut self, medium: Option<MediumId>) {
         self.knows_media = true;
         self.medium = medium;
-        self
     }
 
     /// Follow the path to the next surface, or to the point where a medium scatters it.

@@ -97,7 +97,7 @@ pub struct EyeWalk<'a> {
     /// Length so far, world units, and at the start of the path.
     length: f32,
     start_length: f32,
-    /// Whether media scatter the path ([`EyeWalk::through_media`]).
+    /// Whether media scatter the path ([`EyeWalk::use_media`]).
     knows_media: bool,
     /// The medium that the next segment starts in.
     medium: Option<MediumId>,
@@ -250,7 +250,7 @@ impl<'a> EyeWalk<'a> {
             self.throughput *= v.remainder;
             self.non_delta += 1;
             self.last = Some(LastScattering { at: self.vantage(v), pdf_w: scatter.pdf_w });
-            self.remainder = Remainder::after(self.estimate.as_ref(), v, scatter.wi);
+            self.remainder.after_scattering(self.estimate.as_ref(), v, scatter.wi);
         }
     }
 

@@ -29,10 +29,21 @@ impl Remainder {
     /// An estimate has accounted for the light of sources that the last vertex sees.
     pub(super) const WITHOUT_DIRECT: Remainder = Remainder { direct: Rgb::BLACK, ..Self::ALL };
 
-    /// The remainder after a scattering at `v` toward `wi`, not by a delta lobe.
-    #[inline]
-    pub(super) fn after(estimate: Option<&Estimate>, v: &EyeVertex, wi: Vec3) -> Self {
-        let Some(estimate) = estimate else { return Self::ALL };
+    /// Replace this remainder by that after a scattering at `v` toward `wi`, not by a delta lobe.
+    #[inline(always)]
+    pub(super) fn after_scattering(
+        &mut self,
+        estimate: Option<&Estimate>,
+        v: &EyeVertex,
+        wi: Vec3,
+    ) {
+        match estimate {
+            None => *self = Self::ALL,
+            Some(estimate) => *self = Self::after(estimate, v, wi),
+        }
+    }
+
+    fn after(estimate: &Estimate, v: &EyeVertex, wi: Vec3) -> Self {
         let left = |part: Option<Rgb>| match estimate.covers {
             _ if part.is_none() => Rgb::WHITE,
             Covers::Visible { min_roughness, .. } => {

@@ -92,7 +92,7 @@ impl<'a> SourceRays<'a> {
     fn sources_on(&self, mut walk: EyeWalk) -> Rgb {
         walk.is_described = true;
         if let Some(medium) = self.media {
-            walk = walk.through_media(medium);
+            walk.use_media(medium);
         }
         while walk.has_source_ahead() {
             let Some(v) = &walk.next_vertex() else { break };

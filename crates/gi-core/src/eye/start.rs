@@ -94,11 +94,10 @@ impl<'a> EyeWalk<'a> {
         walk
     }
 
-    /// The same path, but light samples are chosen by this tree, or by power without one.
+    /// Choose light samples by this tree, or by power without one.
     #[inline]
-    pub fn choosing_lights(mut self, tree: Option<&'a LightTree>) -> Self {
+    pub fn choose_lights_by(&mut self, tree: Option<&'a LightTree>) {
         self.light_tree = tree;
-        self
     }
 
     #[inline(always)]

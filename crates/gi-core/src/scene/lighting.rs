@@ -80,9 +80,11 @@ impl Scene {
     pub(crate) fn aim_at_light(&self, at: &Vantage, u: [f32; 2]) -> Option<LightSample> {
         let (light, probability, u0) = self.lights.choose_for(at, u)?;
         let emission = |s, k, point: &EmitterPoint| self.emission_at(s, k, point);
-        let mut sample = self.lights.sample_light(light, at.p, [u0, u[1]], emission)?;
-        sample.pdf_w *= probability;
-        Some(sample)
+        let mut sample = self.lights.sample_light(light, at.p, [u0, u[1]], emission);
+        if let Some(sample) = &mut sample {
+            sample.pdf_w *= probability;
+        }
+        sample
     }
 
     /// Factor on the radiance of a sample from [`Scene::aim_at_light`].

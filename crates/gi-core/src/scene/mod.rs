@@ -142,8 +142,8 @@ impl Scene {
         Some((self.surface(ray, &hit), hit.t))
     }
 
-    /// The first surface point before `tmax` along a ray that continues `line` and leaves the flat primitive `left`. The
-    /// ray cannot hit that primitive again, but rounding makes it seem so for slivers.
+    /// The first hit before `tmax` along a ray that continues `line` and leaves the flat primitive `left`. The ray cannot hit that
+    /// primitive again, but rounding makes it seem so for slivers. Also returns the ray that found the hit.
     #[inline]
     pub(crate) fn intersect_behind(
         &self,
@@ -151,13 +151,13 @@ impl Scene {
         mut ray: Ray,
         left: Option<u32>,
         tmax: f32,
-    ) -> Option<(Surface, f32)> {
+    ) -> Option<(Ray, Hit)> {
         let mut hit = self.closest_on(line, &ray, tmax)?;
         while Some(hit.prim) == left {
             ray = self.tree.beyond(&ray, hit.t);
             hit = self.closest_on(line, &ray, tmax)?;
         }
-        Some((self.surface(&ray, &hit), hit.t))
+        Some((ray, hit))
     }
 
     /// The ray that leaves `surface` along `d`. Its origin is offset from the surface.

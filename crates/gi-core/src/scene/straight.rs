@@ -102,7 +102,12 @@ impl Scene {
     #[inline(always)]
     pub(crate) fn closest_on(&self, line: &mut Line, ray: &Ray, tmax: f32) -> Option<Hit> {
         if line.crossed < FEW {
-            self.tree.closest(&Ray { tmax, ..*ray })
+            // Nearly all rays keep their end, and need no copy. A copy would wait until the stores of the ray have reached the cache.
+            if tmax == ray.tmax {
+                self.tree.closest(ray)
+            } else {
+                self.tree.closest(&Ray { tmax, ..*ray })
+            }
         } else {
             line.next(&self.tree, ray, tmax)
         }

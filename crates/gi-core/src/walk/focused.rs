@@ -41,7 +41,7 @@ pub fn focused(scene: &Scene, seed: u32) -> Focused {
             continue;
         };
         let light = &scene.lights().all()[walk.emission().light as usize];
-        while let Some(vertex) = walk.next_vertex() {
+        while let Some(vertex) = &walk.next_vertex() {
             if !vertex.bsdf.is_delta() {
                 let power = vertex.power.luminance();
                 all += power;
@@ -52,7 +52,7 @@ pub fn focused(scene: &Scene, seed: u32) -> Focused {
                 }
                 break;
             }
-            if vertex.depth >= MOST_MET || !walk.scatter(&vertex, Roulette::ByAlbedo { from: 4 }) {
+            if vertex.depth >= MOST_MET || !walk.scatter(vertex, Roulette::ByAlbedo { from: 4 }) {
                 break;
             }
         }

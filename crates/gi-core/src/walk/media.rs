@@ -78,33 +78,39 @@ pub struct MediumVertex {
 }
 
 impl<'a> LightWalk<'a> {
-    /// The same path, but media attenuate and scatter it. Walk it with [`LightWalk::next_event`].
-    pub fn through_media(mut self) -> Self {
+    /// Let the media of the scene, if it has any, attenuate and scatter the path. Walk it with [`LightWalk::next_event`].
+    #[inline]
+    pub fn use_media(&mut self) {
         self.media = self.scene.has_media();
         self.medium = self.scene.medium_round_light(self.emission.light as usize);
-        self
     }
 
     /// Follow the path to the next surface, or to the point where a medium scatters it. In a scene with media, the
     /// technique may use one sampler dimension less per vertex.
+    #[inline]
     pub fn next_event(&mut self) -> Option<LightEvent<'a>> {
-        if !self.media {
-            return self.next_vertex().map(LightEvent::Surface);
+        if self.media {
+            return self.next_event_in_media();
         }
+        let found = self.next_hit()?;
+        Some(LightEvent::Surface(self.vertex(&found)))
+    }
+
+    fn next_event_in_media(&mut self) -> Option<LightEvent<'a>> {
         if self.power.is_black() {
             return None;
         }
         self.sampler.jump_to(EMISSION_DIMENSIONS + self.met * VERTEX_DIMENSIONS);
         let u = self.sampler.next_2d();
         let Some(index) = self.medium else {
-            let (surface, _) = self.intersect(f32::INFINITY)?;
-            return Some(LightEvent::Surface(self.vertex(surface)));
+            let found = self.intersect(f32::INFINITY)?;
+            return Some(LightEvent::Surface(self.vertex(&found)));
         };
         // No surface beyond the point of scattering is needed.
         let medium = self.scene.medium(index);
         let t = medium.distance(self.power, u);
         let met = self.intersect(t);
-        let reach = met.as_ref().map_or(f32::INFINITY, |(_, t)| *t);
+        let reach = met.as_ref().map_or(f32::INFINITY, |(_, hit)| hit.t);
         let line = (self.ray.o, self.ray.d);
         match (medium.flight_along(line, (t, reach), self.power, u), met) {
             (Flight::Scattered { t, weight }, _) => {
@@ -115,9 +121,9 @@ impl<'a> LightWalk<'a> {
                     MediumVertex { p, wo, medium, power, depth, non_delta, after_delta, left };
                 Some(LightEvent::Medium(vertex))
             }
-            (Flight::Passed { weight }, Some((surface, _))) => {
+            (Flight::Passed { weight }, Some(found)) => {
                 self.power *= weight;
-                Some(LightEvent::Surface(self.vertex(surface)))
+                Some(LightEvent::Surface(self.vertex(&found)))
             }
             (Flight::Passed { .. }, None) => None,
         }

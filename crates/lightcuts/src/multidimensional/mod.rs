@@ -136,8 +136,8 @@ impl<'a> Lightcuts<'a> {
                 at
             };
             let limits = self.params.limits;
-            let walk = EyeWalk::through_pixel_at(&self.setting, limits, pixel, number, place);
-            let mut walk = self.in_media(walk);
+            let mut walk = EyeWalk::through_pixel_at(&self.setting, limits, pixel, number, place);
+            self.use_media(&mut walk);
             while let Some(event) = &walk.next_event() {
                 let points = &mut paths.points;
                 let goes_on = match event {

@@ -61,8 +61,8 @@ impl<'a> Bidirectional<'a> {
         let number = (pixel[1] * self.setting.camera.size()[0] + pixel[0]) as u32;
         // Path and pixel have the same number, if there are enough paths.
         let light_path = paths.light.path(number % self.light_paths);
-        let walk = EyeWalk::through_pixel(&self.setting, self.limits, pixel, index);
-        let mut walk = walk.through_media(self.camera_medium);
+        let mut walk = EyeWalk::through_pixel(&self.setting, self.limits, pixel, index);
+        walk.use_media(self.camera_medium);
         let mut trail = Trail::new(walk.segment().o);
         while let Some(event) = &walk.next_event() {
             let (site, wo) = site_of(event);

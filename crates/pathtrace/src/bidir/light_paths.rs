@@ -194,20 +194,19 @@ impl<'a> Bidirectional<'a> {
     /// Walk one light path. Connect its vertices with the camera, and keep them.
     fn light_path(&self, pass: u32, path: u32, filter: &FilterTable, left: &mut Vec<LightVertex>) {
         let scene = self.setting.scene;
-        let Some(walk) = LightWalk::begin(scene, light_sampler(&self.setting, pass, path)) else {
-            return;
-        };
-        let mut walk = walk.through_media();
+        let sampler = light_sampler(&self.setting, pass, path);
+        let Some(mut walk) = LightWalk::begin(scene, sampler) else { return };
+        walk.use_media();
         let roulette = Roulette::ByAlbedo { from: self.limits.rr_depth };
         let emission = *walk.emission();
         let mut trail = Trail::new(emission.p);
-        while let Some(event) = walk.next_event() {
+        while let Some(event) = &walk.next_event() {
             let (depth, p) = (event.depth(), event.p());
             // Segments from the light to here; a connection would be one more.
             if !self.limits.goes_on(depth + 1) {
                 return;
             }
-            let (site, wo, carried) = match &event {
+            let (site, wo, carried) = match event {
                 LightEvent::Surface(v) => {
                     let (surface, bsdf, medium) = (&v.surface, &v.bsdf, v.medium);
                     (Site::Surface { surface, bsdf, medium }, v.wo, v.power)
@@ -231,9 +230,9 @@ impl<'a> Bidirectional<'a> {
             };
             if vertex.connects() {
                 let splat = self.connect_camera(&vertex, filter, walk.sampler());
-                left.push(keep(path, &event, &vertex, splat));
+                left.push(keep(path, event, &vertex, splat));
             }
-            let goes_on = match &event {
+            let goes_on = match event {
                 LightEvent::Surface(v) => walk.scatter(v, roulette),
                 LightEvent::Medium(v) => walk.scatter_within(v, roulette),
             };

@@ -56,8 +56,8 @@ fn automatic_radius(setting: &Setting, limits: PathLimits) -> f32 {
 
 /// Width of a pixel at the first surface where its path can be merged, world units.
 fn pixel_width(setting: &Setting, limits: PathLimits, pixel: [usize; 2]) -> Option<f32> {
-    let walk = EyeWalk::through_pixel(setting, limits, pixel, PILOT);
-    let mut walk = walk.through_media(setting.camera_medium());
+    let mut walk = EyeWalk::through_pixel(setting, limits, pixel, PILOT);
+    walk.use_media(setting.camera_medium());
     while let Some(event) = &walk.next_event() {
         let goes_on = match event {
             EyeEvent::Surface(v) if !v.bsdf.is_delta() => {
@@ -79,17 +79,16 @@ fn light_paths(setting: &Setting, params: &Params) -> u32 {
     let pixels = setting.camera.size().iter().product::<usize>() as u32;
     let scene = setting.scene;
     let vertices = walk_in_order(PILOT_PATHS.min(pixels), CHUNK, |path, left: &mut Vec<()>| {
-        let Some(walk) = LightWalk::begin(scene, light_sampler(setting, PILOT, path)) else {
-            return;
-        };
-        let mut walk = walk.through_media();
+        let sampler = light_sampler(setting, PILOT, path);
+        let Some(mut walk) = LightWalk::begin(scene, sampler) else { return };
+        walk.use_media();
         let roulette = Roulette::ByAlbedo { from: params.limits.rr_depth };
-        while let Some(event) = walk.next_event() {
+        while let Some(event) = &walk.next_event() {
             if !params.limits.goes_on(event.depth() + 1) {
                 return;
             }
             left.push(());
-            let goes_on = match &event {
+            let goes_on = match event {
                 LightEvent::Surface(v) => walk.scatter(v, roulette),
                 LightEvent::Medium(v) => walk.scatter_within(v, roulette),
             };

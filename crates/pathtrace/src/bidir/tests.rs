@@ -211,8 +211,8 @@ fn paths(of: &Bidirectional, index: u32, mut take: impl FnMut(&Path)) {
     let (scene, mut rng) = (of.setting.scene, Pcg::new(3, u64::from(index)));
     let [w, h] = of.setting.camera.size();
     let pixel = [rng.next_below(w as u32) as usize, rng.next_below(h as u32) as usize];
-    let mut walk = EyeWalk::through_pixel(&of.setting, of.limits, pixel, index)
-        .through_media(of.camera_medium);
+    let mut walk = EyeWalk::through_pixel(&of.setting, of.limits, pixel, index);
+    walk.use_media(of.camera_medium);
     let (lens, mut points, mut delta) = (walk.segment().o, Vec::new(), Vec::new());
     while let Some(event) = &walk.next_event() {
         let before = walk.segments();
