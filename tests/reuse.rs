@@ -77,7 +77,7 @@ fn columns(film: &Film) -> Vec<f64> {
     (0..layers.width).map(|x| column(x) / layers.height as f64).collect()
 }
 
-/// A blind whose slats are turned to the left and to the right in turn. Neighbouring pixels see slats, and walls that see the slats from
+/// A blind whose slats are turned to the left and to the right alternately. Neighbouring pixels see slats, and walls that see the slats from
 /// behind. What reaches one of these points is often hidden from the next.
 fn blind(slats: [&str; 2]) -> String {
     let slat = |k: usize| {

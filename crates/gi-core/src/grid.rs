@@ -14,7 +14,7 @@ use std::ops::Range;
 use glam::{IVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::math::{Bounds, floor_i32};
+use crate::math::{Bounds, floor_ivec3};
 pub use radius::probabilistic_radius;
 
 /// A point and what is stored there.
@@ -224,8 +224,7 @@ impl<T: Copy + Default + Send + Sync> Grid<T> {
     /// The cell that contains a point; its coordinates are outside the grid if the point is outside the box.
     #[inline]
     fn cell_at(&self, p: Vec3) -> IVec3 {
-        let q = (p - self.origin) * self.inverse_cell;
-        IVec3::new(floor_i32(q.x), floor_i32(q.y), floor_i32(q.z))
+        floor_ivec3((p - self.origin) * self.inverse_cell)
     }
 
     /// The cell of a point.
@@ -246,7 +245,7 @@ fn bounds<T: Sync>(chunks: &[Vec<Item<T>>]) -> Bounds {
 fn cells(bounds: Bounds, cell: f32) -> (f32, IVec3) {
     let extent = bounds.extent();
     let cell = cell.max(extent.max_element() / MOST_CELLS).max(f32::MIN_POSITIVE);
-    (cell, (extent / cell).floor().as_ivec3())
+    (cell, floor_ivec3(extent / cell))
 }
 
 #[cfg(test)]

@@ -122,7 +122,7 @@ impl<'a> View<'_, 'a> {
         self.at_film([x as f32 + 0.5, y as f32 + 0.5], look)
     }
 
-    /// The same for a film position. Surfaces that let all light pass straight through are skipped.
+    /// The same at a film position. Surfaces that let all light pass straight through are skipped.
     pub(crate) fn at_film<T>(
         &self,
         film: [f32; 2],

@@ -10,9 +10,9 @@
 //! ```
 //!
 //! This is the balance heuristic over all paths of the group that can reach y ([Veach97, 9.2.2]), so it is unbiased for any group.
-//! A path has density 0 if y is hidden from its first point, or if the BSDF there is black for the direction of y, so that the path would
-//! end. If Russian roulette may end path k before y_k, its contributions are divided by the probability of survival. Directions that are
-//! sampled at y are weighted in the same way.
+//! A path has density 0 if its first point does not see y. It also has density 0 if the BSDF at its first point is black for the
+//! direction of y, because the path would end. If Russian roulette may end path k before y_k, its contributions are divided by the
+//! probability of survival. Directions that are sampled at y are weighted in the same way.
 //!
 //! Only paths that meet the same BSDF at y are linked: those from the same side that see the same bent normals.
 //!
@@ -28,8 +28,8 @@ use glam::Vec3;
 
 use super::{PathTracer, walk_on};
 
-/// Groups are chosen at random from squares of this side in pixels, which shift from pass to pass. With 4 instead of 8, the error was 2 % less
-/// in one of four scenes and 11 to 15 % more in the others, because pixels have the same partners more often.
+/// Side of the squares that groups are chosen from at random, in pixels. The squares shift from pass to pass. In smaller squares, pixels
+/// have the same partners more often: with 4 instead of 8, the error was 11 to 15 % more in three scenes, and 2 % less in one.
 const SQUARE: usize = 8;
 /// Largest number of pixels in a group.
 pub(crate) const LARGEST_GROUP: u32 = 16;
@@ -222,9 +222,7 @@ impl<'a> PathTracer<'a> {
         }
         let found = walk.restart(Rgb::BLACK, own).all();
         let radiance = found.zip(all, |found, all| if all > 0.0 { found / all } else { 0.0 });
-        for link in links {
-            shared[link.member] += link.scattered * (radiance / pdf_w);
-        }
+        share(links, radiance / pdf_w, shared);
     }
 
     /// Sample a light at `y` for all pixels.
@@ -243,9 +241,7 @@ impl<'a> PathTracer<'a> {
         let weight = if light.delta { 1.0 } else { power_heuristic(light.pdf_w, pdf_w) };
         let arriving =
             arriving_light(self.setting.scene, &y.surface, &light) * (weight / light.pdf_w);
-        for link in links {
-            shared[link.member] += link.scattered * arriving;
-        }
+        share(links, arriving, shared);
     }
 }
 
@@ -253,6 +249,13 @@ impl<'a> PathTracer<'a> {
 #[inline(never)]
 fn finish(walk: &mut EyeWalk) {
     walk_on(walk);
+}
+
+/// Add to the pixels the light that arrives at the second vertex from the direction of the last [`weigh`], divided by its density.
+fn share(links: &[Link], arriving: Rgb, shared: &mut [Rgb]) {
+    for link in links {
+        shared[link.member] += link.scattered * arriving;
+    }
 }
 
 /// Evaluate the BSDF at `y` for light from `wi` along all links. Returns the mean density of `wi` per solid angle, weighted by the

@@ -15,8 +15,8 @@ use crate::ray::{Hit, Ray};
 use triangles::{shear, triangles_fma, triangles_sse2};
 
 /// The origin or the direction of a ray, loaded one coordinate at a time: the loads are volatile, so that the compiler does not
-/// combine them. Callers have just stored the coordinates one by one. A load of several would wait until these stores have reached
-/// the cache.
+/// combine them. Callers have just stored the coordinates one by one. The processor forwards each store to a load of the same
+/// coordinate. A load of several would stall until the stores have reached the cache.
 #[inline]
 fn coordinates(v: &Vec3) -> [f32; 3] {
     // SAFETY: the references are valid.

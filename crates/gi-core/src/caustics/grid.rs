@@ -2,7 +2,7 @@
 
 use glam::{IVec3, Vec3};
 
-use crate::math::floor_i32;
+use crate::math::floor_ivec3;
 
 /// Photons sorted by the hash of the cell that contains them.
 pub(super) struct Grid {
@@ -34,8 +34,7 @@ impl Grid {
 
     /// The cell that contains a point.
     pub(super) fn cell_of(&self, p: Vec3) -> IVec3 {
-        let q = p / self.cell;
-        IVec3::new(floor_i32(q.x), floor_i32(q.y), floor_i32(q.z))
+        floor_ivec3(p / self.cell)
     }
 
     /// The bucket of a cell. Several cells may share one.

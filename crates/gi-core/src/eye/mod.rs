@@ -196,8 +196,8 @@ impl<'a> EyeWalk<'a> {
         (!v.is_last || scatter.null).then_some((scatter, u_roulette))
     }
 
-    /// Continue in the direction of `scatter`, unless it carries no light or Russian roulette ends the path: the second half of
-    /// [`EyeWalk::scatter`]. Returns the probability with which the path survived roulette; `None` if it has ended.
+    /// Continue in the direction of `scatter`: the second half of [`EyeWalk::scatter`]. Returns the probability with which the path
+    /// survived Russian roulette. Returns `None` if the path has ended, because of roulette or because it carries no light.
     #[inline(always)]
     pub fn follow(&mut self, v: &EyeVertex<'a>, scatter: &Scatter, u_roulette: f32) -> Option<f32> {
         self.throughput *= scatter.weight;

@@ -11,6 +11,8 @@ pub use gi_bvh::Bounds;
 pub use rgb::Rgb;
 pub use trig::{sin_cos_eighth, sin_cos_turns};
 
+use glam::{IVec3, Vec3};
+
 /// 1 / pi.
 pub const INV_PI: f32 = std::f32::consts::FRAC_1_PI;
 
@@ -32,6 +34,12 @@ pub fn one_minus_cos(angle: f32) -> f32 {
 pub fn floor_i32(x: f32) -> i32 {
     let toward_zero = x as i32;
     toward_zero.saturating_sub(i32::from(toward_zero as f32 > x))
+}
+
+/// [`floor_i32`] of each coordinate.
+#[inline]
+pub fn floor_ivec3(v: Vec3) -> IVec3 {
+    IVec3::new(floor_i32(v.x), floor_i32(v.y), floor_i32(v.z))
 }
 
 /// Square root that treats negative rounding errors as zero.

@@ -102,7 +102,7 @@ impl Scene {
     #[inline(always)]
     pub(crate) fn closest_on(&self, line: &mut Line, ray: &Ray, tmax: f32) -> Option<Hit> {
         if line.crossed < FEW {
-            // Nearly all rays keep their end, and need no copy. A copy would wait until the stores of the ray have reached the cache.
+            // A copy of a ray that was just computed stalls (no store forwarding), and few rays need another end.
             if tmax == ray.tmax {
                 self.tree.closest(ray)
             } else {

@@ -175,7 +175,7 @@ impl Bitmap {
         let p = self.place(uv);
         match self.lookup {
             Lookup::Nearest => {
-                let [(x, _), (y, _)] = [p.x, p.y].map(floor);
+                let (x, y) = (floor_i32(p.x), floor_i32(p.y));
                 self.texel(self.wrapped(x, self.width), self.wrapped(y, self.height))
             }
             Lookup::Bilinear => {
