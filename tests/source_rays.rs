@@ -65,6 +65,10 @@ fn rays_for_light_sources_change_no_mean() {
         ("pavilion.xml", 0.0, Mode::Path, Filter::Box),
         ("cognac.xml", 0.0, Mode::VolPath, Filter::Box),
         ("milk.xml", 0.0, Mode::VolPath, Filter::Tent),
+        ("bulb.xml", 0.0, Mode::Bdpt, Filter::Tent),
+        ("pavilion.xml", 0.0, Mode::Bdpt, Filter::Box),
+        ("cornell-spheres.xml", 0.0, Mode::Vcm, Filter::Tent),
+        ("milk.xml", 0.0, Mode::Vcm, Filter::Box),
     ] {
         let world = World::load_with(scene, [24, 24], &[], |_, camera| {
             if let Projection::Perspective { aperture_radius: radius, focus_distance, .. } =

@@ -205,8 +205,8 @@ fn check_source_rays(common: &Common, params: &impl Parameters) -> Result<(), Fa
     if common.source_rays == 0 || params.can_leave_out_sources() {
         return Ok(());
     }
-    let text = "--source-rays works only if paths from the eye find all light sources in view, as in `pathtrace --mode path` and `--mode volpath`; \
-                use --source-rays 0";
+    let text = "--source-rays works neither with `pathtrace --mode light`, which finds the light sources in view in another way, nor with \
+                `--show strategies`, which shows them too; use --source-rays 0";
     Err(input_error(text.into()))
 }
 

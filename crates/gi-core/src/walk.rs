@@ -14,10 +14,12 @@ use crate::scene::{Line, Scene};
 pub use focused::{Focused, focused};
 pub use media::{LightEvent, MediumVertex};
 pub use photon::{Photon, PhotonKind, shading_correction, walk_in_order};
+pub use projection::{Numbers, ProjectionMap, Start, Trial};
 
 mod focused;
 mod media;
 mod photon;
+mod projection;
 mod toward;
 
 /// A surface point that light has reached.

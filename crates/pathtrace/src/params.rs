@@ -118,7 +118,8 @@ impl Parameters for Params {
     }
 
     fn can_leave_out_sources(&self) -> bool {
-        matches!(self.mode, Mode::Path | Mode::VolPath)
+        // Pictures of the strategies show the sources too.
+        self.mode != Mode::Light && self.figures.is_empty()
     }
 
     fn simulates_varying_media(&self) -> bool {

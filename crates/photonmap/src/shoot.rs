@@ -6,7 +6,7 @@ use gi_core::progress;
 use gi_core::rng::{bits_to_unit, hash_words};
 use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
-use gi_core::walk::{self, LightEvent, LightWalk, Roulette};
+use gi_core::walk::{self, LightEvent, LightWalk, ProjectionMap, Roulette, Start, Trial};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -29,7 +29,7 @@ pub enum Wanted<'a> {
     /// The same, with light from infinity aimed at points that matter; no path is left out.
     Aimed(&'a Targets),
     /// L S+ D: paths aimed at what has delta lobes or nearly such (see `is_near_specular`), stored where they first
-    /// meet a diffuse part [slide 26, right].
+    /// meet a diffuse part [slide 26, right]. They learn where to start; see [`ProjectionMap`].
     Caustic(&'a Targets),
     /// Scattering in media, see [`crate::volume`].
     Volume,
@@ -58,19 +58,41 @@ pub struct Shot {
     pub gave_up: bool,
 }
 
+/// Stream of the random numbers of the caustic map.
+const CAUSTIC: u32 = 0x6361_7573;
 /// Paths that one task walks; photons are joined in the order of the paths.
 const CHUNK: u64 = 4096;
 /// Number of chunks per round. The number of photons is checked after each round. It is fixed, so that results do not depend on
 /// the number of threads.
 const ROUND: u64 = 16;
+/// Number of paths from which the projection map learns. Learning takes one thread; after that, the map is fixed.
+const LEARNED: u64 = 1 << 20;
 /// Minimum and maximum number of paths per wanted photon.
 const FEWEST_PATHS: u64 = 8;
 const MOST_PATHS: u64 = 256;
 
-/// Hits of a chunk of paths, and the number of hits up to the end of each path.
+/// What a chunk of paths has found.
 pub(crate) struct Chunk<T> {
     pub(crate) hits: Vec<T>,
+    /// Number of hits up to the end of each path.
     pub(crate) ends: Vec<u32>,
+    /// Where the paths started, and whether they have hit anything, if they learn from it.
+    pub(crate) trials: Vec<Trial>,
+}
+
+impl<T> Chunk<T> {
+    pub(crate) fn new() -> Self {
+        let ends = Vec::with_capacity(CHUNK as usize);
+        Chunk { hits: Vec::new(), ends, trials: Vec::new() }
+    }
+
+    /// End a path that began at `start`.
+    pub(crate) fn end_path(&mut self, start: Option<Start>) {
+        let before = self.ends.last().copied().unwrap_or(0);
+        let hits = self.hits.len() as u32;
+        self.ends.push(hits);
+        self.trials.extend(start.map(|start| start.result(hits > before)));
+    }
 }
 
 /// Hits in the order of their paths, one list per chunk.
@@ -117,8 +139,13 @@ fn worth(count: usize, hits: usize, emitted: u64) -> u64 {
 }
 
 /// Trace chunks of paths until there are `count` hits or the budget is spent. The path that reaches the number is the last.
-pub(crate) fn collect<T: Send>(count: usize, walk: impl Fn(u64) -> Chunk<T> + Sync) -> Hits<T> {
+/// `walk` traces the chunk with the given number. Paths that start where the map says improve it from round to round.
+pub(crate) fn collect<T: Send>(
+    count: usize,
+    walk: impl Fn(&ProjectionMap, u64) -> Chunk<T> + Sync,
+) -> Hits<T> {
     let (mut chunks, mut hits, mut emitted, mut gave_up) = (Vec::new(), 0, 0u64, false);
+    let mut map = ProjectionMap::default();
     progress::begin("photons stored", count as u64);
     while hits < count {
         if emitted >= worth(count, hits, emitted) {
@@ -126,11 +153,15 @@ pub(crate) fn collect<T: Send>(count: usize, walk: impl Fn(u64) -> Chunk<T> + Sy
             break;
         }
         let first = emitted / CHUNK;
-        let round: Vec<Chunk<T>> = (0..ROUND as usize)
+        let mut round: Vec<Chunk<T>> = (0..ROUND as usize)
             .into_par_iter()
             .with_max_len(1)
-            .map(|chunk| walk(first + chunk as u64))
+            .map(|chunk| walk(&map, first + chunk as u64))
             .collect();
+        if emitted < LEARNED {
+            let trials = round.iter_mut().flat_map(|chunk| std::mem::take(&mut chunk.trials));
+            map.learn(trials.collect());
+        }
         for mut chunk in round {
             if hits >= count {
                 break;
@@ -161,7 +192,8 @@ pub(crate) fn paths(chunk: u64) -> std::ops::Range<u64> {
 impl Source<'_> {
     /// Trace until there are `count` photons. The path that reaches the number is the last.
     pub fn shoot(&self, wanted: Wanted, count: usize) -> Shot {
-        let Hits { chunks, emitted, gave_up } = collect(count, |chunk| self.chunk(wanted, chunk));
+        let Hits { chunks, emitted, gave_up } =
+            collect(count, |map, chunk| self.chunk(wanted, map, chunk));
         Shot { photons: self.pack(chunks, emitted), emitted, gave_up }
     }
 
@@ -190,10 +222,11 @@ impl Source<'_> {
         photons
     }
 
-    fn chunk(&self, wanted: Wanted, chunk: u64) -> Chunk<walk::Photon> {
-        let mut out = Chunk { hits: Vec::new(), ends: Vec::with_capacity(CHUNK as usize) };
+    fn chunk(&self, wanted: Wanted, map: &ProjectionMap, chunk: u64) -> Chunk<walk::Photon> {
+        let mut out = Chunk::new();
         for path in paths(chunk) {
-            self.walk(wanted, path, &mut |Step { event, focused, .. }| {
+            let (start, walk) = self.begin(wanted, path, Some(map));
+            let mut visit = |Step { event, focused, .. }: Step| {
                 let LightEvent::Surface(vertex) = event else { return };
                 let asked_for = match wanted {
                     Wanted::Caustic(_) => {
@@ -210,28 +243,48 @@ impl Source<'_> {
                         out.hits.push(hit);
                     }
                 }
-            });
-            out.ends.push(out.hits.len() as u32);
+            };
+            if let Some(walk) = walk {
+                self.follow(wanted, walk, &mut visit);
+            }
+            out.end_path(start);
         }
         out
     }
 
     /// Trace path number `path` and call `visit` at every vertex.
     pub(crate) fn walk(&self, wanted: Wanted, path: u64, visit: &mut impl FnMut(Step)) {
+        if let (_, Some(walk)) = self.begin(wanted, path, None) {
+            self.follow(wanted, walk, visit);
+        }
+    }
+
+    /// Begin path number `path`; `map` says where paths of the caustic map start. Also returns its choice.
+    fn begin(
+        &self,
+        wanted: Wanted,
+        path: u64,
+        map: Option<&ProjectionMap>,
+    ) -> (Option<Start>, Option<LightWalk<'_>>) {
         // Each map has its own stream. Within a stream, paths are the points of a sequence.
         let sampler =
             |stream: u32| Sampler::new(self.seed ^ stream, (path >> 32) as u32, path as u32);
-        let walk = match wanted {
-            Wanted::Global => LightWalk::begin(self.scene, sampler(0x676c_6f62)),
-            Wanted::Volume => LightWalk::begin(self.scene, sampler(0x766f_6c75)),
-            Wanted::Aimed(targets) => {
-                LightWalk::begin_toward(self.scene, sampler(0x676c_6f62), targets)
+        let (scene, toward) = (self.scene, LightWalk::begin_toward);
+        match (wanted, map) {
+            (Wanted::Global, _) => (None, LightWalk::begin(scene, sampler(0x676c_6f62))),
+            (Wanted::Volume, _) => (None, LightWalk::begin(scene, sampler(0x766f_6c75))),
+            (Wanted::Aimed(targets), _) => (None, toward(scene, sampler(0x676c_6f62), targets)),
+            (Wanted::Caustic(targets), None) => (None, toward(scene, sampler(CAUSTIC), targets)),
+            (Wanted::Caustic(targets), Some(map)) => {
+                let (start, walk) =
+                    LightWalk::begin_projected(scene, sampler(CAUSTIC), targets, map);
+                (Some(start), walk)
             }
-            Wanted::Caustic(targets) => {
-                LightWalk::begin_toward(self.scene, sampler(0x6361_7573), targets)
-            }
-        };
-        let Some(mut walk) = walk else { return };
+        }
+    }
+
+    /// Follow a path to its end.
+    fn follow(&self, wanted: Wanted, mut walk: LightWalk, visit: &mut impl FnMut(Step)) {
         if self.media {
             walk.use_media();
         }

@@ -75,6 +75,29 @@ pub(crate) fn glass_over_floor() -> Scene {
     })
 }
 
+/// A glass ball between a floor and a ceiling. The ceiling consists of four squares around a small hole, through which the
+/// sky shines.
+pub(crate) fn glass_below_a_hole() -> Scene {
+    let glass = Material::Dielectric {
+        eta: 1.5,
+        reflectance: Texture::grey(1.0),
+        transmittance: Texture::grey(1.0),
+        roughness: None,
+    };
+    let (half, hole) = (30.0, 0.15);
+    let (near, far) = (half - hole, half + hole);
+    let centers = [(near, far), (far, -near), (-near, -far), (-far, near)];
+    let tiles = centers.map(|(x, z)| square(Vec3::new(x, 1.6, z), half));
+    let shapes = std::iter::once(square(Vec3::ZERO, half)).chain(tiles);
+    let ball = Shape::new("glass", sphere(Vec3::new(0.1, 1.0, 0.2), 0.3), 1);
+    scene(SceneParts {
+        shapes: shapes.map(|s| Shape::new("square", s, 0)).chain([ball]).collect(),
+        materials: vec![grey(0.5), glass],
+        lights: vec![LightSource::Constant { radiance: Rgb::WHITE }],
+        ..SceneParts::default()
+    })
+}
+
 /// Parallel light of irradiance 3 straight down on a black floor; below it, a hair's breadth away, its other side.
 pub(crate) fn lit_plane() -> Scene {
     let below = Shape {

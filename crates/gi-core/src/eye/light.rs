@@ -29,7 +29,7 @@ impl<'a> EyeWalk<'a> {
 
     /// Whether [`super::SourceRays`] find the light sources that the path sees now.
     #[inline(always)]
-    fn source_is_left_out(&self) -> bool {
+    pub fn source_is_left_out(&self) -> bool {
         self.leaves_out_sources && self.non_delta == 0
     }
 

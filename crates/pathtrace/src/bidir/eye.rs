@@ -127,7 +127,7 @@ impl<'a> Bidirectional<'a> {
     ) {
         let (scene, Site::Surface { surface, .. }) = (self.setting.scene, site) else { return };
         let radiance = walk.throughput() * scene.emitted(surface, wo);
-        if radiance.is_black() {
+        if radiance.is_black() || walk.source_is_left_out() {
             return;
         }
         let weight = match (&trail.leaving, scene.light_at(surface)) {
@@ -148,6 +148,9 @@ impl<'a> Bidirectional<'a> {
 
     /// Light from infinity along the next segment (s = 0).
     fn add_background(&self, walk: &EyeWalk, trail: &Trail, add: &mut impl FnMut(Found)) {
+        if walk.source_is_left_out() {
+            return;
+        }
         let scene = self.setting.scene;
         let kind = (trail.non_delta, trail.after_delta);
         for (radiance, pdf_w) in scene.escaped(walk.turned().0) {

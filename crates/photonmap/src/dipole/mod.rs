@@ -60,7 +60,7 @@ impl Dipoles {
     /// Trace photons until `count` have entered solids that contain no lights.
     pub(crate) fn shoot(source: &Source, solids: &Solids, count: usize) -> Self {
         let (scene, bodies) = (source.scene, Bodies::of(source.scene));
-        let Hits { chunks, emitted, gave_up } = collect(count, |k| chunk(source, solids, k));
+        let Hits { chunks, emitted, gave_up } = collect(count, |_, k| chunk(source, solids, k));
         let share = (1.0 / emitted.max(1) as f64) as f32;
         let mut entries: BTreeMap<Body, Vec<Entry>> = BTreeMap::new();
         for (k, Entering { prim, medium, p, power, depth }) in
@@ -110,12 +110,12 @@ struct Entering {
 
 /// The photons of a chunk of paths that enter solid bodies.
 fn chunk(source: &Source, solids: &Solids, chunk: u64) -> Chunk<Entering> {
-    let mut out = Chunk { hits: Vec::new(), ends: Vec::new() };
+    let mut out = Chunk::new();
     for path in paths(chunk) {
         source.walk(Wanted::Volume, path, &mut |step| {
             out.hits.extend(entering(&step).filter(|e| solids.is_dark(e.medium)));
         });
-        out.ends.push(out.hits.len() as u32);
+        out.end_path(None);
     }
     out
 }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::test_scenes::{glass_over_floor, lit_sphere};
+use crate::test_scenes::{glass_below_a_hole, glass_over_floor, lit_sphere};
 use gi_core::walk::PhotonKind;
 use gi_stats::{Running, welch_t_test};
 
@@ -44,16 +44,15 @@ fn what_hardly_comes_is_given_up_early_and_is_right_in_the_mean() {
     // One path in `rarity` brings a hit. Ten thousand are wanted, 256 paths each are the most, 8 are always tried.
     let (count, fewest, most) = (10_000, 80_000, 2_560_000);
     let shoot = |rarity: u32| {
-        let walk = |chunk| {
-            let mut hits = Vec::new();
-            let ends = paths(chunk).map(|path| {
+        let walk = |_: &ProjectionMap, chunk| {
+            let mut out = Chunk::new();
+            for path in paths(chunk) {
                 if hash_words(&[path as u32, rarity]) < u32::MAX / rarity {
-                    hits.push(path);
+                    out.hits.push(path);
                 }
-                hits.len() as u32
-            });
-            let ends = ends.collect();
-            Chunk { hits, ends }
+                out.end_path(None);
+            }
+            out
         };
         let Hits { chunks, emitted, gave_up } = collect(count, walk);
         (chunks.iter().map(Vec::len).sum::<usize>(), emitted, gave_up)
@@ -104,4 +103,38 @@ fn aimed_paths_bring_the_power_that_blind_ones_bring_and_more_photons() {
         assert!(p > 1e-3, "{} is not {}: p = {p:.1e}", a.mean(), b.mean());
     }
     assert!(paths[0] * 10 < paths[1], "paths a photon: aimed {}, blind {}", paths[0], paths[1]);
+}
+
+#[test]
+fn paths_learn_where_a_hole_lets_them_pass_and_bring_the_same_power() {
+    let scene = glass_below_a_hole();
+    let targets = scene.focusing();
+    let wanted = Wanted::Caustic(&targets);
+    let (mut learned, mut blind) = ([Running::default(); 2], [Running::default(); 2]);
+    let mut paths = [0, 0];
+    for seed in 0..16 {
+        let source = source(&scene, seed);
+        let unlearned = ProjectionMap::default();
+        let shots = [
+            collect(40_000, |map, chunk| source.chunk(wanted, map, chunk)),
+            collect(4000, |_, chunk| source.chunk(wanted, &unlearned, chunk)),
+        ];
+        for (k, Hits { chunks, emitted, .. }) in shots.into_iter().enumerate() {
+            let photons: Vec<_> = chunks.into_iter().flatten().collect();
+            let sum = |weight: fn(Vec3) -> f32| -> f64 {
+                let powers = photons.iter().map(|q| f64::from(q.power.g * weight(q.p)));
+                powers.sum::<f64>() / emitted as f64
+            };
+            // The whole power, and where it falls.
+            let out = if k == 0 { &mut learned } else { &mut blind };
+            out[0].push(sum(|_| 1.0));
+            out[1].push(sum(|p| p.x * p.x + p.z * p.z));
+            paths[k] += emitted / photons.len() as u64;
+        }
+    }
+    for (a, b) in learned.iter().zip(&blind) {
+        let p = welch_t_test(a, b);
+        assert!(p > 1e-3, "{} is not {}: p = {p:.1e}", a.mean(), b.mean());
+    }
+    assert!(paths[0] * 2 < paths[1], "paths a photon: {} of {}", paths[0], paths[1]);
 }

@@ -41,7 +41,8 @@ pub(super) fn shoot(
     is_wanted: &(impl Fn(MediumId) -> bool + Sync),
 ) -> VolumeShot {
     let kept = if count > 0 { share_to_keep(source, is_wanted) } else { 1.0 };
-    let Hits { chunks, emitted, gave_up } = collect(count, |k| chunk(source, k, kept, is_wanted));
+    let Hits { chunks, emitted, gave_up } =
+        collect(count, |_, k| chunk(source, k, kept, is_wanted));
     let share = (1.0 / (emitted.max(1) as f64 * f64::from(kept))) as f32;
     let mut photons = vec![Vec::new(); map_of.len()];
     for (k, Scattering { vertex, kind }) in chunks.into_iter().flatten().enumerate() {
@@ -56,7 +57,7 @@ pub(super) fn shoot(
 
 /// Fraction of the scatterings to store, from the first chunk of paths.
 fn share_to_keep(source: &Source, is_wanted: &impl Fn(MediumId) -> bool) -> f32 {
-    let Chunk { hits, ends } = chunk(source, 0, 1.0, is_wanted);
+    let Chunk { hits, ends, .. } = chunk(source, 0, 1.0, is_wanted);
     let starts = std::iter::once(&0).chain(&ends);
     let scattered = ends.iter().zip(starts).filter(|(end, start)| end > start).count();
     (KEPT_OF_PATH * scattered as f32 / hits.len().max(1) as f32).min(1.0)
@@ -69,7 +70,7 @@ fn chunk(
     keep: f32,
     is_wanted: &impl Fn(MediumId) -> bool,
 ) -> Chunk<Scattering> {
-    let mut out = Chunk { hits: Vec::new(), ends: Vec::new() };
+    let mut out = Chunk::new();
     for path in paths(chunk) {
         source.walk(Wanted::Volume, path, &mut |Step { event, .. }| {
             let LightEvent::Medium(vertex) = event else { return };
@@ -81,7 +82,7 @@ fn chunk(
                 out.hits.push(Scattering { vertex: *vertex, kind });
             }
         });
-        out.ends.push(out.hits.len() as u32);
+        out.end_path(None);
     }
     out
 }
