@@ -56,8 +56,10 @@ fn final_gather_agrees_with_the_path_tracer_within_one_percent() {
 fn the_caustic_map_agrees_with_paths_from_the_lights_within_one_percent() {
     let world = World::load("cornell-spheres.xml", [48, 48], &[]);
     let params = pathtrace::Params { mode: Mode::Light, ..Default::default() };
-    let truth = world.render::<PathTracer>(&params, 1536, 12, Show::Caustic);
-    let ours = photons(&world, &sixteen_rays(), 16, Show::Caustic);
+    let truth = world.render::<PathTracer>(&params, 6144, 12, Show::Caustic);
+    // Over seeds, the sum of so many passes varies by 0.3 %; that of 16 passes varied by 1.5 %.
+    let params = Params { gather_rays: 1, ..Params::default() };
+    let ours = photons(&world, &params, 160, Show::Caustic);
     // Paths from the lights find no light behind mirrors and glass: skip pixels that are as white as these.
     let (a, b) = (ours.layers(), truth.layers());
     let albedo = a.channel("Albedo.G").expect("a layer");
@@ -68,7 +70,7 @@ fn the_caustic_map_agrees_with_paths_from_the_lights_within_one_percent() {
     for c in ["R", "G", "B"] {
         let (x, y) = (sum(&a, &format!("Caustic.{c}")), sum(&b, &format!("Caustic.{c}")));
         let noise = sum(&b, &format!("Variance.{c}")).sqrt() / y;
-        assert!(noise < 0.004, "{c}: the noise of the truth is {noise:.1e}");
+        assert!(noise < 0.002, "{c}: the noise of the truth is {noise:.1e}");
         assert!((x / y - 1.0).abs() < 0.01, "{c}: {x} is not {y} (noise {noise:.1e})");
     }
 }
