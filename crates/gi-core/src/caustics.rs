@@ -22,7 +22,7 @@ use crate::geometry::Surface;
 use crate::math::Rgb;
 use crate::rng::Pcg;
 use crate::scene::Scene;
-use crate::walk::{Photon, ProjectionMap, focused};
+use crate::walk::{Photon, focused};
 use map::{LEVELS, Map, Paths, Query, SAME_SURFACE, radius};
 
 /// Photons are scattered only by lobes at least this wide: in a narrower one a single photon may be far too bright.
@@ -39,8 +39,6 @@ const SALT: u32 = 0x666f_6373;
 /// Focused light: a pilot's photons, which set the radii, and those of a pass.
 #[derive(Default)]
 pub struct FocusedLight {
-    /// Where paths start.
-    starts: ProjectionMap,
     pilot: Map,
     map: Map,
     /// Number of paths per pass; 0 if nothing focuses light.
@@ -52,18 +50,17 @@ pub struct FocusedLight {
 }
 
 impl FocusedLight {
-    /// Learn where paths start, and trace the pilot. The number of paths depends on `pixels`, the size of the picture; 0 disables focused light.
+    /// Trace the pilot. The number of paths depends on `pixels`, the size of the picture; 0 disables focused light.
     pub fn new(scene: &Scene, seed: u32, pixels: usize) -> Self {
         if pixels == 0 || scene.focusing().is_empty() {
             return FocusedLight::default();
         }
         let paths = pixels.clamp(1 << 14, 1 << 20) as u32;
         let largest = LARGEST * scene.radius();
-        let starts = map::learn(scene, seed ^ SALT ^ 0x6c65_6172, paths / 2);
         let of_pilot = Paths { seed: seed ^ SALT ^ 0x0070_696c, first: 0, count: paths };
-        let pilot = Map::shoot(scene, &starts, of_pilot, largest);
+        let pilot = Map::shoot(scene, of_pilot, largest);
         let paths = if pilot.photons.is_empty() { 0 } else { paths };
-        FocusedLight { starts, pilot, map: Map::default(), paths, largest, shrink: 1.0 }
+        FocusedLight { pilot, map: Map::default(), paths, largest, shrink: 1.0 }
     }
 
     /// Whether there is such light.
@@ -95,7 +92,7 @@ impl FocusedLight {
         if self.is_some() {
             let first = pass.wrapping_mul(self.paths);
             let paths = Paths { seed: seed ^ SALT, first, count: self.paths };
-            self.map = Map::shoot(scene, &self.starts, paths, self.largest);
+            self.map = Map::shoot(scene, paths, self.largest);
             self.shrink = (pass as f32 + 1.0).powf(SHRINK);
         }
     }

@@ -145,7 +145,7 @@ fn shoot(setting: &Setting, params: &Params) -> Photons {
     let caustic = (params.gather == Gather::Final && params.caustic_photons > 0).then(|| {
         let targets = setting.scene.focusing_below(NEAR_SPECULAR);
         let count = if targets.is_empty() { 0 } else { params.caustic_photons };
-        source.shoot(Wanted::Caustic(&targets), count)
+        source.shoot_caustic(&targets, count)
     });
     Photons { global, caustic, volume: None, order: Order::Any }
 }

@@ -2,15 +2,17 @@
 
 use gi_core::bsdf::Bsdf;
 use gi_core::light::Targets;
-use gi_core::progress;
 use gi_core::rng::{bits_to_unit, hash_words};
 use gi_core::sampler::Sampler;
 use gi_core::scene::Scene;
-use gi_core::walk::{self, LightEvent, LightWalk, ProjectionMap, Roulette, Start, Trial};
+use gi_core::walk::{self, LightEvent, LightWalk, ProjectionMap, Roulette, Start};
 use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::photon::{Photon, Rgbe};
+pub(crate) use collect::{Chunk, Hits, collect, paths};
+
+mod collect;
 
 /// A photon and the number of segments of its path, 255 standing for more.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,8 +31,8 @@ pub enum Wanted<'a> {
     /// The same, with light from infinity aimed at points that matter; no path is left out.
     Aimed(&'a Targets),
     /// L S+ D: paths aimed at what has delta lobes or nearly such (see `is_near_specular`), stored where they first
-    /// meet a diffuse part [slide 26, right]. They learn where to start; see [`ProjectionMap`].
-    Caustic(&'a Targets),
+    /// meet a diffuse part [slide 26, right]. The map says where they start.
+    Caustic(&'a Targets, &'a ProjectionMap),
     /// Scattering in media, see [`crate::volume`].
     Volume,
 }
@@ -56,52 +58,6 @@ pub struct Shot {
     pub emitted: u64,
     /// Whether tracing stopped before there were enough photons.
     pub gave_up: bool,
-}
-
-/// Stream of the random numbers of the caustic map.
-const CAUSTIC: u32 = 0x6361_7573;
-/// Paths that one task walks; photons are joined in the order of the paths.
-const CHUNK: u64 = 4096;
-/// Number of chunks per round. The number of photons is checked after each round. It is fixed, so that results do not depend on
-/// the number of threads.
-const ROUND: u64 = 16;
-/// Number of paths from which the projection map learns. Learning takes one thread; after that, the map is fixed.
-const LEARNED: u64 = 1 << 20;
-/// Minimum and maximum number of paths per wanted photon.
-const FEWEST_PATHS: u64 = 8;
-const MOST_PATHS: u64 = 256;
-
-/// What a chunk of paths has found.
-pub(crate) struct Chunk<T> {
-    pub(crate) hits: Vec<T>,
-    /// Number of hits up to the end of each path.
-    pub(crate) ends: Vec<u32>,
-    /// Where the paths started, and whether they have hit anything, if they learn from it.
-    pub(crate) trials: Vec<Trial>,
-}
-
-impl<T> Chunk<T> {
-    pub(crate) fn new() -> Self {
-        let ends = Vec::with_capacity(CHUNK as usize);
-        Chunk { hits: Vec::new(), ends, trials: Vec::new() }
-    }
-
-    /// End a path that began at `start`.
-    pub(crate) fn end_path(&mut self, start: Option<Start>) {
-        let before = self.ends.last().copied().unwrap_or(0);
-        let hits = self.hits.len() as u32;
-        self.ends.push(hits);
-        self.trials.extend(start.map(|start| start.result(hits > before)));
-    }
-}
-
-/// Hits in the order of their paths, one list per chunk.
-pub(crate) struct Hits<T> {
-    pub(crate) chunks: Vec<Vec<T>>,
-    /// Number of paths.
-    pub(crate) emitted: u64,
-    /// Whether tracing stopped before there were enough hits.
-    pub(crate) gave_up: bool,
 }
 
 /// A vertex of a light path.
@@ -130,70 +86,25 @@ fn has_diffuse_part(bsdf: &Bsdf, wo: Vec3) -> bool {
     bsdf.diffuse_part(wo).or_else(|| bsdf.diffuse_part(-wo)).is_some()
 }
 
-/// Path budget for `count` hits, after `emitted` paths have given `hits` hits. It shrinks continuously as the yield falls.
-fn worth(count: usize, hits: usize, emitted: u64) -> u64 {
-    let paths = |a_hit: u64| (count as u64).saturating_mul(a_hit).max(CHUNK * ROUND);
-    let most = paths(MOST_PATHS);
-    let share = most as f64 * hits as f64 / (emitted.max(1) as f64 * count as f64);
-    ((most as f64 * share.min(1.0)) as u64).max(paths(FEWEST_PATHS))
-}
-
-/// Trace chunks of paths until there are `count` hits or the budget is spent. The path that reaches the number is the last.
-/// `walk` traces the chunk with the given number. Paths that start where the map says improve it from round to round.
-pub(crate) fn collect<T: Send>(
-    count: usize,
-    walk: impl Fn(&ProjectionMap, u64) -> Chunk<T> + Sync,
-) -> Hits<T> {
-    let (mut chunks, mut hits, mut emitted, mut gave_up) = (Vec::new(), 0, 0u64, false);
-    let mut map = ProjectionMap::default();
-    progress::begin("photons stored", count as u64);
-    while hits < count {
-        if emitted >= worth(count, hits, emitted) {
-            gave_up = true;
-            break;
-        }
-        let first = emitted / CHUNK;
-        let mut round: Vec<Chunk<T>> = (0..ROUND as usize)
-            .into_par_iter()
-            .with_max_len(1)
-            .map(|chunk| walk(&map, first + chunk as u64))
-            .collect();
-        if emitted < LEARNED {
-            let trials = round.iter_mut().flat_map(|chunk| std::mem::take(&mut chunk.trials));
-            map.learn(trials.collect());
-        }
-        for mut chunk in round {
-            if hits >= count {
-                break;
-            }
-            // Cut after the path that reaches the number.
-            let enough = chunk.ends.iter().position(|&end| hits + end as usize >= count);
-            let paths = enough.map_or(chunk.ends.len(), |k| k + 1);
-            chunk.hits.truncate(chunk.ends[paths - 1] as usize);
-            hits += chunk.hits.len();
-            progress::advance(chunk.hits.len() as u64);
-            emitted += paths as u64;
-            chunks.push(chunk.hits);
-        }
-    }
-    Hits { chunks, emitted, gave_up }
-}
-
 /// Random numbers that dither the power of hit `index`.
 pub(crate) fn dither(seed: u32, index: usize) -> [f32; 3] {
     [0, 1, 2].map(|channel| bits_to_unit(hash_words(&[seed, index as u32, channel])))
 }
 
-/// The paths of chunk number `chunk`.
-pub(crate) fn paths(chunk: u64) -> std::ops::Range<u64> {
-    chunk * CHUNK..(chunk + 1) * CHUNK
-}
-
 impl Source<'_> {
     /// Trace until there are `count` photons. The path that reaches the number is the last.
     pub fn shoot(&self, wanted: Wanted, count: usize) -> Shot {
-        let Hits { chunks, emitted, gave_up } =
-            collect(count, |map, chunk| self.chunk(wanted, map, chunk));
+        self.shot(collect(count, |_, chunk| self.chunk(wanted, chunk)))
+    }
+
+    /// As [`Source::shoot`], for photons of caustics. A [`ProjectionMap`] learns where their paths must start.
+    pub fn shoot_caustic(&self, targets: &Targets, count: usize) -> Shot {
+        self.shot(collect(count, |starts, chunk| {
+            self.chunk(Wanted::Caustic(targets, starts), chunk)
+        }))
+    }
+
+    fn shot(&self, Hits { chunks, emitted, gave_up }: Hits<walk::Photon>) -> Shot {
         Shot { photons: self.pack(chunks, emitted), emitted, gave_up }
     }
 
@@ -222,14 +133,14 @@ impl Source<'_> {
         photons
     }
 
-    fn chunk(&self, wanted: Wanted, map: &ProjectionMap, chunk: u64) -> Chunk<walk::Photon> {
+    fn chunk(&self, wanted: Wanted, chunk: u64) -> Chunk<walk::Photon> {
         let mut out = Chunk::new();
         for path in paths(chunk) {
-            let (start, walk) = self.begin(wanted, path, Some(map));
+            let (start, walk) = self.begin(wanted, path);
             let mut visit = |Step { event, focused, .. }: Step| {
                 let LightEvent::Surface(vertex) = event else { return };
                 let asked_for = match wanted {
-                    Wanted::Caustic(_) => {
+                    Wanted::Caustic(..) => {
                         event.depth() > 0
                             && event.non_delta() == focused
                             && has_diffuse_part(&vertex.bsdf, vertex.wo)
@@ -254,30 +165,26 @@ impl Source<'_> {
 
     /// Trace path number `path` and call `visit` at every vertex.
     pub(crate) fn walk(&self, wanted: Wanted, path: u64, visit: &mut impl FnMut(Step)) {
-        if let (_, Some(walk)) = self.begin(wanted, path, None) {
+        if let (_, Some(walk)) = self.begin(wanted, path) {
             self.follow(wanted, walk, visit);
         }
     }
 
-    /// Begin path number `path`; `map` says where paths of the caustic map start. Also returns its choice.
-    fn begin(
-        &self,
-        wanted: Wanted,
-        path: u64,
-        map: Option<&ProjectionMap>,
-    ) -> (Option<Start>, Option<LightWalk<'_>>) {
+    /// Begin path number `path`. Also returns where the projection map has started it, if there is one.
+    fn begin(&self, wanted: Wanted, path: u64) -> (Option<Start>, Option<LightWalk<'_>>) {
         // Each map has its own stream. Within a stream, paths are the points of a sequence.
         let sampler =
             |stream: u32| Sampler::new(self.seed ^ stream, (path >> 32) as u32, path as u32);
-        let (scene, toward) = (self.scene, LightWalk::begin_toward);
-        match (wanted, map) {
-            (Wanted::Global, _) => (None, LightWalk::begin(scene, sampler(0x676c_6f62))),
-            (Wanted::Volume, _) => (None, LightWalk::begin(scene, sampler(0x766f_6c75))),
-            (Wanted::Aimed(targets), _) => (None, toward(scene, sampler(0x676c_6f62), targets)),
-            (Wanted::Caustic(targets), None) => (None, toward(scene, sampler(CAUSTIC), targets)),
-            (Wanted::Caustic(targets), Some(map)) => {
+        match wanted {
+            Wanted::Global => (None, LightWalk::begin(self.scene, sampler(0x676c_6f62))),
+            Wanted::Volume => (None, LightWalk::begin(self.scene, sampler(0x766f_6c75))),
+            Wanted::Aimed(targets) => {
+                (None, LightWalk::begin_toward(self.scene, sampler(0x676c_6f62), targets))
+            }
+            Wanted::Caustic(targets, starts) => {
+                let sampler = sampler(0x6361_7573);
                 let (start, walk) =
-                    LightWalk::begin_projected(scene, sampler(CAUSTIC), targets, map);
+                    LightWalk::begin_projected(self.scene, sampler, targets, starts);
                 (Some(start), walk)
             }
         }
@@ -308,7 +215,7 @@ impl Source<'_> {
             {
                 focused += walk.non_delta() - event.non_delta();
             }
-            if !goes_on || (matches!(wanted, Wanted::Caustic(_)) && walk.non_delta() > focused) {
+            if !goes_on || (matches!(wanted, Wanted::Caustic(..)) && walk.non_delta() > focused) {
                 return;
             }
         }

@@ -4,11 +4,10 @@ use glam::{IVec3, Vec3};
 use rayon::prelude::*;
 
 use super::grid::{Grid, corner_of};
-use crate::light::Targets;
 use crate::rng::{hash_u32, hash_words};
 use crate::sampler::Sampler;
 use crate::scene::Scene;
-use crate::walk::{LightWalk, Photon, ProjectionMap, Roulette, Start, walk_in_order};
+use crate::walk::{LightWalk, Photon, Roulette, walk_in_order};
 
 /// Number of radii to choose from. Each is half as large as the one before.
 pub(super) const LEVELS: usize = 7;
@@ -20,8 +19,6 @@ pub(super) const SAME_SURFACE: f32 = 0.7;
 const HEIGHT: f32 = 0.5;
 /// Paths per task. The photons of all tasks are joined in order.
 const CHUNK: u32 = 1024;
-/// Number of rounds in which paths learn where to start.
-const ROUNDS: u32 = 4;
 /// Most delta lobes that a path follows.
 const MOST_MET: u32 = 64;
 /// A cell with more photons than this is searched in the finer grid, unless the ball contains all of it.
@@ -43,39 +40,6 @@ pub(super) struct Paths {
     /// Index of the first path.
     pub(super) first: u32,
     pub(super) count: u32,
-}
-
-impl Paths {
-    /// Begin the path with this index.
-    fn begin<'a>(
-        &self,
-        scene: &'a Scene,
-        targets: &Targets,
-        starts: &ProjectionMap,
-        path: u32,
-    ) -> (Start, Option<LightWalk<'a>>) {
-        let sampler = Sampler::new(self.seed, 0, self.first.wrapping_add(path));
-        LightWalk::begin_projected(scene, sampler, targets, starts)
-    }
-}
-
-/// Learn where paths start that bring focused light. The photons of these paths are not stored.
-pub(super) fn learn(scene: &Scene, seed: u32, paths: u32) -> ProjectionMap {
-    let (targets, mut starts) = (scene.focusing(), ProjectionMap::default());
-    let count = paths / ROUNDS;
-    for first in (0..ROUNDS).map(|round| round * count) {
-        let paths = Paths { seed, first, count };
-        let trials = walk_in_order(count, CHUNK, |path, trials| {
-            let (start, walk) = paths.begin(scene, &targets, &starts, path);
-            let mut photons = Vec::new();
-            if let Some(walk) = walk {
-                leave_photons(walk, 1.0, &mut photons);
-            }
-            trials.push(start.result(!photons.is_empty()));
-        });
-        starts.learn(trials.concat());
-    }
-    starts
 }
 
 /// Which photons to visit: those on the surface at `p`, within `radius`.
@@ -111,11 +75,13 @@ pub(super) struct Map {
 
 impl Map {
     /// Trace paths toward the surfaces that focus light, and store their photons. `largest` is the radius of level 0.
-    pub(super) fn shoot(scene: &Scene, starts: &ProjectionMap, paths: Paths, largest: f32) -> Self {
+    pub(super) fn shoot(scene: &Scene, paths: Paths, largest: f32) -> Self {
         let targets = scene.focusing();
-        let chunks = walk_in_order(paths.count, CHUNK, |path, photons| {
-            if let (_, Some(walk)) = paths.begin(scene, &targets, starts, path) {
-                leave_photons(walk, paths.count as f32, photons);
+        let Paths { seed, first, count } = paths;
+        let chunks = walk_in_order(count, CHUNK, |path, photons| {
+            let sampler = Sampler::new(seed, 0, first.wrapping_add(path));
+            if let Some(walk) = LightWalk::begin_toward(scene, sampler, &targets) {
+                leave_photons(walk, count as f32, photons);
             }
         });
         let photons = chunks.concat();

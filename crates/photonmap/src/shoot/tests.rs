@@ -1,3 +1,4 @@
+use super::collect::{CHUNK, ROUND};
 use super::*;
 use crate::test_scenes::{glass_below_a_hole, glass_over_floor, lit_sphere};
 use gi_core::walk::PhotonKind;
@@ -83,8 +84,9 @@ fn aimed_paths_bring_the_power_that_blind_ones_bring_and_more_photons() {
     let (mut aimed, mut blind) = ([Running::default(); 2], [Running::default(); 2]);
     let mut paths = [0, 0];
     for seed in 0..48 {
-        for (k, wanted) in [Wanted::Caustic(&targets), Wanted::Global].into_iter().enumerate() {
-            let shot = source(&scene, seed).shoot(wanted, [4000, 40_000][k]);
+        let source = source(&scene, seed);
+        let shots = [source.shoot_caustic(&targets, 4000), source.shoot(Wanted::Global, 40_000)];
+        for (k, shot) in shots.into_iter().enumerate() {
             let caustic = |s: &&Stored| s.photon.payload.kind() == PhotonKind::Caustic;
             let sums = |weight: fn(Vec3) -> f32| -> f64 {
                 let power = |s: &Stored| s.photon.payload.power.to_rgb().g * weight(s.photon.p());
@@ -109,16 +111,14 @@ fn aimed_paths_bring_the_power_that_blind_ones_bring_and_more_photons() {
 fn paths_learn_where_a_hole_lets_them_pass_and_bring_the_same_power() {
     let scene = glass_below_a_hole();
     let targets = scene.focusing();
-    let wanted = Wanted::Caustic(&targets);
     let (mut learned, mut blind) = ([Running::default(); 2], [Running::default(); 2]);
     let mut paths = [0, 0];
     for seed in 0..16 {
         let source = source(&scene, seed);
         let unlearned = ProjectionMap::default();
-        let shots = [
-            collect(40_000, |map, chunk| source.chunk(wanted, map, chunk)),
-            collect(4000, |_, chunk| source.chunk(wanted, &unlearned, chunk)),
-        ];
+        let trace =
+            |starts: &ProjectionMap, chunk| source.chunk(Wanted::Caustic(&targets, starts), chunk);
+        let shots = [collect(40_000, trace), collect(4000, |_, chunk| trace(&unlearned, chunk))];
         for (k, Hits { chunks, emitted, .. }) in shots.into_iter().enumerate() {
             let photons: Vec<_> = chunks.into_iter().flatten().collect();
             let sum = |weight: fn(Vec3) -> f32| -> f64 {
