@@ -205,8 +205,8 @@ fn check_source_rays(common: &Common, params: &impl Parameters) -> Result<(), Fa
     if common.source_rays == 0 || params.can_leave_out_sources() {
         return Ok(());
     }
-    let text = "--source-rays does not work with `pathtrace --mode light` and `--show strategies`: they need the light sources in view in their \
-                own pictures. Use --source-rays 0";
+    let text = "--source-rays does not work with `pathtrace --mode light` and `--show strategies`, which find the light sources in view \
+                themselves; use --source-rays 0";
     Err(input_error(text.into()))
 }
 

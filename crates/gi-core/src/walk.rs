@@ -14,7 +14,7 @@ use crate::scene::{Line, Scene};
 pub use focused::{Focused, focused};
 pub use media::{LightEvent, MediumVertex};
 pub use photon::{Photon, PhotonKind, shading_correction, walk_in_order};
-pub use projection::{Numbers, ProjectionMap, Start, Trial};
+pub use projection::{ProjectionMap, Start, Trial};
 
 mod focused;
 mod media;

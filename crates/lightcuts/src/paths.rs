@@ -46,7 +46,7 @@ impl<'a> Lightcuts<'a> {
         walk.sample()
     }
 
-    /// Let media attenuate and scatter the path, if the scene has any and the method simulates them.
+    /// Let media attenuate and scatter the path if the scene has media and the method simulates them.
     pub(crate) fn use_media(&self, walk: &mut EyeWalk<'a>) {
         if self.view().is_in_media() {
             walk.use_media(self.camera_medium);

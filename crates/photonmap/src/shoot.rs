@@ -175,19 +175,20 @@ impl Source<'_> {
         // Each map has its own stream. Within a stream, paths are the points of a sequence.
         let sampler =
             |stream: u32| Sampler::new(self.seed ^ stream, (path >> 32) as u32, path as u32);
-        match wanted {
-            Wanted::Global => (None, LightWalk::begin(self.scene, sampler(0x676c_6f62))),
-            Wanted::Volume => (None, LightWalk::begin(self.scene, sampler(0x766f_6c75))),
+        let walk = match wanted {
+            Wanted::Global => LightWalk::begin(self.scene, sampler(0x676c_6f62)),
+            Wanted::Volume => LightWalk::begin(self.scene, sampler(0x766f_6c75)),
             Wanted::Aimed(targets) => {
-                (None, LightWalk::begin_toward(self.scene, sampler(0x676c_6f62), targets))
+                LightWalk::begin_toward(self.scene, sampler(0x676c_6f62), targets)
             }
             Wanted::Caustic(targets, starts) => {
                 let sampler = sampler(0x6361_7573);
                 let (start, walk) =
                     LightWalk::begin_projected(self.scene, sampler, targets, starts);
-                (Some(start), walk)
+                return (Some(start), walk);
             }
-        }
+        };
+        (None, walk)
     }
 
     /// Follow a path to its end.

@@ -12,6 +12,15 @@ fn grey(albedo: f32) -> Material {
     Material::Diffuse { reflectance: Texture::grey(albedo) }
 }
 
+fn glass() -> Material {
+    Material::Dielectric {
+        eta: 1.5,
+        reflectance: Texture::grey(1.0),
+        transmittance: Texture::grey(1.0),
+        roughness: None,
+    }
+}
+
 fn sphere(center: Vec3, radius: f32) -> Geometry {
     Geometry::Sphere { center, radius, axes: Frame::from_normal(Vec3::Z) }
 }
@@ -50,12 +59,6 @@ pub(crate) fn glass_over_floor() -> Scene {
         flip_normals: true,
         ..Shape::new("lamp", square(Vec3::new(0.0, 3.0, 0.0), 0.3), 1)
     };
-    let glass = Material::Dielectric {
-        eta: 1.5,
-        reflectance: Texture::grey(1.0),
-        transmittance: Texture::grey(1.0),
-        roughness: None,
-    };
     let mirror = Material::Conductor {
         eta: Rgb::BLACK,
         k: Rgb::WHITE,
@@ -69,7 +72,7 @@ pub(crate) fn glass_over_floor() -> Scene {
             Shape::new("glass", sphere(Vec3::new(0.2, 1.0, 0.1), 0.3), 2),
             Shape::new("mirror", sphere(Vec3::new(-0.9, 0.5, 0.4), 0.2), 3),
         ],
-        materials: vec![grey(0.5), grey(0.0), glass, mirror],
+        materials: vec![grey(0.5), grey(0.0), glass(), mirror],
         lights: vec![LightSource::Constant { radiance: Rgb::grey(0.05) }],
         ..SceneParts::default()
     })
@@ -78,12 +81,6 @@ pub(crate) fn glass_over_floor() -> Scene {
 /// A glass ball between a floor and a ceiling. The ceiling consists of four squares around a small hole, through which the
 /// sky shines.
 pub(crate) fn glass_below_a_hole() -> Scene {
-    let glass = Material::Dielectric {
-        eta: 1.5,
-        reflectance: Texture::grey(1.0),
-        transmittance: Texture::grey(1.0),
-        roughness: None,
-    };
     let (half, hole) = (30.0, 0.15);
     let (near, far) = (half - hole, half + hole);
     let centers = [(near, far), (far, -near), (-near, -far), (-far, near)];
@@ -92,7 +89,7 @@ pub(crate) fn glass_below_a_hole() -> Scene {
     let ball = Shape::new("glass", sphere(Vec3::new(0.1, 1.0, 0.2), 0.3), 1);
     scene(SceneParts {
         shapes: shapes.map(|s| Shape::new("square", s, 0)).chain([ball]).collect(),
-        materials: vec![grey(0.5), glass],
+        materials: vec![grey(0.5), glass()],
         lights: vec![LightSource::Constant { radiance: Rgb::WHITE }],
         ..SceneParts::default()
     })

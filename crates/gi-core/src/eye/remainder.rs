@@ -29,7 +29,7 @@ impl Remainder {
     /// An estimate has accounted for the light of sources that the last vertex sees.
     pub(super) const WITHOUT_DIRECT: Remainder = Remainder { direct: Rgb::BLACK, ..Self::ALL };
 
-    /// Replace this remainder by that after a scattering at `v` toward `wi`, not by a delta lobe.
+    /// Update the remainder after a scattering at `v` toward `wi` that is not by a delta lobe.
     #[inline(always)]
     pub(super) fn after_scattering(
         &mut self,

@@ -102,7 +102,7 @@ impl Scene {
     #[inline(always)]
     pub(crate) fn closest_on(&self, line: &mut Line, ray: &Ray, tmax: f32) -> Option<Hit> {
         if line.crossed < FEW {
-            // A copy of a ray that was just computed stalls (no store forwarding), and few rays need another end.
+            // Copy the ray only if `tmax` differs. The ray was just computed, so store-to-load forwarding would fail for a copy.
             if tmax == ray.tmax {
                 self.tree.closest(ray)
             } else {

@@ -16,18 +16,20 @@ use crate::scene::Scene;
 /// Number of random numbers that start a path.
 const AXES: usize = 5;
 /// The random numbers: for the light, the point on it, and the direction.
-pub type Numbers = [f32; AXES];
+type Numbers = [f32; AXES];
 
 /// If a larger fraction of the first paths succeeds, the cube is not divided: cells would gain less than they cost.
 const RARE: f64 = 0.125;
-/// A cell is halved if this many paths have succeeded there, and the rates of its halves differ by [`SIGMAS`] standard
-/// deviations.
+/// Minimum number of successes in a cell that is halved.
 const ENOUGH: u32 = 8;
+/// A cell is halved if the success rates of its halves differ by more than this many standard deviations.
 const SIGMAS: f64 = 2.0;
-/// With so many successes, a cell is halved in any case: the rates of halves are also equal if success lies in the middle.
+/// A cell with this many successes is halved even if its halves have the same rate. They do if the paths that succeed
+/// start in the middle.
 const PLENTY: u32 = 64;
-/// Exponent of the success rate in the density. With 1/2, the variance of the summed flux would be smallest for a given
-/// number of paths, but photons would differ more. With 1/3, the variance is hardly larger.
+/// The density of paths in a cell is proportional to its success rate, raised to this exponent. The exponent 1/2 minimises
+/// the variance of the total flux for a given number of paths. With 1/3, this variance is hardly larger, and the fluxes of
+/// photons differ less.
 const EXPONENT: f64 = 1.0 / 3.0;
 /// Smallest volume of a cell that is halved.
 const SMALLEST: f64 = 1e-6;
@@ -73,9 +75,9 @@ struct Tally {
 #[derive(Clone, Copy, Debug)]
 pub struct Start {
     /// The random numbers of the path.
-    pub numbers: Numbers,
+    numbers: Numbers,
     /// Their density relative to uniform random numbers.
-    pub density: f32,
+    density: f32,
     cell: u32,
 }
 
@@ -177,7 +179,7 @@ impl Default for ProjectionMap {
 impl ProjectionMap {
     /// Choose a cell and a point in it with uniform random numbers. Within a cell the map is linear, so points stay
     /// stratified.
-    pub fn start(&self, mut u: Numbers) -> Start {
+    fn start(&self, mut u: Numbers) -> Start {
         let (mut node, mut density) = (0, 1.0);
         loop {
             match &self.nodes[node as usize] {
@@ -226,7 +228,8 @@ impl ProjectionMap {
         self.nodes.extend(halves.map(Node::Cell));
     }
 
-    /// Share out the paths: to each cell its volume times the density that it wants.
+    /// Set the fraction of the paths that start in each half. It is proportional to volume times wanted density, summed
+    /// over the cells of the half.
     fn share_out(&mut self) {
         let mut wanted = vec![0.0; self.nodes.len()];
         // Children have larger indices than their parents.

@@ -8,6 +8,13 @@ fn source(scene: &Scene, seed: u32) -> Source<'_> {
     Source { scene, seed, max_segments: None, media: false }
 }
 
+fn assert_equal_means(a: &[Running; 2], b: &[Running; 2]) {
+    for (a, b) in a.iter().zip(b) {
+        let p = welch_t_test(a, b);
+        assert!(p > 1e-3, "{} is not {}: p = {p:.1e}", a.mean(), b.mean());
+    }
+}
+
 #[test]
 fn first_hits_in_a_closed_scene_carry_the_emitted_power_and_all_hits_its_geometric_sum() {
     // A point light of intensity 1 in a sphere of albedo 1/2: first hits carry 4 pi, all hits 4 pi / (1 - 1/2).
@@ -100,10 +107,7 @@ fn aimed_paths_bring_the_power_that_blind_ones_bring_and_more_photons() {
             paths[k] += shot.emitted / n.max(1) as u64;
         }
     }
-    for (a, b) in aimed.iter().zip(&blind) {
-        let p = welch_t_test(a, b);
-        assert!(p > 1e-3, "{} is not {}: p = {p:.1e}", a.mean(), b.mean());
-    }
+    assert_equal_means(&aimed, &blind);
     assert!(paths[0] * 10 < paths[1], "paths a photon: aimed {}, blind {}", paths[0], paths[1]);
 }
 
@@ -132,9 +136,6 @@ fn paths_learn_where_a_hole_lets_them_pass_and_bring_the_same_power() {
             paths[k] += emitted / photons.len() as u64;
         }
     }
-    for (a, b) in learned.iter().zip(&blind) {
-        let p = welch_t_test(a, b);
-        assert!(p > 1e-3, "{} is not {}: p = {p:.1e}", a.mean(), b.mean());
-    }
+    assert_equal_means(&learned, &blind);
     assert!(paths[0] * 2 < paths[1], "paths a photon: {} of {}", paths[0], paths[1]);
 }

@@ -2,7 +2,7 @@ use super::*;
 use crate::rng::Pcg;
 use gi_stats::Running;
 
-/// Paths succeed in a box with a volume of 0.012, which no halving matches exactly.
+/// Paths succeed in a box with a volume of 0.012. Its faces are not faces of cells.
 fn succeeds(u: &Numbers) -> bool {
     (0.3..0.5).contains(&u[0]) && u[1] > 0.8 && u[3] < 0.3
 }
@@ -12,10 +12,10 @@ fn uniform(rng: &mut Pcg) -> Numbers {
     std::array::from_fn(|_| rng.next_f32())
 }
 
-/// A map that has learned from ten rounds of 10,000 paths.
-fn learned(rng: &mut Pcg) -> ProjectionMap {
+/// A map that has learned from rounds of 10,000 paths.
+fn learned(rng: &mut Pcg, rounds: u32, succeeds: impl Fn(&Numbers) -> bool) -> ProjectionMap {
     let mut map = ProjectionMap::default();
-    for _ in 0..10 {
+    for _ in 0..rounds {
         let trial = |start: Start| start.result(succeeds(&start.numbers));
         let round: Vec<_> = (0..10_000).map(|_| trial(map.start(uniform(rng)))).collect();
         map.learn(round);
@@ -23,10 +23,16 @@ fn learned(rng: &mut Pcg) -> ProjectionMap {
     map
 }
 
+/// Fraction of the paths that succeed.
+fn yield_of(map: &ProjectionMap, rng: &mut Pcg, succeeds: impl Fn(&Numbers) -> bool) -> f64 {
+    let starts = (0..10_000).map(|_| map.start(uniform(rng)));
+    starts.filter(|start| succeeds(&start.numbers)).count() as f64 / 10_000.0
+}
+
 #[test]
 fn what_has_learned_still_integrates_to_the_same() {
     let mut rng = Pcg::new(1, 1);
-    let map = learned(&mut rng);
+    let map = learned(&mut rng, 10, succeeds);
     let (mut all, mut inside, mut moment) = <[Running; 3]>::default().into();
     for _ in 0..200_000 {
         let Start { numbers, density, .. } = map.start(uniform(&mut rng));
@@ -46,9 +52,8 @@ fn what_has_learned_still_integrates_to_the_same() {
 #[test]
 fn paths_start_where_paths_have_succeeded() {
     let mut rng = Pcg::new(2, 1);
-    let map = learned(&mut rng);
-    let starts = (0..10_000).map(|_| map.start(uniform(&mut rng)));
-    let share = starts.filter(|start| succeeds(&start.numbers)).count() as f64 / 10_000.0;
+    let map = learned(&mut rng, 10, succeeds);
+    let share = yield_of(&map, &mut rng, succeeds);
     assert!(share > 15.0 * VOLUME, "{share}");
 }
 
@@ -65,35 +70,23 @@ fn a_map_that_has_seen_no_success_changes_nothing() {
 
 #[test]
 fn where_many_paths_succeed_the_cube_is_not_divided() {
-    let mut rng = Pcg::new(5, 1);
-    let mut map = ProjectionMap::default();
-    for _ in 0..4 {
-        let trial = |start: Start| start.result(start.numbers[2] < 0.2);
-        let round: Vec<_> = (0..10_000).map(|_| trial(map.start(uniform(&mut rng)))).collect();
-        map.learn(round);
-    }
+    let map = learned(&mut Pcg::new(5, 1), 4, |u| u[2] < 0.2);
     assert_eq!(map.nodes.len(), 1);
 }
 
 #[test]
 fn success_in_the_middle_of_all_axes_is_found() {
     let mut rng = Pcg::new(6, 1);
-    let mut map = ProjectionMap::default();
     let succeeds = |u: &Numbers| u.iter().all(|u| (u - 0.5).abs() < 0.25);
-    for _ in 0..10 {
-        let trial = |start: Start| start.result(succeeds(&start.numbers));
-        let round: Vec<_> = (0..10_000).map(|_| trial(map.start(uniform(&mut rng)))).collect();
-        map.learn(round);
-    }
-    let starts = (0..10_000).map(|_| map.start(uniform(&mut rng)));
-    let share = starts.filter(|start| succeeds(&start.numbers)).count() as f64 / 10_000.0;
+    let map = learned(&mut rng, 10, succeeds);
+    let share = yield_of(&map, &mut rng, succeeds);
     assert!(share > 5.0 / 32.0, "{share}");
 }
 
 #[test]
 fn learning_does_not_depend_on_the_order_of_the_paths() {
     let mut rng = Pcg::new(4, 1);
-    let map = learned(&mut rng);
+    let map = learned(&mut rng, 10, succeeds);
     let trials: Vec<Trial> = (0..5000)
         .map(|_| map.start(uniform(&mut rng)))
         .map(|start| start.result(succeeds(&start.numbers)))
